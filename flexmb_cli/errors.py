@@ -1,0 +1,115 @@
+"""What can go wrong, as values and exceptions: a sentence, a place, an object, and an exit code.
+
+Faults are collected, not thrown one at a time: a reader goes on after a fault and raises one
+`DeckError` that carries all of them.  Only `cli.py` turns them into text on a stream.
+"""
+
+from dataclasses import asdict, dataclass
+
+DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
+
+SHOWN_FAULTS = 20
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something stands in a deck: line and column count from 1, columns in characters."""
+
+    line: int
+    column: int
+    width: int = 1
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong (or doubtful) in a deck.
+
+    `severity` is "error", "warning" or "note"; `subject` the object by its deck name ("universal
+    joint 1"), "" when the whole deck is meant; `message` the rule, what was read and the remedy.
+    """
+
+    severity: str
+    message: str
+    place: Place | None = None
+    subject: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """Subject and message in one line."""
+        return f"{self.subject}: {self.message}" if self.subject else self.message
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`."""
+        record = asdict(self)
+        place = record.pop("place") or {"line": None, "column": None}
+        return {
+            "severity": self.severity,
+            "object": self.subject,
+            "message": self.message,
+            "line": place["line"],
+            "column": place["column"],
+        }
+
+
+class FlexmbError(Exception):
+    """Base of everything flexmb raises on purpose; `exit_code` is the program's."""
+
+    exit_code = INTERNAL_FAULT
+
+    def __init__(self, message: str, faults: tuple[Fault, ...] = ()):
+        super().__init__(message)
+        self.faults = tuple(faults) or (Fault("error", message),)
+
+
+class DeckError(FlexmbError):
+    """The deck cannot be read, or does not describe a model (exit 2)."""
+
+    exit_code = BAD_INPUT
+
+    def __init__(self, faults):
+        faults = tuple(faults)
+        first = next((fault for fault in faults if fault.severity == "error"), faults[0])
+        super().__init__(first.sentence, faults)
+
+
+class ModelError(DeckError):
+    """The deck is well formed, but the model cannot be solved as given (exit 2)."""
+
+
+class AnalysisError(FlexmbError):
+    """The analysis stopped at `time`; what was computed before is kept (exit 1).
+
+    `norms` carries the figures of the failure (remaining gap, worst residuals) for `--json`.
+    """
+
+    exit_code = ANALYSIS_FAILED
+
+    def __init__(self, fault: Fault, time: float, norms: dict | None = None):
+        super().__init__(fault.sentence, (fault,))
+        self.time = time
+        self.norms = norms or {}
+
+
+def compiler_style(deck_name: str, faults, lines=()) -> str:
+    """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
+
+    `lines` are the deck's lines; a fault without a place shows neither line nor caret.
+    """
+    blocks = [_one_fault(deck_name, fault, lines) for fault in faults[:SHOWN_FAULTS]]
+    if len(faults) > SHOWN_FAULTS:
+        blocks.append(f"{deck_name}: {len(faults) - SHOWN_FAULTS} more faults not shown")
+    return "\n".join(blocks)
+
+
+def _one_fault(deck_name, fault, lines):
+    if fault.place is None:
+        return f"{deck_name}: {fault.severity}: {fault.sentence}"
+    place = fault.place
+    head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {fault.sentence}"
+    if not 1 <= place.line <= len(lines):
+        return head
+    line = lines[place.line - 1]
+    # Tabs are kept in front of the caret, so that it stands below its token at any tab width.
+    lead = "".join("\t" if char == "\t" else " " for char in line[: place.column - 1])
+    lead = lead.ljust(place.column - 1)
+    return f"{head}\n    {line}\n    {lead}{'^' * max(1, place.width)}"

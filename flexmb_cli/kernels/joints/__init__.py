@@ -1,0 +1,1 @@
+"""One file per constraint type: residual, Jacobian rows, acceleration right-hand side."""

@@ -1,0 +1,1 @@
+"""What a deck means: mechanisms and trees in SI units, with names.  No numba."""

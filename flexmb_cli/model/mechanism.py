@@ -1,0 +1,133 @@
+"""A mechanism in absolute coordinates: bodies, joints, simplified constraints, drivers, points.
+
+Bodies are numbered from 0 here and from 1 in decks and names.  Lengths in m, angles in rad, times
+in s; local vectors are in the axes of their body.  Attitudes are Euler parameters (e0, e1, e2, e3).
+Every item keeps its readable name and its place in the deck.
+"""
+
+from dataclasses import dataclass, field
+
+from ..errors import Place
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body with its estimated position and (normalised) Euler parameters at the start."""
+
+    name: str
+    r: Vector
+    p: tuple[float, float, float, float]
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of `kind` (a name of `joint_types.JOINT_TYPES`) between bodies `i` and `j`.
+
+    `P_i`, `P_j`: joint points; `s_i`, `s_j`: vectors along the axis (or the cross's arms); `h_i`,
+    `h_j`: vectors across the axis (translational, screw); `pitch`: advance per radian (screw), m.
+    """
+
+    kind: str
+    name: str
+    i: int
+    j: int
+    P_i: Vector
+    P_j: Vector
+    s_i: Vector = (0.0, 0.0, 0.0)
+    s_j: Vector = (0.0, 0.0, 0.0)
+    h_i: Vector = (0.0, 0.0, 0.0)
+    h_j: Vector = (0.0, 0.0, 0.0)
+    pitch: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Simplified:
+    """A coordinate of one body held at a value; directions 1-3 x y z (m), 4-6 angles (rad)."""
+
+    name: str
+    body: int
+    direction: int
+    value: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Distance:
+    """A difference of coordinates, body `i` less body `j`; directions 4-6 compare e1, e2, e3."""
+
+    name: str
+    i: int
+    j: int
+    direction: int
+    value: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Driver:
+    """A coordinate prescribed as C + B t + A t²/2; directions 4-6 turn the body about global x, y, z."""
+
+    name: str
+    body: int
+    direction: int
+    C: float
+    B: float
+    A: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A body at rest: its three coordinates (m) and three angles (rad)."""
+
+    name: str
+    body: int
+    values: tuple[float, float, float, float, float, float]
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of interest, fixed to a body at local coordinates `s`."""
+
+    name: str
+    body: int
+    s: Vector
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class TimeGrid:
+    """Report times start + k·step up to end."""
+
+    start: float
+    end: float
+    step: float
+    place: Place | None = None
+
+    @property
+    def rows(self) -> int:
+        """Number of report times: none lies past `end` by more than round-off."""
+        return int((self.end - self.start) / self.step + 1e-6) + 1
+
+    def time(self, k: int) -> float:
+        """The k-th report time, computed from k and never by adding up."""
+        return self.start + k * self.step
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Everything a kinematic analysis needs, in the deck's order."""
+
+    bodies: tuple[Body, ...]
+    time: TimeGrid
+    joints: tuple[Joint, ...] = ()
+    simplified: tuple[Simplified, ...] = ()
+    distances: tuple[Distance, ...] = ()
+    drivers: tuple[Driver, ...] = ()
+    grounds: tuple[Ground, ...] = ()
+    points: tuple[Point, ...] = field(default=())

@@ -1,0 +1,111 @@
+"""What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
+
+from dataclasses import dataclass, field, replace
+
+from ..errors import Fault, Place
+
+
+@dataclass(frozen=True)
+class DeckText:
+    """A deck as read: `name` is the file name without folder ("-" for standard input)."""
+
+    name: str
+    text: str
+    sha256: str
+
+    @property
+    def lines(self) -> list[str]:
+        """The text's lines without their ends (LF, CR LF or CR)."""
+        return self.text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of the deck.
+
+    `key` names it within its record ("P_i.x"), `meaning` says what it is, `unit` is SI ("" for a
+    pure number), `place` where it stands, `text` how it is spelled there.
+    """
+
+    key: str
+    value: float | int
+    meaning: str
+    unit: str = ""
+    place: Place | None = None
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Record:
+    """One entry of a section: "universal" 1 is the first universal joint.
+
+    `subject` is its name in messages ("universal joint 1"), `prefix` its name in `--set` and in
+    echoes ("universal.1").
+    """
+
+    section: str
+    number: int
+    subject: str
+    numbers: tuple[Number, ...]
+
+    @property
+    def prefix(self) -> str:
+        """Readable name of the record; the counts and the time grid need no number."""
+        return self.section if self.number == 0 else f"{self.section}.{self.number}"
+
+    @property
+    def place(self) -> Place | None:
+        """Place of the record's first number."""
+        return self.numbers[0].place if self.numbers else None
+
+    def __getitem__(self, key: str):
+        """Value of the number called `key`."""
+        return self.at(key).value
+
+    def at(self, key: str) -> Number:
+        """The number called `key`, with its place."""
+        for number in self.numbers:
+            if number.key == key:
+                return number
+        raise KeyError(key)
+
+    def vector(self, key: str) -> tuple[float, float, float]:
+        """The three components `key`.x, `key`.y, `key`.z."""
+        return tuple(float(self[f"{key}.{axis}"]) for axis in "xyz")
+
+
+@dataclass(frozen=True)
+class Deck:
+    """A deck that was read without error: its records in reading order, and what was doubtful."""
+
+    dialect: str
+    source: DeckText
+    records: tuple[Record, ...]
+    warnings: tuple[Fault, ...] = field(default=())
+
+    def section(self, name: str) -> list[Record]:
+        """All records of one section, in the deck's order."""
+        return [record for record in self.records if record.section == name]
+
+    def one(self, name: str) -> Record:
+        """The only record of a section such as "counts" or "time"."""
+        return self.section(name)[0]
+
+    def numbers(self):
+        """Pairs (full readable name, Number) of the whole deck."""
+        for record in self.records:
+            for number in record.numbers:
+                yield f"{record.prefix}.{number.key}", number
+
+    def with_values(self, changes: dict[str, float]) -> "Deck":
+        """A copy in which the numbers named in `changes` have other values (`--set`)."""
+        records = tuple(
+            replace(
+                record,
+                numbers=tuple(
+                    replace(n, value=changes.get(f"{record.prefix}.{n.key}", n.value)) for n in record.numbers
+                ),
+            )
+            for record in self.records
+        )
+        return replace(self, records=records)

@@ -1,0 +1,1 @@
+"""Loops over iterations and time: the only callers of the kernels."""

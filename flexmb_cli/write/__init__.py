@@ -1,0 +1,1 @@
+"""Solution → files: OUT tables, HDF5, comparisons.  No numba."""
