@@ -1,0 +1,99 @@
+"""One home for numba's options and for the place where compiled kernels are cached.
+
+`check` and other commands that only look at a deck call `interpret()` first: the same kernels then
+run as plain Python on numpy arrays, and numba is never imported.
+"""
+
+import functools
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+_interpreted = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+def interpret() -> None:
+    """Leave the kernels that are imported from now on uncompiled."""
+    global _interpreted
+    _interpreted = True
+
+
+def interpreted() -> bool:
+    """Whether kernels run as plain Python."""
+    return _interpreted
+
+
+def _kernel_digest() -> str:
+    """Name of the text of every kernel file.
+
+    numba notices an edit in the file it compiled, but neither in the files that file calls
+    (numba#1833) nor in imported constants: one changed kernel selects a new directory for all.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    # Bounds-checked code is other code under the same signature.
+    digest.update(os.environ.get("NUMBA_BOUNDSCHECK", "").encode())
+    return digest.hexdigest()[:12]
+
+
+def _cache_bases():
+    for name, below in (
+        ("NUMBA_CACHE_DIR", ""),
+        ("XDG_CACHE_HOME", ""),
+        ("LOCALAPPDATA", ""),
+        ("HOME", ".cache"),
+    ):
+        base = os.environ.get(name)
+        if base:
+            yield Path(base) / below
+
+
+def _cache_folder() -> tuple[Path, bool]:
+    """A writable folder for compiled kernels, and whether it will be there next time.
+
+    numba itself fails at import when it finds no writable place (numba#5566).
+    """
+    for base in _cache_bases():
+        folder = base / "flexmb" / f"kernels-{_kernel_digest()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError:
+            continue
+        return folder, True
+    return Path(tempfile.mkdtemp(prefix="flexmb-")), False
+
+
+class Cache:
+    """Where compiled kernels lie; filled when the first kernel is decorated."""
+
+    folder: Path | None = None
+    lasting = True
+
+    @classmethod
+    def is_cold(cls) -> bool:
+        """Whether the next kernel call will have to compile."""
+        return cls.folder is not None and not any(cls.folder.glob("**/*.nbi"))
+
+
+@functools.cache
+def _compiled():
+    Cache.folder, Cache.lasting = _cache_folder()
+    before = os.environ.get("NUMBA_CACHE_DIR")
+    os.environ["NUMBA_CACHE_DIR"] = str(Cache.folder)  # read when numba is imported
+    import numba
+
+    numba.config.CACHE_DIR = str(Cache.folder)  # if something imported numba before us
+    if before is None:
+        del os.environ["NUMBA_CACHE_DIR"]
+    else:
+        os.environ["NUMBA_CACHE_DIR"] = before
+    return numba.njit(cache=True, error_model="numpy")
+
+
+def kernel(function):
+    """Compile `function` with numba, or leave it alone when kernels are interpreted."""
+    return function if _interpreted else _compiled()(function)
