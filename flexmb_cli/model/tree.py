@@ -1,0 +1,248 @@
+"""A tree of rigid and flexible bodies in relative coordinates (DAFMS thesis, 1992, chapter 2).
+
+Body k hangs by hinge k on a lower numbered body or on the inertial frame.  P_k is the hinge's point
+of the parent, O_k the origin of body k; a rotation turns O_k against P_k about an axis of the P_k
+frame, a translation moves O_k away from P_k along one.  Nodes of a flexible body are displaced
+against the O_k frame, which stays tangent to the body at its root.
+
+Bodies and nodes are numbered from 0 here (parent -1: inertial frame) and from 1 in decks and names;
+axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, e2, e3), scalar first.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import Place
+from .mechanism import TimeGrid, Vector
+
+INERTIAL = -1
+
+Attitude = tuple[float, float, float, float]
+UNTURNED: Attitude = (1.0, 0.0, 0.0, 0.0)
+
+ROTATION, TRANSLATION, ELASTIC = "rotation", "translation", "elastic"
+
+METHODS = ("dop853", "rodas", "lsoda")
+
+
+@dataclass(frozen=True, eq=False)
+class Elasticity:
+    """What makes a body flexible: NP lumped nodes with the same free axes, NM = NP · len(axes).
+
+    `positions` (NP, 3): undeformed, from O_k in O_k axes, m; `masses` (NP,): kg, positive; `axes`:
+    directions of the nodal displacements, ascending; `stiffness`, `damping` (NM, NM): clamped at
+    O_k, node by node; `forces` (NP, 3): constant, inertial axes, N.
+    """
+
+    positions: np.ndarray
+    masses: np.ndarray
+    axes: tuple[int, ...]
+    stiffness: np.ndarray
+    forces: np.ndarray
+    damping: np.ndarray | None = None
+
+    @property
+    def coordinates(self) -> int:
+        """Number of elastic coordinates NM."""
+        return len(self.masses) * len(self.axes)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One body.  `mass` is the whole mass; what a flexible body's nodes leave of it sits at O_k.
+
+    `inertia` (3, 3): about O_k in O_k axes, kg m², of the whole undeformed body, nodes included;
+    `centre`: O_k to mass centre (rigid bodies only); `force` at O_k and `torque` on the body are
+    external, constant, inertial axes.
+    """
+
+    name: str
+    mass: float
+    inertia: np.ndarray
+    centre: Vector = (0.0, 0.0, 0.0)
+    elastic: Elasticity | None = None
+    force: Vector = (0.0, 0.0, 0.0)
+    torque: Vector = (0.0, 0.0, 0.0)
+    place: Place | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Hinge:
+    """Hinge of one body: its `parent`, the `point` P_k (undeformed, parent's axes) and what is free.
+
+    `node`: node of a flexible parent at P_k, whose displacement P_k follows (None: P_k is fixed in
+    the parent).  `frame` (EULL): attitude of the P_k axes in the parent.  `rotations`,
+    `translations`: free axes, ascending.  One rotation is an angle, two are successive rotations;
+    three have Euler parameters, the relative angular velocity in P_k axes as speeds, and its time
+    integrals as coordinates.  `attitude` (EULT): of O_k against P_k, fixed when no rotation is free,
+    initial when all three are; without meaning for one and two.  `elastic_rotation` (3, NM of the
+    parent): rotation of the P_k frame, parent's axes, as a linear function of the parent's elastic
+    coordinates (taken as three successive rotations); None: it keeps the parent's attitude.
+    """
+
+    parent: int
+    point: Vector = (0.0, 0.0, 0.0)
+    node: int | None = None
+    frame: Attitude = UNTURNED
+    attitude: Attitude = UNTURNED
+    rotations: tuple[int, ...] = ()
+    translations: tuple[int, ...] = ()
+    elastic_rotation: np.ndarray | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A value over time, linear between the points; equal times make a jump; the ends are held."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+def constant(value: float) -> Table:
+    """The law that never changes."""
+    return Table((0.0,), (value,))
+
+
+def pulse(value: float, duration: float) -> Table:
+    """The DESN law: +value, nothing, -value for `duration` each, then nothing."""
+    t, f = duration, value
+    return Table((0.0, t, t, 2 * t, 2 * t, 3 * t, 3 * t), (f, f, 0.0, 0.0, -f, -f, 0.0))
+
+
+@dataclass(frozen=True)
+class BodyTorque:
+    """External torque on a body about an inertial axis (DESN, tabulated torque), N m."""
+
+    body: int
+    axis: int
+    law: Table
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Spring and damper on one hinge coordinate: -stiffness (q - rest) - damping y.
+
+    The coordinates of three free rotations are no angles: such a hinge takes damping only.
+    """
+
+    body: int
+    motion: str
+    axis: int
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Torque or force on one hinge coordinate, equal and opposite on the parent."""
+
+    body: int
+    motion: str
+    axis: int
+    law: Table
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """A hinge coordinate driven as C + B t + A t²/2 (not one of three free rotations)."""
+
+    body: int
+    motion: str
+    axis: int
+    C: float
+    B: float
+    A: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Closure:
+    """A cut joint: a point of body `a` keeps to a point of body `b` in `directions` (axes 1, 2, 3).
+
+    The directions are axes of body b, inertial ones for b = -1.  A point is `a_node` of a flexible
+    body or, when that is None, `a_point` in the body's axes.
+    """
+
+    name: str
+    a: int
+    b: int
+    directions: tuple[int, ...]
+    a_node: int | None = None
+    b_node: int | None = None
+    a_point: Vector = (0.0, 0.0, 0.0)
+    b_point: Vector = (0.0, 0.0, 0.0)
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """What a generalized coordinate is: `motion` of `body` about or along `axis`, of `node` if elastic."""
+
+    body: int
+    motion: str
+    axis: int
+    node: int | None = None
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Integration:
+    """How to integrate: one of METHODS, relative and absolute tolerance of a step."""
+
+    method: str = "dop853"
+    rtol: float = 1e-9
+    atol: float = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Everything a dynamic analysis of a tree needs; hinges[k] carries bodies[k].
+
+    `q`, `y` (NS,): initial coordinates and speeds in the order of `coordinates`.  `one_way`: the
+    elastic motion does not act on the rigid motion (thesis 4.3).
+    """
+
+    bodies: tuple[Body, ...]
+    hinges: tuple[Hinge, ...]
+    q: np.ndarray
+    y: np.ndarray
+    time: TimeGrid
+    gravity: Vector = (0.0, 9.8, 0.0)
+    torques: tuple[BodyTorque, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    motors: tuple[Motor, ...] = ()
+    prescribed: tuple[Prescribed, ...] = ()
+    closures: tuple[Closure, ...] = ()
+    one_way: bool = False
+    integration: Integration = field(default_factory=Integration)
+
+    @cached_property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The NS generalized coordinates in the order of eq. (2.22): rotations, translations, elastic."""
+        return generalized_coordinates(self.bodies, self.hinges)
+
+
+def generalized_coordinates(bodies, hinges) -> tuple[Coordinate, ...]:
+    """Coordinates of eq. (2.22): all rotations body by body, all translations, all elastic ones."""
+    named = list(zip(range(len(bodies)), bodies, hinges, strict=True))
+    rigid = [
+        Coordinate(k, motion, axis, name=f"{body.name} {motion} {axis}")
+        for motion, axes in ((ROTATION, "rotations"), (TRANSLATION, "translations"))
+        for k, body, hinge in named
+        for axis in getattr(hinge, axes)
+    ]
+    elastic = [
+        Coordinate(k, ELASTIC, axis, node, f"{body.name} node {node + 1} axis {axis}")
+        for k, body, _ in named
+        if body.elastic is not None
+        for node in range(len(body.elastic.masses))
+        for axis in body.elastic.axes
+    ]
+    return tuple(rigid + elastic)
