@@ -25,13 +25,15 @@ class Fault:
     """One thing wrong (or doubtful) in a deck.
 
     `severity` is "error", "warning" or "note"; `subject` the object by its deck name ("universal
-    joint 1"), "" when the whole deck is meant; `message` the rule, what was read and the remedy.
+    joint 1"), "" when the whole deck is meant; `message` the rule, what was read and the remedy;
+    `guide` lines to set above the deck's line (the columns that a fixed FORMAT prescribes).
     """
 
     severity: str
     message: str
     place: Place | None = None
     subject: str = ""
+    guide: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
@@ -90,6 +92,14 @@ class AnalysisError(FlexmbError):
         self.norms = norms or {}
 
 
+class OutputError(FlexmbError):
+    """A result cannot be written: a wrong place (exit 2), or a disk that fills up on the way (exit 1)."""
+
+    def __init__(self, message: str, exit_code: int = BAD_INPUT):
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
 def compiler_style(deck_name: str, faults, lines=()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
@@ -112,4 +122,5 @@ def _one_fault(deck_name, fault, lines):
     # Tabs are kept in front of the caret, so that it stands below its token at any tab width.
     lead = "".join("\t" if char == "\t" else " " for char in line[: place.column - 1])
     lead = lead.ljust(place.column - 1)
-    return f"{head}\n    {line}\n    {lead}{'^' * max(1, place.width)}"
+    shown = (*fault.guide, line, lead + "^" * max(1, place.width))
+    return "\n    ".join((head, *shown))

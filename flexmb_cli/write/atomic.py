@@ -1,0 +1,160 @@
+"""Results appear whole or not at all: written beside their place, moved there at the end.
+
+What is no regular file (a pipe, /dev/null, /dev/stdout) is written to directly: moving a file over it
+would destroy it.
+"""
+
+import errno
+import os
+import secrets
+import stat
+from contextlib import contextmanager
+
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+class Replacement:
+    """A file that will stand at `path`; until `commit` it is written at `temporary`.
+
+    Raises `OutputError` when the folder is missing or cannot be written.
+    """
+
+    def __init__(self, path):
+        self.path = os.fspath(path)
+        # A link stays a link: the file it points to is replaced.
+        self._target = os.path.realpath(self.path)
+        self._direct = _is_special(self._target)
+        self.temporary = self._target if self._direct else _reserve(self._target, self.path)
+
+    def commit(self) -> None:
+        """Put the finished file in its place."""
+        if self._direct:
+            return
+        with located(self.path):
+            _keep_mode(self._target, self.temporary)
+            os.replace(self.temporary, self._target)
+
+    def discard(self) -> None:
+        """Remove what was written; the file that stood at `path` before stays."""
+        if not self._direct and os.path.exists(self.temporary):
+            os.unlink(self.temporary)
+
+
+class ReplacedText:
+    """A text stream (UTF-8, LF line ends) to a `Replacement`; failures of the disk are `OutputError`s."""
+
+    def __init__(self, path):
+        self._replacement = Replacement(path)
+        self.path = self._replacement.path
+        with self._discarding():
+            self._stream = open(self._replacement.temporary, "w", encoding="utf-8", newline="\n")  # noqa: SIM115
+
+    def write(self, text: str) -> int:
+        """Write `text`."""
+        with self._discarding():
+            return self._stream.write(text)
+
+    def flush(self) -> None:
+        """Hand what is buffered to the system."""
+        with self._discarding():
+            self._stream.flush()
+
+    def commit(self) -> None:
+        """Close the stream and put the file in its place."""
+        with self._discarding():
+            self._stream.close()
+        self._replacement.commit()
+
+    def discard(self) -> None:
+        """Close the stream and leave the old file as it was."""
+        _close_quietly(self._stream)
+        self._replacement.discard()
+
+    @contextmanager
+    def _discarding(self):
+        try:
+            with located(self.path):
+                yield
+        except OutputError:
+            self._replacement.discard()
+            raise
+
+
+@contextmanager
+def located(path: str):
+    """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise output_error(path, error) from error
+
+
+def output_error(path: str, error: OSError) -> OutputError:
+    """A full disk ends the run (exit 1); a place that cannot be written is a wrong command (exit 2)."""
+    number = error.errno
+    if number in FULL:
+        return OutputError(f"{path}: no space left for the result; free some and run again", ANALYSIS_FAILED)
+    if number == errno.EIO:
+        return OutputError(f"{path}: the disk reports a failure while the result is written", ANALYSIS_FAILED)
+    return OutputError(f"{path}: cannot be written: {_reason(number, error)}", BAD_INPUT)
+
+
+def make_folder(folder) -> None:
+    """Make the output folder and its parents if missing."""
+    folder = os.fspath(folder)
+    with located(folder):
+        os.makedirs(folder, exist_ok=True)
+
+
+def _reason(number, error):
+    return {
+        errno.EACCES: "permission denied",
+        errno.EPERM: "permission denied",
+        errno.EROFS: "the disk is read-only",
+        errno.ENOENT: "its folder does not exist",
+        errno.ENOTDIR: "a part of the path is a file, not a folder",
+        errno.EEXIST: "a file of that name is in the way",
+        errno.EISDIR: "it is a folder",
+        errno.ENAMETOOLONG: "the name is too long",
+    }.get(number, error.strerror or str(error))
+
+
+def _is_special(target):
+    try:
+        mode = os.stat(target).st_mode
+    except OSError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def _reserve(target, shown):
+    """A fresh empty file in the folder of `target`; its short name fits wherever the result's does."""
+    with located(shown):
+        if os.path.isdir(target):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if len(os.fsencode(os.path.basename(target))) > 255:
+            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
+        while True:
+            name = os.path.join(os.path.dirname(target), f".flexmb-{secrets.token_hex(6)}.tmp")
+            try:
+                os.close(os.open(name, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+            except FileExistsError:
+                continue
+            return name
+
+
+def _keep_mode(target, temporary):
+    if os.path.exists(target):
+        os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
+
+
+def _close_quietly(stream):
+    try:
+        stream.close()
+    except OSError:
+        # The text is thrown away: that its last buffer does not fit on the disk no longer matters.
+        return

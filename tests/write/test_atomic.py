@@ -1,0 +1,135 @@
+"""Results appear whole or not at all."""
+
+import errno
+import os
+import stat
+
+import pytest
+
+from flexmb_cli.errors import OutputError
+from flexmb_cli.write.atomic import ReplacedText, Replacement, make_folder, output_error
+
+
+def test_the_old_file_stands_until_the_new_one_is_complete(tmp_path):
+    path = tmp_path / "OUT1.dat"
+    path.write_text("old")
+    stream = ReplacedText(path)
+    stream.write("new\n")
+    stream.flush()
+    assert path.read_text() == "old"
+    stream.commit()
+    assert path.read_bytes() == b"new\n"
+    assert os.listdir(tmp_path) == ["OUT1.dat"]
+
+
+def test_a_discarded_result_leaves_the_old_file_and_no_rest(tmp_path):
+    path = tmp_path / "OUT1.dat"
+    path.write_text("old")
+    stream = ReplacedText(path)
+    stream.write("half")
+    stream.discard()
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["OUT1.dat"]
+
+
+def test_a_replaced_file_keeps_its_permissions(tmp_path):
+    path = tmp_path / "OUT1.dat"
+    path.write_text("old")
+    path.chmod(0o640)
+    ReplacedText(path).commit()
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+
+
+def test_a_new_file_has_the_permissions_the_user_asks_for(tmp_path):
+    before = os.umask(0o027)
+    try:
+        ReplacedText(tmp_path / "new").commit()
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "results").mkdir()
+    link = tmp_path / "OUT1.dat"
+    link.symlink_to(tmp_path / "results" / "OUT1.dat")
+    stream = ReplacedText(link)
+    stream.write("new")
+    stream.commit()
+    assert link.is_symlink()
+    assert (tmp_path / "results" / "OUT1.dat").read_text() == "new"
+
+
+def test_a_device_is_written_to_and_never_replaced(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    stream = ReplacedText(pipe)
+    stream.write("through")
+    stream.commit()
+    assert os.read(reader, 100) == b"through"
+    os.close(reader)
+    assert stat.S_ISFIFO(os.stat(pipe).st_mode)
+
+
+def test_a_name_as_long_as_the_system_allows_can_be_written(tmp_path):
+    path = tmp_path / ("x" * 255)
+    ReplacedText(path).commit()
+    assert path.exists()
+
+
+@pytest.mark.parametrize(
+    ("make", "reason"),
+    [
+        (lambda folder: folder / "missing" / "OUT", "its folder does not exist"),
+        (lambda folder: folder, "it is a folder"),
+        (lambda folder: folder / ("x" * 300), "the name is too long"),
+    ],
+)
+def test_a_wrong_place_is_bad_usage(tmp_path, make, reason):
+    path = make(tmp_path)
+    with pytest.raises(OutputError) as caught:
+        Replacement(path)
+    assert str(caught.value) == f"{path}: cannot be written: {reason}"
+    assert caught.value.exit_code == 2
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_file_in_the_way_of_the_output_folder_is_bad_usage(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="a part of the path is a file, not a folder") as caught:
+        make_folder(tmp_path / "file" / "out")
+    assert caught.value.exit_code == 2
+
+
+def test_a_missing_output_folder_is_made_with_its_parents(tmp_path):
+    make_folder(tmp_path / "a" / "b")
+    make_folder(tmp_path / "a" / "b")
+    assert (tmp_path / "a" / "b").is_dir()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="the device of a full disk is Linux's")
+def test_a_full_disk_ends_the_run_with_exit_code_1():
+    stream = ReplacedText("/dev/full")
+    with pytest.raises(OutputError, match="/dev/full: no space left for the result") as caught:
+        stream.write(100_000 * "x")
+        stream.flush()
+    assert caught.value.exit_code == 1
+
+
+def test_a_folder_without_permission_is_bad_usage():
+    # The tests may run as root, whom no permission stops.
+    error = output_error("OUT", PermissionError(errno.EACCES, "Permission denied"))
+    assert (str(error), error.exit_code) == ("OUT: cannot be written: permission denied", 2)
+
+
+def test_the_loss_of_the_disk_removes_the_half_written_file(tmp_path, monkeypatch):
+    stream = ReplacedText(tmp_path / "OUT")
+
+    def full(text):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(stream, "_stream", type("Full", (), {"write": staticmethod(full)})())
+    with pytest.raises(OutputError):
+        stream.write("x")
+    assert os.listdir(tmp_path) == []
