@@ -1,0 +1,152 @@
+"""FORTRAN formatted input: a card is cut by column, never by white space, and its fields decoded.
+
+Rules of FORTRAN 77 (ANSI X3.9-1978, 13.5) with blanks ignored in numbers: a blank field is zero, a
+field without a decimal point has it `d` digits from its right end, an exponent may be E, D or a bare
+sign, a short line is as if padded with blanks, a list longer than the FORMAT goes on on the next line.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+_EDIT = re.compile(r"(\d*)([IFE])(\d+)(?:\.(\d+))?")
+_INTEGER = re.compile(r"[+-]?[0-9]+")
+_REAL = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)(?:[ED]?([+-][0-9]+)|[ED]([0-9]+))?", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Edit:
+    """One field of a FORMAT: its letter (I, F or E), width, decimals and first column."""
+
+    letter: str
+    width: int
+    decimals: int
+    column: int
+
+    @property
+    def last(self) -> int:
+        """Last column of the field."""
+        return self.column + self.width - 1
+
+    @property
+    def descriptor(self) -> str:
+        """The edit descriptor as FORTRAN writes it."""
+        return f"I{self.width}" if self.letter == "I" else f"{self.letter}{self.width}.{self.decimals}"
+
+    @property
+    def picture(self) -> str:
+        """The field drawn in its own columns: [F10.5---]."""
+        return "[" + self.descriptor[: self.width - 2].ljust(self.width - 2, "-") + "]"
+
+
+@dataclass(frozen=True)
+class Format:
+    """A FORMAT: its text without brackets and its fields from column 1 on."""
+
+    text: str
+    edits: tuple[Edit, ...]
+
+    @property
+    def guide(self) -> tuple[str, str]:
+        """Two lines to set above a card: the prescribed fields and a ruler of the columns."""
+        width = self.edits[-1].last
+        ruler = "".join(f"----+----{tens}" for tens in range(1, width // 10 + 2))
+        return "".join(edit.picture for edit in self.edits), ruler[:width]
+
+
+@lru_cache
+def fortran_format(text: str) -> Format:
+    """The FORMAT written as `text`, a list such as "I5,3F10.5"."""
+    edits, column = [], 1
+    for part in text.split(","):
+        repeat, letter, width, decimals = _EDIT.fullmatch(part).groups()
+        for _ in range(int(repeat or 1)):
+            edits.append(Edit(letter, int(width), int(decimals or 0), column))
+            column += int(width)
+    return Format(text, tuple(edits))
+
+
+@dataclass(frozen=True)
+class Field:
+    """What stands in the columns of one edit descriptor; `column` is that of the first character used."""
+
+    edit: Edit
+    raw: str
+
+    @property
+    def spelled(self) -> str:
+        """The field without the blanks around it."""
+        return self.raw.strip(" ")
+
+    @property
+    def column(self) -> int:
+        """First column that is not blank; the field's first when all are."""
+        lead = len(self.raw) - len(self.raw.lstrip(" "))
+        return self.edit.column + (lead if self.spelled else 0)
+
+    @property
+    def span(self) -> str:
+        """Where the field stands, in words."""
+        first, last = self.edit.column, self.edit.last
+        return f"column {first}" if first == last else f"columns {first}-{last}"
+
+    def value(self) -> int | float | None:
+        """The number read, or None when the field holds none."""
+        digits = self.raw.replace(" ", "")
+        if not digits:
+            return 0 if self.edit.letter == "I" else 0.0
+        if self.edit.letter == "I":
+            return int(digits) if _INTEGER.fullmatch(digits) else None
+        return _real(digits, self.edit.decimals)
+
+    @property
+    def implied_point(self) -> bool:
+        """Whether digits were read with the decimal point that the FORMAT implies."""
+        mantissa = re.split("[EeDd]", self.spelled)[0]
+        return self.edit.letter != "I" and "." not in mantissa and bool(mantissa.strip("+-0 "))
+
+
+def cut(line: str, edit: Edit) -> Field:
+    """The field of `line` that `edit` prescribes; beyond the line's end there are blanks."""
+    return Field(edit, line[edit.column - 1 : edit.last].ljust(edit.width))
+
+
+def _real(digits: str, decimals: int) -> float | None:
+    match = _REAL.fullmatch(digits)
+    if match is None or not (match[2] or match[4]):
+        return None
+    sign, whole, point, fraction, signed, plain = match.groups()
+    exponent = int(signed or plain or 0)
+    if not point:
+        exponent -= decimals
+    value = float(f"{sign}{whole or 0}.{fraction or 0}E{exponent}")
+    return None if value in (float("inf"), float("-inf")) else value
+
+
+def hint(field: Field, line: str) -> str:
+    """What probably went wrong in a field that holds no number, as a question or a rule; "" if unknown."""
+    text = field.raw
+    if "\t" in text:
+        return "a tab counts as one column: use blanks"
+    if "," in text:
+        return "a comma ends no field: cards are cut by column"
+    if _crosses_edge(field, line):
+        return "the number runs over the edge of its field"
+    if re.search("[Oo]", text) and re.fullmatch(r"[-+0-9.OoEeDd ]+", text):
+        return "letter O instead of zero?"
+    if re.search("[lI]", text) and re.fullmatch(r"[-+0-9.lIEeDd ]+", text):
+        return "letter l or I instead of one?"
+    if field.edit.letter == "I" and _real(text.replace(" ", ""), 0) is not None:
+        return "write it without point and exponent"
+    if len(text.split()) > 1:
+        return "two numbers in one field?"
+    return ""
+
+
+def _crosses_edge(field: Field, line: str) -> bool:
+    """Whether a word of the line lies over the field's left or right edge without filling the field."""
+    before = line[field.edit.column - 2 : field.edit.column - 1] if field.edit.column > 1 else ""
+    after = line[field.edit.last : field.edit.last + 1]
+    left = before.strip() and field.raw[0] != " "
+    right = after.strip() and field.raw[-1] != " "
+    return bool(left or right) and " " in field.raw
