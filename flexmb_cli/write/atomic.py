@@ -18,6 +18,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 class Replacement:
     """A file that will stand at `path`; until `commit` it is written at `temporary`.
 
+    `direct`: `path` is no regular file, and `temporary` is the thing itself.
     Raises `OutputError` when the folder is missing or cannot be written.
     """
 
@@ -25,12 +26,12 @@ class Replacement:
         self.path = os.fspath(path)
         # A link stays a link: the file it points to is replaced.
         self._target = os.path.realpath(self.path)
-        self._direct = _is_special(self._target)
-        self.temporary = self._target if self._direct else _reserve(self._target, self.path)
+        self.direct = _is_special(self._target)
+        self.temporary = self._target if self.direct else _reserve(self._target, self.path)
 
     def commit(self) -> None:
         """Put the finished file in its place."""
-        if self._direct:
+        if self.direct:
             return
         with located(self.path):
             _keep_mode(self._target, self.temporary)
@@ -38,7 +39,7 @@ class Replacement:
 
     def discard(self) -> None:
         """Remove what was written; the file that stood at `path` before stays."""
-        if not self._direct and os.path.exists(self.temporary):
+        if not self.direct and os.path.exists(self.temporary):
             os.unlink(self.temporary)
 
 
