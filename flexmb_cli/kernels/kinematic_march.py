@@ -1,0 +1,180 @@
+"""The march through time of a kinematic analysis: predict, correct, check, and report.
+
+Young (1996), section 5.2 (procedure KINEM).  Between report times the march takes the steps it
+needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
+one smooth curve, so that a mechanism is never carried over to another way of assembling it.
+"""
+
+import numpy as np
+
+from . import constraints as equations
+from ._jit import kernel
+from .joints import driver
+from .newton import CONVERGED, OF_COORDINATE, PHI, make_work, newton, rates
+
+# Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
+# as a part of the way moved.  Another branch is as far off as the way to it is long.
+SMOOTH = 1e-2
+SMOOTH_PART = 0.1
+TINY_WAY = 1e-9
+ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
+LARGEST_TURN = 1.1  # rad that a driver may turn in one step
+SMALLEST_STEP = 2.0**-30  # of the distance between report times
+NO_LIMIT = 1e3
+STEP_ITERATIONS = 20
+ASSEMBLY_ITERATIONS = 250  # NRMAX of YOUNG
+ASSEMBLY_LIMIT = 0.5
+
+# Rows of `state` and of `out`.
+POSITION, VELOCITY, ACCELERATION = 0, 1, 2
+# Places in `clock`.
+TIME, STEP = 0, 1
+
+
+@kernel
+def screws_expected(motion, h, near):
+    """Angles of the screws a time h later, by their rates: they settle the whole turns."""
+    for s in range(near.size):
+        near[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
+
+
+@kernel
+def turns_too_far(constraints, t, t_new):
+    """Whether a rotational driver would turn so far that the predictor is blind."""
+    for k in range(constraints.size):
+        c = constraints[k]
+        if c["kind"] == equations.DRIVER and c["coordinate"] >= 3:
+            here, there = driver.law(c, t), driver.law(c, t_new)
+            # Through a reversal the way is longer than the difference of its ends.
+            way = max(abs(here[1]), abs(there[1])) * (t_new - t)
+            if max(abs(there[0] - here[0]), way) > LARGEST_TURN:
+                return True
+    return False
+
+
+@kernel
+def defect(system, state, new, h):
+    """How far the new position is from the smooth curve through both ends, 1 where it is just allowed.
+
+    q1 - q0 = h (v0 + v1)/2 - h² (a1 - a0)/12, exact to the fourth power of h.
+    """
+    off, moved = 0.0, 0.0
+    for k in range(state.shape[1]):
+        way = new[POSITION, k] - state[POSITION, k]
+        mean = 0.5 * h * (state[VELOCITY, k] + new[VELOCITY, k])
+        bend = h * h / 12.0 * (new[ACCELERATION, k] - state[ACCELERATION, k])
+        part = abs(way - mean + bend) / system.units[OF_COORDINATE, k]
+        if not part <= off:
+            off = part if part > off else np.inf
+        moved = max(moved, abs(way) / system.units[OF_COORDINATE, k])
+    return off / min(SMOOTH, SMOOTH_PART * moved + TINY_WAY)
+
+
+@kernel
+def predict(state, h, q):
+    """q at a time h after `state`, by velocity and acceleration."""
+    for k in range(q.size):
+        q[k] = state[POSITION, k] + h * (state[VELOCITY, k] + 0.5 * h * state[ACCELERATION, k])
+
+
+@kernel
+def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
+    """Solve at t_new from what `state` at t predicts; returns (defect, iterations, velocity residual).
+
+    limit and most bound Newton's corrections and their number; a defect is infinite where it failed.
+    """
+    h = t_new - t
+    predict(state, h, new[POSITION])
+    screws_expected(motion, h, near)
+    code, iterations = newton(system, work, new[POSITION], t_new, near, limit, most)
+    if code != CONVERGED:
+        return np.inf, iterations, np.inf
+    gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
+    return defect(system, state, new, h), iterations, gap
+
+
+@kernel
+def accept(system, work, new, near, state, motion):
+    """Make the new row the state, and note where the screws are."""
+    copy(new, state)
+    equations.screw_motion(system.constraints, new, work.rotations, near, motion)
+
+
+@kernel
+def copy(source, target):
+    """Copy one state (3, n) over another."""
+    for row in range(3):
+        for k in range(source.shape[1]):
+            target[row, k] = source[row, k]
+
+
+@kernel
+def step_to(clock, target):
+    """End of the step to try next: the target, or a part of the way that leaves no sliver."""
+    left = target - clock[TIME]
+    return target if clock[STEP] >= left else clock[TIME] + min(clock[STEP], 0.5 * left)
+
+
+@kernel
+def advance(system, work, state, motion, clock, target, new, near):
+    """Carry `state` from clock[TIME] to `target`; returns (arrived, iterations, velocity residual).
+
+    clock[STEP] remembers the step that went well.  A clock[STEP] of 0 says that `state` holds
+    estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
+    """
+    smallest = SMALLEST_STEP * (target - clock[TIME])
+    assembling = clock[STEP] == 0.0
+    limit, most = (ASSEMBLY_LIMIT, ASSEMBLY_ITERATIONS) if assembling else (NO_LIMIT, STEP_ITERATIONS)
+    total, gap = 0, 0.0
+    while clock[TIME] < target or clock[STEP] == 0.0:
+        t_new = step_to(clock, target)
+        h = t_new - clock[TIME]
+        off = np.inf
+        if not turns_too_far(system.constraints, clock[TIME], t_new):
+            off, iterations, gap = attempt(
+                system, work, state, motion, clock[TIME], t_new, limit, most, new, near
+            )
+            total += iterations
+        if off <= 1.0 or (assembling and off < np.inf):
+            accept(system, work, new, near, state, motion)
+            clock[TIME] = t_new
+            if assembling:
+                clock[STEP] = np.inf
+            elif h >= clock[STEP] and off <= ROOM_TO_GROW:
+                clock[STEP] = 2.0 * h
+        else:
+            clock[STEP] = 0.5 * h
+            if clock[STEP] <= smallest:
+                return False, total, gap
+    return True, total, gap
+
+
+@kernel
+def largest(values):
+    """Largest magnitude."""
+    found = 0.0
+    for k in range(values.size):
+        found = max(found, abs(values[k]))
+    return found
+
+
+@kernel
+def march(system, state, motion, clock, times, out, audit):
+    """Report rows at `times` (rows,), from `state` (3, n) at clock[TIME] on; state and clock move along.
+
+    motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,
+    velocities, accelerations.  audit (rows, 3): largest |Φ|, largest scaled |dΦ/dt|, Newton
+    iterations.  Returns the number of rows reached.
+    """
+    work = make_work(state.shape[1])
+    new = np.empty((3, state.shape[1]))
+    near = np.empty(motion.shape[0])
+    for row in range(times.size):
+        arrived, total, gap = advance(system, work, state, motion, clock, times[row], new, near)
+        if not arrived:
+            return row
+        copy(state, out[row])
+        audit[row, 0] = largest(work.vectors[PHI])
+        audit[row, 1] = gap
+        audit[row, 2] = total
+    return times.size

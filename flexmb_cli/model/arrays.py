@@ -1,0 +1,314 @@
+"""Mechanism → structured arrays for the kernels, and equation and coordinate ↔ name.
+
+Equations stand in YOUNG's order (tables 6.1 and 6.2): joints, simplified, distance, drivers,
+ground, normalisation.  Coordinates are x, y, z, e0, e1, e2, e3 body by body.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import Place
+from .joint_types import BY_NAME, DISTANCE, DRIVER, NORMALISATION, SIMPLIFIED
+from .mechanism import Driver, Ground, Joint, Mechanism, Simplified
+
+COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
+
+CONSTRAINT = np.dtype(
+    [
+        ("kind", np.int64),  # code of joint_types
+        ("body_i", np.int64),
+        ("body_j", np.int64),  # equals body_i where there is only one body
+        ("first_row", np.int64),  # first equation in phi and phi_q
+        ("coordinate", np.int64),  # 0-6 in COORDINATES (simplified, distance, driver)
+        ("screw", np.int64),  # running number of the screw joint
+        ("P_i", np.float64, 3),  # joint points, body axes, m
+        ("P_j", np.float64, 3),
+        ("s_i", np.float64, 3),  # unit vectors along the axis, body axes
+        ("s_j", np.float64, 3),
+        ("a_i", np.float64, 3),  # the two vectors across s_i, body axes of i (vector_pairs)
+        ("b_i", np.float64, 3),
+        ("h_i", np.float64, 3),  # translational: unit h_i; screw: unit part of h_i across the axis
+        ("g_i", np.float64, 3),  # screw: s_i × h_i
+        ("h_j", np.float64, 3),  # unit vector, body axes of j
+        ("C", np.float64),  # value of a constraint; law C + B t + A t²/2 of a driver
+        ("B", np.float64),
+        ("A", np.float64),
+        ("pitch", np.float64),  # screw: advance per radian, m
+        ("sense", np.float64),  # screw: sign of the slide
+        ("offset", np.float64),  # screw: delta0 - pitch * theta0, m
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One scalar equation: whose it is, which one, and where its owner stands in the deck.
+
+    `factor` turns the kernel's row (unit vectors) into the source's (vectors as typed).
+    """
+
+    owner: str
+    part: str
+    place: Place | None
+    scale: float
+    factor: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """Readable name, such as "universal joint 1, s_i · s_j"."""
+        return f"{self.owner}, {self.part}"
+
+
+@dataclass(frozen=True)
+class KinematicArrays:
+    """What the kernels and the solver need to know of a mechanism."""
+
+    constraints: np.ndarray  # (k,) CONSTRAINT
+    equations: tuple[Equation, ...]
+    q: np.ndarray  # (7 bodies,) estimates
+    bodies_of: np.ndarray  # (equations, 2) bodies of the two halves of a Jacobian row
+    row_scale: np.ndarray  # (equations,) the unit of each equation: 1 or the length scale
+    column_scale: np.ndarray  # (7 bodies,) the same for coordinates
+    length: float  # length scale, a power of two, m
+    screw_angles: np.ndarray  # (screws,) theta0, rad
+    body_names: tuple[str, ...]
+
+    def coordinate_name(self, column: int) -> str:
+        """Readable name of a coordinate, such as "body 2 e1"."""
+        return f"{self.body_names[column // 7]} {COORDINATES[column % 7]}"
+
+
+def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
+    """Arrays of a mechanism whose data have been checked (`build_young`)."""
+    length = length_scale(mechanism)
+    rows = _Rows(length)
+    attitudes = _Attitudes(mechanism)
+    for joint in mechanism.joints:
+        _add_joint(rows, mechanism, joint)
+    for item in mechanism.simplified:
+        rows.hold(item.name, item.place, item.body, item.direction, item.value)
+    for item in mechanism.distances:
+        _add_distance(rows, item)
+    for driver in mechanism.drivers:
+        _add_driver(rows, driver)
+    for ground in mechanism.grounds:
+        for direction, value in enumerate(ground.values, start=1):
+            rows.hold(ground.name, ground.place, ground.body, direction, value)
+    for body in range(len(mechanism.bodies)):
+        _add_normalisation(rows, attitudes, mechanism, body)
+    return KinematicArrays(
+        constraints=np.stack(rows.records),
+        equations=tuple(rows.equations),
+        q=attitudes.estimates(),
+        bodies_of=np.array(rows.bodies, dtype=np.int64).reshape(-1, 2),
+        row_scale=np.array([e.scale for e in rows.equations]),
+        column_scale=np.tile([length] * 3 + [1.0] * 4, len(mechanism.bodies)),
+        length=length,
+        screw_angles=np.array(rows.screw_angles),
+        body_names=tuple(body.name for body in mechanism.bodies),
+    )
+
+
+def length_scale(mechanism: Mechanism) -> float:
+    """A power of two near the largest length of the mechanism, so that scaling is exact."""
+    lengths = [abs(x) for body in mechanism.bodies for x in body.r]
+    lengths += [abs(x) for joint in mechanism.joints for x in (*joint.P_i, *joint.P_j)]
+    largest = max(lengths, default=0.0)
+    return 2.0 ** round(math.log2(largest)) if largest > 0.0 else 1.0
+
+
+class _Rows:
+    """Collects constraint records and their equations in order."""
+
+    def __init__(self, length):
+        self.length = length
+        self.records = []
+        self.equations = []
+        self.bodies = []
+        self.screw_angles = []
+
+    def add(self, kind, i, j, equations, **values):
+        record = np.zeros((), dtype=CONSTRAINT)
+        record["kind"], record["body_i"], record["body_j"] = kind.code, i, j
+        record["first_row"] = len(self.equations)
+        for name, value in values.items():
+            record[name] = value
+        self.records.append(record)
+        self.equations += equations
+        self.bodies += [(i, j)] * len(equations)
+
+    def hold(self, owner, place, body, direction, value):
+        """A coordinate held at a value; an angle holds e1, e2 or e3 at sin(angle/2)."""
+        coordinate, target = held_coordinate(direction, value)
+        scale = self.length if coordinate < 3 else 1.0
+        part = Equation(owner, COORDINATES[coordinate], place, scale)
+        self.add(SIMPLIFIED, body, body, [part], coordinate=coordinate, C=target)
+
+
+def held_coordinate(direction: int, value: float) -> tuple[int, float]:
+    """Coordinate (0-6) and value that a simplified constraint of `direction` 1-6 holds."""
+    return (direction - 1, value) if direction <= 3 else (direction, math.sin(0.5 * value))
+
+
+class _Attitudes:
+    """What the deck itself says of the attitudes: estimates, held components, rotational drivers."""
+
+    def __init__(self, mechanism):
+        self.bodies = mechanism.bodies
+        self.driven = {d.body for d in mechanism.drivers if d.direction > 3}
+        self.held = [{} for _ in mechanism.bodies]
+        holders: list[Simplified | Ground] = [*mechanism.simplified, *mechanism.grounds]
+        for item in holders:
+            single = isinstance(item, Simplified)
+            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)
+            for direction, value in pairs:
+                if direction > 3:
+                    self.held[item.body][direction] = held_coordinate(direction, value)[1]
+
+    def e0(self, body) -> float:
+        """e0 of a body whose e1, e2, e3 are all held; its sign is the estimate's."""
+        rest = max(0.0, 1.0 - sum(value * value for value in self.held[body].values()))
+        return math.copysign(math.sqrt(rest), self.bodies[body].p[0])
+
+    def estimates(self):
+        """Estimates q, with |p| = 1 and the held components of each attitude in their places.
+
+        A held component of ±1 leaves no room for the others, and Newton would creep to their double
+        root; so held components go in first, and the free ones share what is left of |p| = 1.
+        """
+        q = np.empty(7 * len(self.bodies))
+        for body, item in enumerate(self.bodies):
+            q[7 * body : 7 * body + 3] = item.r
+            q[7 * body + 3 : 7 * body + 7] = self._attitude(body)
+        return q
+
+    def _attitude(self, body):
+        p = np.array(self.bodies[body].p)
+        held = self.held[body]
+        if not held or body in self.driven:
+            return p / np.linalg.norm(p)
+        for direction, value in held.items():
+            p[direction - 3] = value
+        free = [k for k in range(4) if k + 3 not in held]
+        rest = max(0.0, 1.0 - sum(value * value for value in held.values()))
+        size = np.linalg.norm(p[free])
+        p[free] = p[free] * math.sqrt(rest) / size if size > 0.0 else 0.0
+        if size == 0.0:
+            p[0] = math.sqrt(rest)
+        return p
+
+
+def _add_joint(rows, mechanism, joint: Joint):
+    kind = BY_NAME[joint.kind]
+    values = {"P_i": joint.P_i, "P_j": joint.P_j}
+    if joint.kind != "spherical":
+        values |= {"s_i": _unit(joint.s_i), "s_j": _unit(joint.s_j)}
+        values["a_i"], values["b_i"] = across(values["s_i"])
+    if joint.kind == "translational":
+        values |= {"h_i": _unit(joint.h_i), "h_j": _unit(joint.h_j)}
+    if joint.kind == "screw":
+        values |= _screw_values(mechanism, joint, values["s_i"])
+        values["screw"] = len(rows.screw_angles)
+        rows.screw_angles.append(values.pop("theta"))
+    rows.add(kind, joint.i, joint.j, _joint_equations(joint, rows.length), **values)
+
+
+def _joint_equations(joint: Joint, length: float):
+    size_i, size_j, size_h = (math.hypot(*v) for v in (joint.s_i, joint.s_j, joint.h_i))
+    size_hj = math.hypot(*joint.h_j)
+    points = [("x", length, 1.0), ("y", length, 1.0), ("z", length, 1.0)]
+    arms = [("s_i · s_j", 1.0, size_i * size_j)]
+    p1 = [("s_i × s_j, 1st", 1.0, size_i * size_j), ("s_i × s_j, 2nd", 1.0, size_i * size_j)]
+    p2 = [("s_i × d, 1st", length, size_i), ("s_i × d, 2nd", length, size_i)]
+    parts = {
+        "spherical": points,
+        "universal": points + arms,
+        "revolute": points + p1,
+        "cylindrical": p1 + p2,
+        "translational": p1 + p2 + [("h_i · h_j", 1.0, size_h * size_hj)],
+        "screw": p1 + p2 + [("slide and turn", length, 1.0)],
+    }
+    return [
+        Equation(joint.name, part, joint.place, scale, factor) for part, scale, factor in parts[joint.kind]
+    ]
+
+
+def across(s) -> tuple[np.ndarray, np.ndarray]:
+    """e_m × s and e_n × s, m and n the axes other than that of the largest component of s.
+
+    For s along x the order is z, y, as in rows 11 and 12 of table 6.1.
+    """
+    largest = int(np.argmax(np.abs(s)))
+    m, n = sorted({0, 1, 2} - {largest}, reverse=True)
+    axes = np.eye(3)
+    return np.cross(axes[m], s), np.cross(axes[n], s)
+
+
+def _screw_values(mechanism, joint: Joint, s_i):
+    """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
+    h = np.array(joint.h_i) - np.dot(joint.h_i, s_i) * s_i
+    f = _unit(h)
+    g = np.cross(s_i, f)
+    body_i, body_j = mechanism.bodies[joint.i], mechanism.bodies[joint.j]
+    A_i, A_j = rotation_matrix(body_i.p), rotation_matrix(body_j.p)
+    d = np.add(body_j.r, A_j @ joint.P_j) - np.add(body_i.r, A_i @ joint.P_i)
+    slide = float((A_i @ s_i) @ d)
+    h_j = _unit(joint.h_j)
+    theta = math.atan2(float((A_i @ g) @ (A_j @ h_j)), float((A_i @ f) @ (A_j @ h_j)))
+    return {
+        "h_i": f,
+        "g_i": g,
+        "h_j": h_j,
+        "pitch": joint.pitch,
+        "sense": -1.0 if slide < 0.0 else 1.0,
+        "offset": abs(slide) - joint.pitch * theta,
+        "theta": theta,
+    }
+
+
+def rotation_matrix(p) -> np.ndarray:
+    """A (3, 3) of eq. (3.17), body to global axes, for p of any length."""
+    e0, e1, e2, e3 = np.asarray(p) / np.linalg.norm(p)
+    e = np.array([e1, e2, e3])
+    tilde = np.array([[0.0, -e3, e2], [e3, 0.0, -e1], [-e2, e1, 0.0]])
+    return (2.0 * e0 * e0 - 1.0) * np.eye(3) + 2.0 * np.outer(e, e) + 2.0 * e0 * tilde
+
+
+def _unit(v):
+    v = np.asarray(v, dtype=float)
+    return v / math.hypot(*v)
+
+
+def _add_distance(rows, item):
+    coordinate = item.direction - 1 if item.direction <= 3 else item.direction
+    scale = rows.length if coordinate < 3 else 1.0
+    part = Equation(item.name, COORDINATES[coordinate], item.place, scale)
+    rows.add(DISTANCE, item.i, item.j, [part], coordinate=coordinate, C=item.value)
+
+
+def _add_driver(rows, driver: Driver):
+    law = {"C": driver.C, "B": driver.B, "A": driver.A}
+    if driver.direction <= 3:
+        parts = [Equation(driver.name, COORDINATES[driver.direction - 1], driver.place, rows.length)]
+        rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction - 1, **law)
+    else:
+        parts = [Equation(driver.name, e, driver.place, 1.0) for e in (COORDINATES[driver.direction], "e0")]
+        rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction, **law)
+
+
+def _add_normalisation(rows, attitudes, mechanism, body):
+    """|p| = 1 of a body, unless a rotational driver or three held components settle e0.
+
+    With e1, e2, e3 all held and e0 = 0 (a half turn) the normalisation has no slope in e0.
+    """
+    if body in attitudes.driven:
+        return
+    item = mechanism.bodies[body]
+    if len(attitudes.held[body]) == 3:
+        part = Equation(f"{item.name} Euler parameters", "e0", item.place, 1.0)
+        rows.add(SIMPLIFIED, body, body, [part], coordinate=3, C=attitudes.e0(body))
+    else:
+        part = Equation(f"{item.name} Euler parameters", "normalisation", item.place, 1.0)
+        rows.add(NORMALISATION, body, body, [part])

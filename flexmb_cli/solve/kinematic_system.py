@@ -1,0 +1,90 @@
+"""What a kinematic analysis hands to the kernels, and the quantities derived from its coordinates."""
+
+import numpy as np
+
+from ..kernels.newton import System
+from ..model.arrays import KinematicArrays
+from ..model.joint_types import DRIVER, SIMPLIFIED
+from ..model.mechanism import Mechanism
+from .rows import Rows
+
+
+def dense_system(arrays: KinematicArrays) -> System:
+    """The kernels' view of a mechanism.
+
+    Bodies at rest come first among the columns, and held or driven coordinates first among the
+    rows: elimination then finds them as pivots and leaves zeros behind.
+    """
+    constraints = arrays.constraints
+    simple = np.isin(constraints["kind"], (SIMPLIFIED.code, DRIVER.code))
+    of_row = np.searchsorted(constraints["first_row"], np.arange(len(arrays.equations)), side="right") - 1
+    order = np.argsort(~simple[of_row], kind="stable")
+    bodies = len(arrays.body_names)
+    held = np.bincount(constraints["body_i"][simple], minlength=bodies)
+    sequence = np.argsort(-held, kind="stable")
+    column = np.empty(7 * bodies, dtype=np.int64)
+    for position, body in enumerate(sequence):
+        column[7 * body : 7 * body + 7] = np.arange(7 * position, 7 * position + 7)
+    places = np.column_stack([arrays.bodies_of, order, column]).astype(np.int64)
+    return System(constraints, places, np.stack([1.0 / arrays.row_scale, arrays.column_scale]))
+
+
+def rows_of(mechanism: Mechanism, times, states, audit) -> Rows:
+    """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates."""
+    q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
+    p, pd, pdd = q[:, :, 3:], qd[:, :, 3:], qdd[:, :, 3:]
+    points = point_motion(mechanism, q, qd, qdd)
+    return Rows(
+        time=np.asarray(times),
+        position=q[:, :, :3],
+        euler_parameters=p,
+        velocity=qd[:, :, :3],
+        euler_parameter_rates=pd,
+        acceleration=qdd[:, :, :3],
+        euler_parameter_accelerations=pdd,
+        angular_velocity=twice_g(p, pd),
+        angular_acceleration=twice_g(p, pdd),
+        point_position=points[0],
+        point_velocity=points[1],
+        point_acceleration=points[2],
+        constraint_residual=audit[:, 0].copy(),
+        velocity_residual=audit[:, 1].copy(),
+        newton_iterations=audit[:, 2].astype(np.int64),
+    )
+
+
+def twice_g(p, rate):
+    """2 G(p) rate (…, 3): angular velocity of ṗ (3.35), angular acceleration of p̈ (3.37), global axes."""
+    e0, e1, e2, e3 = np.moveaxis(p, -1, 0)
+    r0, r1, r2, r3 = np.moveaxis(rate, -1, 0)
+    return 2.0 * np.stack(
+        [
+            e0 * r1 - e1 * r0 + e2 * r3 - e3 * r2,
+            e0 * r2 - e2 * r0 + e3 * r1 - e1 * r3,
+            e0 * r3 - e3 * r0 + e1 * r2 - e2 * r1,
+        ],
+        axis=-1,
+    )
+
+
+def point_motion(mechanism: Mechanism, q, qd, qdd):
+    """Position, velocity, acceleration (T, points, 3) of the points of interest, global axes."""
+    body = np.array([point.body for point in mechanism.points], dtype=np.int64)
+    s = np.array([point.s for point in mechanism.points], dtype=float).reshape(-1, 3)
+    q, qd, qdd = q[:, body], qd[:, body], qdd[:, body]
+    p, pd, pdd = q[..., 3:], qd[..., 3:], qdd[..., 3:]
+    # A s = b(p, p) is quadratic in p, so its derivatives are 2 b(p, ṗ) and 2 b(ṗ, ṗ) + 2 b(p, p̈).
+    return (
+        q[..., :3] + rotated(p, p, s),
+        qd[..., :3] + 2.0 * rotated(p, pd, s),
+        qdd[..., :3] + 2.0 * (rotated(pd, pd, s) + rotated(p, pdd, s)),
+    )
+
+
+def rotated(p, r, s):
+    """G(p) L(r)ᵀ s (3.26), symmetrical in p and r: A s for p = r, half of dA/dt s for r = ṗ."""
+    p0, r0 = p[..., :1], r[..., :1]
+    pv, rv = p[..., 1:], r[..., 1:]
+    along = np.sum(rv * s, axis=-1, keepdims=True) * pv + np.sum(pv * s, axis=-1, keepdims=True) * rv
+    scalar = p0 * r0 - np.sum(pv * rv, axis=-1, keepdims=True)
+    return scalar * s + along + p0 * np.cross(rv, s) + r0 * np.cross(pv, s)
