@@ -1,0 +1,58 @@
+"""Forces along the coordinates: elastic bodies, springs and dampers, motors; prescribed motion.
+
+`tree` is a `model.tree_arrays.TreeArrays`.
+"""
+
+from ._jit import kernel
+
+
+@kernel
+def coordinate_efforts(tree, t, q, y, coordinates):
+    """Set the effort along each coordinate: -K u - D u', springs and dampers, motors."""
+    for m in range(coordinates.shape[0]):
+        coordinates[m]["effort"] = 0.0
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        _subtract_product(tree.stiffness, body["stiffness"], body, q, coordinates)
+        if body["damping"] >= 0:
+            _subtract_product(tree.damping, body["damping"], body, y, coordinates)
+    for i in range(tree.springs.shape[0]):
+        s = tree.springs[i]
+        m = s["coordinate"]
+        coordinates[m]["effort"] -= s["stiffness"] * (q[m] - s["rest"]) + s["damping"] * y[m]
+    for i in range(tree.laws.shape[0]):
+        law = tree.laws[i]
+        if law["coordinate"] >= 0:
+            coordinates[law["coordinate"]]["effort"] += law["c0"] + law["c1"] * t
+
+
+@kernel
+def _subtract_product(matrices, start, body, x, coordinates):
+    """effort -= A x over one body's coordinates, A beginning at `start`."""
+    first, count = body["first"], body["count"]
+    for i in range(count):
+        row = start + i * count
+        total = 0.0
+        for j in range(count):
+            total += matrices[row + j] * x[first + j]
+        coordinates[first + i]["effort"] -= total
+
+
+@kernel
+def set_prescribed(tree, t, q, y, coordinates):
+    """Put the prescribed coordinates C + B t + A t²/2, their speeds and accelerations in place."""
+    for i in range(tree.prescribed.shape[0]):
+        p = tree.prescribed[i]
+        m = p["coordinate"]
+        q[m] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
+        y[m] = p["B"] + p["A"] * t
+        coordinates[m]["rate"] = p["A"]
+
+
+@kernel
+def add_body_torques(tree, t, work):
+    """Take the torque laws on bodies off p_n of their frames."""
+    for i in range(tree.laws.shape[0]):
+        law = tree.laws[i]
+        if law["frame"] > 0:
+            work[law["frame"]]["bias"][law["axis"]] -= law["c0"] + law["c1"] * t

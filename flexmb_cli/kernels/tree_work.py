@@ -1,0 +1,47 @@
+"""Work space of the tree recursion, allocated once a run: one record a frame, one a coordinate.
+
+Vectors in inertial axes.  An articulated inertia relates the angular and linear acceleration
+(al, a) of a frame's origin to the moment and force (n, f) that give it:
+
+    n = J al + H a + p_n,   f = Hᵀ al + M a + p_f
+
+and is stored as 21 numbers: J (xx xy xz yy yz zz), H row by row, M (as J).
+"""
+
+import numpy as np
+
+J_, H_, M_ = 0, 6, 15
+
+FRAME_WORK = np.dtype(
+    [
+        ("hinge_axes", np.float64, 9),  # S_j TD_k, axes of P_k
+        ("axes", np.float64, 9),  # S_k, axes of O_k
+        ("position", np.float64, 3),  # p_k, m
+        ("offset", np.float64, 3),  # rho_k, from the parent's origin, m
+        ("angular", np.float64, 3),  # w_k, rad/s
+        ("velocity", np.float64, 3),  # v_k, m/s
+        ("remainder", np.float64, 6),  # what the hinge adds to (al, a) by known terms
+        ("inertia", np.float64, 21),  # articulated inertia
+        ("bias", np.float64, 6),  # p_n, p_f
+        ("acceleration", np.float64, 6),  # al, a
+    ]
+)
+
+COORDINATE_WORK = np.dtype(
+    [
+        ("locked", np.int64),  # its acceleration is given, its effort is asked for
+        ("rate", np.float64),  # acceleration: y'
+        ("effort", np.float64),  # internal forces, springs, motors along it
+        ("direction", np.float64, 3),  # axis of a hinge coordinate
+        ("coupling", np.float64, 6),  # inertia times direction
+        ("pivot", np.float64),  # inertia along it while all that hangs on it is free
+        ("drive", np.float64),  # effort less the bias force; in the end, of a locked one, what locks it
+    ]
+)
+
+
+def tree_work(frames: int, coordinates: int) -> tuple[np.ndarray, np.ndarray]:
+    """Records for so many frames and coordinates; frame 0 stays the inertial frame at rest."""
+    work = np.zeros(frames, FRAME_WORK)
+    work["axes"][0] = np.eye(3).ravel()
+    return work, np.zeros(coordinates, COORDINATE_WORK)
