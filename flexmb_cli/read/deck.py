@@ -7,11 +7,15 @@ from ..errors import Fault, Place
 
 @dataclass(frozen=True)
 class DeckText:
-    """A deck as read: `name` is the file name without folder ("-" for standard input)."""
+    """A deck as read: `name` is the file name without folder ("-" for standard input).
+
+    `warnings` are the doubts about the text itself, such as its character code.
+    """
 
     name: str
     text: str
     sha256: str
+    warnings: tuple[Fault, ...] = ()
 
     @property
     def lines(self) -> list[str]:
@@ -76,12 +80,17 @@ class Record:
 
 @dataclass(frozen=True)
 class Deck:
-    """A deck that was read without error: its records in reading order, and what was doubtful."""
+    """A deck that was read without error: its records in reading order, and what was doubtful.
+
+    `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
+    proves wrong, they are the likely cause.
+    """
 
     dialect: str
     source: DeckText
     records: tuple[Record, ...]
     warnings: tuple[Fault, ...] = field(default=())
+    slips: tuple[Fault, ...] = field(default=())
 
     def section(self, name: str) -> list[Record]:
         """All records of one section, in the deck's order."""

@@ -1,0 +1,29 @@
+"""Faults collected while a model is built, each at the deck's number that causes it."""
+
+from dataclasses import dataclass, field
+
+from ..errors import Fault, Place
+
+
+@dataclass
+class Findings:
+    """What was found wrong or doubtful so far; nothing is thrown before all of it is known."""
+
+    faults: list[Fault] = field(default_factory=list)
+
+    @property
+    def errors(self) -> list[Fault]:
+        """The faults that forbid a model."""
+        return [fault for fault in self.faults if fault.severity == "error"]
+
+    def error(self, subject: str, message: str, place: Place | None) -> None:
+        """Add a fault that forbids a model."""
+        self.faults.append(Fault("error", message, place, subject))
+
+    def warn(self, subject: str, message: str, place: Place | None) -> None:
+        """Add a doubt."""
+        self.faults.append(Fault("warning", message, place, subject))
+
+    def note(self, subject: str, message: str, place: Place | None) -> None:
+        """Add what helps to understand the fault before."""
+        self.faults.append(Fault("note", message, place, subject))

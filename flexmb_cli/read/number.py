@@ -1,0 +1,80 @@
+"""How numbers are spelled: the Pascal and Fortran forms, and what is said of every other form."""
+
+import math
+import re
+
+LONGEST = 100
+MOST_DIGITS = 15
+SHOWN = 30
+
+_REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]([+-]?[0-9]+))?")
+# Without a point, `2-1` is more likely two numbers that lost their blank than 0.2.
+_BARE_EXPONENT = re.compile(r"([+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+))([+-][0-9]+)")
+_PLAIN_INTEGER = re.compile(r"[+-]?[0-9]+")
+
+# Tried in this order; the first pattern that is found in the word gives the hint.
+_HINTS = (
+    (re.compile(r"\}"), "a comment ends here that was not opened"),
+    (re.compile(r"[−–—]"), "is the minus sign a dash? write '-'"),
+    (re.compile(r"^[+-]?[0-9]*,[0-9]+$"), "decimal comma? write a point"),
+    (re.compile(r"[0-9],|,[0-9]"), "numbers are separated by blanks, not by commas"),
+    (re.compile(r"^[+-]?0[xXbB]|[0-9]_"), "write it in plain decimal digits"),
+    (re.compile(r"^[+-]?(nan|inf|infinity)$", re.IGNORECASE), "a finite number is needed"),
+    (re.compile(r"^[+-]?[0-9.]*[oO][0-9.oO]*([eEdD]|$)"), "letter O instead of zero?"),
+    (re.compile(r"^[+-]?[0-9.]*[lI][0-9.lI]*([eEdD]|$)"), "letter l instead of one?"),
+    (re.compile(r"[0-9]\*"), "write repeated numbers out"),
+    (re.compile(r"^[!#;/%*]"), "comments are written in braces { }"),
+    (re.compile(r"[0-9.][eEdD][+-]?$"), "digits of the exponent are missing"),
+)
+
+
+class Misspelt(ValueError):
+    """The word is not the wanted number; the text says what was read and what may be meant."""
+
+
+def real(word: str) -> tuple[float, str]:
+    """The finite double that `word` spells, and a doubt, "" for none.
+
+    Read are `1`, `-.5`, `1.`, `1e3`, `1.5D+03` and, with a doubt, `1.5+3`.
+    Raises Misspelt for any other spelling and for values that a double cannot hold.
+    """
+    if len(word) > LONGEST:
+        raise Misspelt(f"must be a number; read {shown(word)}, {len(word)} characters long")
+    bare = _BARE_EXPONENT.fullmatch(word)
+    found = bare or _REAL.fullmatch(word)
+    if found is None:
+        raise Misspelt(f"must be a number; read {shown(word)}{_hint(word)}")
+    value = _double(word, *found.groups())
+    return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
+
+
+def integer(word: str) -> tuple[int, str]:
+    """The integer that `word` spells, and a doubt, "" for none: `2.0` is taken for 2 with a doubt."""
+    if _PLAIN_INTEGER.fullmatch(word) and len(word) <= MOST_DIGITS:
+        return int(word), ""
+    try:
+        value, _ = real(word)
+    except Misspelt as fault:
+        raise Misspelt(str(fault).replace("a number", "an integer", 1)) from None
+    if not value.is_integer() or abs(value) >= 10**MOST_DIGITS:
+        raise Misspelt(f"must be an integer of at most {MOST_DIGITS} digits; read {shown(word)}")
+    return int(value), f"should be an integer; {shown(word)} is taken for {int(value)}"
+
+
+def _double(word, mantissa, exponent):
+    value = float(f"{mantissa}e{exponent}" if exponent else mantissa)
+    if math.isinf(value):
+        raise Misspelt(f"must be a number of at most 1.8e308 in size; read {shown(word)}")
+    if value == 0.0 and any(digit in "123456789" for digit in mantissa):
+        raise Misspelt(f"must be 0 or at least 5e-324 in size; read {shown(word)}")
+    return value
+
+
+def shown(word: str) -> str:
+    """`word` in quotes for a message, shortened when it is long, unprintable characters escaped."""
+    short = word if len(word) <= SHOWN else word[: SHOWN - 1] + "…"
+    return f"'{short}'" if short.isprintable() else ascii(short)
+
+
+def _hint(word):
+    return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")
