@@ -8,6 +8,7 @@ import numpy as np
 
 from .deck_values import DeckValues
 from .findings import Findings
+from .skyline import full_matrix
 from .tree import Body, Elasticity
 
 AXES_BY_FREEDOMS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
@@ -136,16 +137,7 @@ def _nodal_masses(values, k, findings):
 
 
 def _stiffness(values, k, findings, axes):
-    """Full symmetric matrix of the skyline (thesis, appendix C, DFIN): columns down to the diagonal."""
-    jdi = values.values("jdi", k, ())
-    packed = np.array(values.values("bkp", k, ()), float)
-    matrix = np.zeros((len(jdi), len(jdi)))
-    before = 0
-    for column, address in enumerate(jdi):
-        top = column + 1 - (address - before)
-        matrix[top : column + 1, column] = packed[before:address]
-        matrix[column, top : column + 1] = packed[before:address]
-        before = address
+    matrix = full_matrix(values.values("jdi", k, ()), values.values("bkp", k, ()))
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 
