@@ -1,0 +1,163 @@
+"""Compare two HDF5 results dataset by dataset, a part of the rows at a time."""
+
+import h5py
+import numpy as np
+
+from ..errors import Fault
+from .diff_report import Found, Report
+from .out_table import TableError
+from .tolerances import Tolerances
+
+DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
+ROWS_AT_ONCE = 65536
+
+KIND_OF = {
+    "time": "time",
+    "body/position": "position",
+    "body/euler_parameters": "euler",
+    "body/velocity": "velocity",
+    "body/euler_parameter_rates": "euler_rate",
+    "body/angular_velocity": "omega",
+    "body/acceleration": "acceleration",
+    "body/euler_parameter_accelerations": "euler_acceleration",
+    "body/angular_acceleration": "alpha",
+    "point/position": "point_position",
+    "point/velocity": "point_velocity",
+    "point/acceleration": "point_acceleration",
+}
+SIGNED = ("body/euler_parameters", "body/euler_parameter_rates", "body/euler_parameter_accelerations")
+# The text of the decks may differ where the results do not: a comment, the order of the spaces.
+NOT_COMPARED = ("deck",)
+COMPARED_ATTRIBUTES = ("analysis", "status")
+
+
+def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False) -> Report:
+    """Compare two HDF5 results; see `diff.compare`."""
+    tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
+    report = Report(path_a, path_b)
+    with _opened(path_a) as a, _opened(path_b) as b:
+        for name in COMPARED_ATTRIBUTES:
+            if a.attrs.get(name) != b.attrs.get(name):
+                report.missing.append(f"{name}: {a.attrs.get(name)} against {b.attrs.get(name)}")
+        flips = _flips(a, b) if same_attitude else None
+        names = _datasets(a), _datasets(b)
+        for name in [*names[0], *(name for name in names[1] if name not in names[0])]:
+            tolerance = tolerances.of(kind_of(name))
+            if tolerance.ignores:
+                continue
+            if name in names[0] and name in names[1]:
+                _compare_dataset(report, name, a, b, tolerance, flips)
+            else:
+                report.missing.append(f"/{name}: not in {path_b if name in names[0] else path_a}")
+    return report
+
+
+def kind_of(name: str) -> str:
+    """Kind of a dataset, as tolerances name it."""
+    return KIND_OF.get(name) or ("audit" if name.startswith("audit/") else "other")
+
+
+def _opened(path):
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {error}")]) from error
+
+
+def _datasets(file):
+    names = {}
+
+    def note(name, item):
+        if isinstance(item, h5py.Dataset) and name not in NOT_COMPARED:
+            names[name] = None
+
+    file.visititems(note)
+    return names
+
+
+def _compare_dataset(report, name, a, b, tolerance, flips):
+    first, second = a[name], b[name]
+    if _is_number(first) != _is_number(second):
+        report.missing.append(f"/{name}: numbers in one file, text in the other")
+        return
+    rows = _common_rows(report, name, first, second)
+    if rows is None:
+        return
+    if not _is_number(first):
+        _compare_text(report, name, first[()], second[()])
+    elif first.ndim == 0:
+        _compare_part(report, name, a, slice(0, 0), (first[()], second[()]), tolerance)
+    else:
+        for start in range(0, rows, ROWS_AT_ONCE):
+            part = slice(start, min(start + ROWS_AT_ONCE, rows))
+            values = first[part], second[part]
+            if flips is not None and name in SIGNED:
+                values = values[0], values[1] * flips[part, :, None]
+            _compare_part(report, name, a, part, values, tolerance)
+
+
+def _common_rows(report, name, first, second):
+    """Rows that both datasets have; None when their shapes cannot be compared."""
+    if first.shape == second.shape:
+        return first.shape[0] if first.shape else 0
+    report.missing.append(f"/{name}: shape {_shape(first)} against {_shape(second)}")
+    alike = first.ndim == second.ndim and first.shape[1:] == second.shape[1:] and _is_number(first)
+    return min(first.shape[0], second.shape[0]) if alike and first.ndim else None
+
+
+def _compare_text(report, name, first, second):
+    if not np.array_equal(first, second):
+        report.missing.append(f"/{name}: the text differs")
+
+
+def _compare_part(report, name, file, part, values, tolerance):
+    first, second = (np.atleast_1d(np.asarray(block, dtype=float)) for block in values)
+
+    def describe(position, distance):
+        row = part.start + int(position[0])
+        item, column = _labels(file, name, position[1:])
+        time = float(file["time"][row]) if _has_time(file, name) else None
+        return Found(
+            f"/{name}", item, column, time, float(first[position]), float(second[position]), distance
+        )
+
+    report.compare(kind_of(name), first, second, tolerance, describe)
+
+
+def _has_time(file, name):
+    dataset = file[name]
+    along = dataset.ndim > 0 and len(dataset.dims[0]) > 0 and dataset.dims[0][0].name == "/time"
+    return along and name != "time"
+
+
+def _labels(file, name, position):
+    """Readable item and column of an element, from the scales of its axes."""
+    words = []
+    for axis, number in enumerate(position, 1):
+        scales = file[name].dims[axis]
+        words.append(_label(scales[0], int(number)) if len(scales) else str(int(number) + 1))
+    return (" ".join(words[:-1]), words[-1]) if words else ("", "")
+
+
+def _label(scale, number):
+    if not _is_number(scale):
+        return scale.asstr()[number]
+    return f"{scale.name.rpartition('/')[2]} {scale[number]:g}"
+
+
+def _flips(a, b):
+    """Signs (rows, bodies) that turn b's Euler parameters towards a's; None when they cannot be compared."""
+    name = SIGNED[0]
+    if name not in a or name not in b or a[name].shape[1:] != b[name].shape[1:]:
+        return None
+    rows = min(len(a[name]), len(b[name]))
+    with np.errstate(invalid="ignore"):
+        return np.where((a[name][:rows] * b[name][:rows]).sum(axis=2) < 0, -1.0, 1.0)
+
+
+def _is_number(dataset):
+    return np.issubdtype(dataset.dtype, np.number)
+
+
+def _shape(dataset):
+    return "(" + ", ".join(map(str, dataset.shape)) + ")"

@@ -1,0 +1,170 @@
+"""What a comparison found: counts for every kind of column, the worst place, what is missing."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .tolerances import KINDS, Tolerance
+
+SHOWN_MISSING = 20
+
+
+@dataclass(frozen=True)
+class Found:
+    """One place at which two results are compared; `time` and `line` are None where there is none."""
+
+    section: str
+    item: str
+    column: str
+    time: float | None
+    a: float
+    b: float
+    distance: float
+
+    @property
+    def sentence(self) -> str:
+        """The place and both values in one line."""
+        words = [word for word in (self.section, self.item, self.column) if word]
+        where = ", ".join(words) + ("" if self.time is None else f" at t = {self.time:.10g}")
+        return f"{where}: {self.a!r} against {self.b!r}"
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`; numbers that JSON does not know are given as text."""
+        return {
+            "section": self.section,
+            "item": self.item,
+            "column": self.column,
+            "time": _json_number(self.time),
+            "a": _json_number(self.a),
+            "b": _json_number(self.b),
+            "distance": _json_number(self.distance),
+        }
+
+
+@dataclass
+class Tally:
+    """Numbers of one kind: how many were compared and differ, and the largest distances."""
+
+    compared: int = 0
+    differing: int = 0
+    largest: float = 0.0
+    worst: Found | None = None
+
+    def add(self, differs: np.ndarray, distance: np.ndarray, describe) -> None:
+        """Count a block; `describe(position)` gives the `Found` at an index of the block."""
+        self.compared += distance.size
+        if not distance.size:
+            return
+        self.largest = max(self.largest, float(distance.max()))
+        count = int(np.count_nonzero(differs))
+        if not count:
+            return
+        self.differing += count
+        position = np.unravel_index(int(np.argmax(np.where(differs, distance, -1.0))), distance.shape)
+        if self.worst is None or float(distance[position]) > self.worst.distance:
+            self.worst = describe(position)
+
+
+@dataclass
+class Report:
+    """Result of `compare`: `a` and `b` are the names of the files."""
+
+    a: str
+    b: str
+    missing: list[str] = field(default_factory=list)
+    tallies: dict[str, Tally] = field(default_factory=dict)
+
+    @property
+    def equal(self) -> bool:
+        """Whether nothing differs beyond tolerance and nothing is missing."""
+        return not self.missing and not self.differing
+
+    @property
+    def compared(self) -> int:
+        """How many numbers were compared."""
+        return sum(tally.compared for tally in self.tallies.values())
+
+    @property
+    def differing(self) -> int:
+        """How many numbers differ beyond tolerance."""
+        return sum(tally.differing for tally in self.tallies.values())
+
+    @property
+    def exit_code(self) -> int:
+        """0: no difference; 1: they differ."""
+        return 0 if self.equal else 1
+
+    @property
+    def worst(self) -> Found | None:
+        """The place of the largest distance among the numbers that differ."""
+        places = [tally.worst for tally in self.tallies.values() if tally.worst is not None]
+        return max(places, key=lambda place: place.distance, default=None)
+
+    def compare(self, kind: str, a, b, tolerance: Tolerance, describe, unit=None) -> None:
+        """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there."""
+        if tolerance.ignores:
+            return
+        differs, distance = tolerance.exceeded(a, b, unit)
+        tally = self.tallies.setdefault(kind, Tally())
+        tally.add(differs, distance, lambda position: describe(position, float(distance[position])))
+
+    def text(self) -> str:
+        """Summary for a reader: what is missing, a table of kinds, the worst place."""
+        lines = list(self.missing[:SHOWN_MISSING])
+        if len(self.missing) > SHOWN_MISSING:
+            lines.append(f"… and {len(self.missing) - SHOWN_MISSING} more of this sort")
+        if self.differing:
+            lines += self._table()
+            lines.append(f"worst: {self.worst.sentence}")
+        lines.append(self._verdict())
+        return "\n".join(lines) + "\n"
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`."""
+        return {
+            "a": self.a,
+            "b": self.b,
+            "equal": self.equal,
+            "compared": self.compared,
+            "differing": self.differing,
+            "missing": self.missing,
+            "worst": self.worst and self.worst.as_dict(),
+            "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
+        }
+
+    def _kinds(self):
+        return [kind for kind in KINDS if kind in self.tallies]
+
+    def _table(self):
+        rows = [("kind", "compared", "differ", "largest", "worst place")]
+        for kind in self._kinds():
+            tally = self.tallies[kind]
+            place = tally.worst.sentence if tally.worst else ""
+            rows.append((kind, str(tally.compared), str(tally.differing), f"{tally.largest:.3g}", place))
+        widths = [max(len(row[k]) for row in rows) for k in range(4)]
+        return [
+            "  ".join(
+                [row[0].ljust(widths[0]), *(row[k].rjust(widths[k]) for k in range(1, 4)), row[4]]
+            ).rstrip()
+            for row in rows
+        ]
+
+    def _verdict(self):
+        if self.equal:
+            return f"{self.a}, {self.b}: no difference in {self.compared} numbers"
+        counts = f"{self.differing} of {self.compared} numbers differ, {len(self.missing)} things are missing"
+        return f"{self.a}, {self.b}: {counts}"
+
+
+def _tally_record(tally):
+    return {
+        "compared": tally.compared,
+        "differing": tally.differing,
+        "largest": _json_number(tally.largest),
+        "worst": tally.worst and tally.worst.as_dict(),
+    }
+
+
+def _json_number(value):
+    return value if value is None or math.isfinite(value) else str(value)
