@@ -1,7 +1,5 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
-import numpy as np
-
 from ..errors import Fault, ModelError
 from ..read.deck import Deck
 from .dafms_bodies import build_bodies
@@ -15,18 +13,26 @@ from .tree import Tree
 
 GRAVITY = (0.0, 9.8, 0.0)
 
+# Products of four such numbers are still doubles.
+LARGEST = 1e50
+
 
 def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
-    """The tree that `deck` describes, and what was doubtful; `ModelError` with every error found."""
+    """The tree that `deck` describes, and what was doubtful.
+
+    Raises `ModelError` with all faults found, the deck's own warnings among them.
+    """
     values, findings = DeckValues(deck), Findings()
+    _check_magnitudes(deck, findings)
+    _stop_at_errors(deck, findings)
     bodies = build_bodies(values, findings)
     hinges = build_hinges(values, bodies, findings)
     time = build_time(values, findings)
     integration = build_integration(values, findings)
-    _stop_at_errors(findings)
+    _stop_at_errors(deck, findings)
     laws = build_laws(values, bodies, hinges, findings)
     closures = build_closures(values, bodies, findings)
-    _stop_at_errors(findings)
+    _stop_at_errors(deck, findings)
     q, y = build_start(values, bodies, hinges, laws["prescribed"], findings)
     one_way = values.record("one_way") is not None
     gravity = tuple(values.values("gravity", 0, (0, *GRAVITY))[1:])
@@ -42,18 +48,24 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         integration=integration,
         **laws,
     )
+    _check_freedom(tree, values, findings)
     check_inertia(tree, values, findings)
-    _check_finite(tree, findings)
-    _stop_at_errors(findings)
-    return tree, findings.faults
+    _stop_at_errors(deck, findings)
+    return tree, findings.in_order
 
 
-def _stop_at_errors(findings):
-    if findings.errors:
-        raise ModelError(findings.faults)
+def _stop_at_errors(deck, findings):
+    if any(fault.severity == "error" for fault in findings.faults):
+        raise ModelError((*deck.warnings, *findings.in_order))
 
 
-def _check_finite(tree, findings):
-    """`--set` may bring numbers that no card can hold."""
-    if not (np.isfinite(tree.q).all() and np.isfinite(tree.y).all()):
-        findings.error("Y(L)", "an initial coordinate or speed is not finite", None)
+def _check_magnitudes(deck, findings):
+    for name, number in deck.numbers():
+        if not abs(number.value) <= LARGEST:
+            findings.error(name, f"{number.value:g} is too large: numbers end at {LARGEST:g}", number.place)
+
+
+def _check_freedom(tree, values, findings):
+    if not tree.coordinates:
+        message = "no hinge is free and no body is flexible: nothing can move"
+        findings.error("counts", message, values.place("counts"))

@@ -19,16 +19,17 @@ _LAST_DECIMAL = 5e-6
 # The stiffness is held as a full matrix: beyond this many elastic coordinates it would take gigabytes.
 LARGEST_BODY = 10_000
 
+_NEEDED = (("MASS", "mass"), ("INER", "inertia"))
 _ZERO = (0.0, 0.0, 0.0)
 
 
 def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
     """The N bodies, in order; faults go to `findings`."""
     count = values.number("counts", 0, "N").value
-    for card, section in (("MASS", "mass"), ("INER", "inertia")):
-        if not values.section(section):
-            findings.error("", f"card '{card}' is missing", values.place("counts"))
-    if findings.errors:
+    missing = [card for card, section in _NEEDED if not values.section(section)]
+    for card in missing:
+        findings.error("", f"card '{card}' is missing", values.place("counts"))
+    if missing:
         return ()
     return tuple(_body(values, k, findings) for k in range(1, count + 1))
 
@@ -137,7 +138,7 @@ def _nodal_masses(values, k, findings):
 
 
 def _stiffness(values, k, findings, axes):
-    matrix = full_matrix(values.values("jdi", k, ()), values.values("bkp", k, ()))
+    matrix = full_matrix(values.values("counts.jdi", k, ()), values.values("bkp", k, ()))
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 
@@ -149,7 +150,7 @@ def _check_definite(matrix, values, k, findings, axes):
         lowest, shapes = np.linalg.eigh(matrix)
         worst = int(np.argmax(np.abs(shapes[:, 0])))
         node, axis = worst // len(axes) + 1, axes[worst % len(axes)]
-        jdi = values.record("jdi", k).numbers[worst].value
+        jdi = values.record("counts.jdi", k).numbers[worst].value
         findings.error(
             f"body {k}",
             f"the stiffness is not positive definite (smallest eigenvalue {lowest[0]:.4g} N/m, most at node "

@@ -142,7 +142,8 @@ def _attitude(values, section, card, k, findings):
 def _elastic_rotation(values, parent, node, bodies):
     """Matrix (3, NM) of card NROT for the node the hinge sits on; None when it is not given."""
     for record in values.section("nodal_rotation"):
-        if (record["K"], record["I"]) == (parent + 1, node + 1):
-            rows = np.array([number.value for number in record.numbers[2:]], float)
-            return rows.reshape(3, bodies[parent].elastic.coordinates)
+        rows = np.array([number.value for number in record.numbers[2:]], float)
+        fits = rows.size == 3 * bodies[parent].elastic.coordinates
+        if fits and (record["K"], record["I"]) == (parent + 1, node + 1):
+            return rows.reshape(3, -1)
     return None

@@ -99,11 +99,16 @@ def _check_drives(drives, findings):
 
 
 def _check_rotations(values, bodies, findings):
-    """The reader has seen that K is a flexible body."""
+    """The reader has seen that K is a flexible body; `--set` may have changed it since."""
     seen = {}
     for record in values.section("nodal_rotation"):
         node, where = record.at("I"), (record["K"], record["I"])
-        count = len(bodies[record["K"] - 1].elastic.masses)
+        elastic = bodies[record["K"] - 1].elastic if 1 <= record["K"] <= len(bodies) else None
+        if elastic is None or 3 * elastic.coordinates != len(record.numbers) - 2:
+            message = f"K = {record['K']}: this is not the body whose rotations are given"
+            findings.error(record.subject, message, record.place)
+            continue
+        count = len(elastic.masses)
         if not 1 <= node.value <= count:
             message = f"I = {node.value}: body {record['K']} has nodes 1 to {count}"
             findings.error(record.subject, message, node.place)
@@ -154,7 +159,7 @@ def build_closures(values: DeckValues, bodies, findings: Findings) -> tuple[Clos
 
 def _closure(record, bodies, findings):
     first, second = record.at("KA"), record.at("KB")
-    before = len(findings.errors)
+    before = len(findings.faults)
     for number, least in ((first, 1), (second, 0)):
         if not least <= number.value <= len(bodies):
             message = f"{number.key} = {number.value}: there are bodies {least} to {len(bodies)}"
@@ -162,10 +167,10 @@ def _closure(record, bodies, findings):
     if first.value == second.value:
         message = f"KA = KB = {first.value}: a closure joins two bodies"
         findings.error(record.subject, message, second.place)
-    if len(findings.errors) > before:
+    if len(findings.faults) > before:
         return None
     directions = tuple(axis for axis in (1, 2, 3) if _flag(record, axis, findings))
-    if not directions and len(findings.errors) == before:
+    if not directions and len(findings.faults) == before:
         findings.error(record.subject, "C1, C2, C3 are all 0: nothing is closed", record.at("C1").place)
     return Closure(
         record.subject,

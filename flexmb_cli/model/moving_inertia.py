@@ -86,7 +86,8 @@ def _smallest(left, whole, motions):
     if motions.shape[1] == 0:
         return 1.0, np.zeros(6)
     scale = np.sqrt(np.diag(motions.T @ whole @ motions))
-    scaled = motions / np.where(scale > 0, scale, 1.0)
+    # A tiny scale would blow the products of inertia up beyond the doubles.
+    scaled = motions / np.where(scale > 1e-50, scale, 1.0)
     shares, shapes = np.linalg.eigh(scaled.T @ left @ scaled)
     return shares[0], scaled @ shapes[:, 0]
 

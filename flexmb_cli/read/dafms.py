@@ -174,7 +174,7 @@ def _read_flexible_body(records: Records, layout: Layout, body: int, read: list[
     read.append(Record("equations", k, subject, numbers))
     _read_array(records, "ID", "equation number, not used", "", "10I5", (k, size), read)
     before = records.errors
-    jdi = _read_array(records, "JDI", "address of the diagonal", "", "10I5", (k, size), read)
+    jdi = _read_array(records, "JDI", "address of the diagonal", "", "10I5", (k, size), read, "counts.jdi")
     if records.errors > before:
         raise Unreadable
     _check_skyline(records, jdi, k)
@@ -195,11 +195,12 @@ def _read_nodes(records, k, nodes, axes, words, read):
         read.append(Record(f"{section}.{k}", i, f"node {i} of body {k}", tuple(numbers)))
 
 
-def _read_array(records, name, meaning, unit, form, size, read):
+def _read_array(records, name, meaning, unit, form, size, read, section=None):
+    """A list of one body.  The skyline's addresses count as counts: the deck's layout hangs on them."""
     k, count = size
     items = [Item(f"{name}({i})", meaning, unit) for i in range(1, count + 1)]
     numbers = records.read(form, items, f"{name} of body {k}")
-    read.append(Record(name.lower(), k, f"body {k}", numbers))
+    read.append(Record(section or name.lower(), k, f"body {k}", numbers))
     return numbers
 
 

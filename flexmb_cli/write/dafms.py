@@ -103,7 +103,7 @@ class _Page:
                 self.line("  =PI=", *vector, values=forces),
                 self.line("  NEQ=", I(5), values=_values(self._array("equations", k))),
                 self.listed("  =ID=", I(5), 10, _values(self._array("id", k))),
-                self.listed("  JDIA", I(5), 10, _values(self._array("jdi", k))),
+                self.listed("  JDIA", I(5), 10, _values(self._array("counts.jdi", k))),
                 self.listed("  BKCP", E(12, 4), 6, _values(self._array("bkp", k))),
                 self.line("          ====K====", I(5), values=[k]),
                 self.listed("  BMI=", F(10, 5), 10, masses),
@@ -125,7 +125,7 @@ class _Page:
 
     def _stiffness(self, k):
         """Rows of the full matrix that the skyline stands for."""
-        return full_matrix(_values(self._array("jdi", k)), _values(self._array("bkp", k))).tolist()
+        return full_matrix(_values(self._array("counts.jdi", k)), _values(self._array("bkp", k))).tolist()
 
     def system(self):
         """What TSYSIN writes, card by card as read, unless NOPR has switched the echo off."""
