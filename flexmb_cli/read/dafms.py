@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from ..errors import DeckError, Place
-from .dafms_cards import CARDS, KNOWN_WORDS, MACROS
+from .dafms_cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
 from .dafms_system import read_system
 from .deck import Deck, DeckText, Number, Record
 from .fortran_records import Item, MissingRecord, Records, Unreadable
@@ -210,12 +210,15 @@ def _check_skyline(records: Records, jdi: tuple[Number, ...], k: int) -> None:
     for column, number in enumerate(jdi, 1):
         if not 1 <= number.value - before <= column:
             message = (
-                f"{number.key} = {number.value} is no address of a diagonal: column {column} holds 1 to "
-                f"{column} entries and address {before} is taken, so "
-                f"{before + 1} to {before + column} can stand here"
+                f"{number.key} = {number.value} is no diagonal's address, expected {_range(before, column)}: "
+                "a column holds at most as many entries as its number, the diagonal last"
             )
             records.stop(f"JDI of body {k}", message, number.place)
         before = number.value
+
+
+def _range(before, column):
+    return "1" if column == 1 else f"{before + 1} to {before + column}"
 
 
 def _read_macros(records: Records) -> Record:
@@ -233,7 +236,7 @@ def _read_macros(records: Records) -> Record:
             stars.append(records.line)
         elif word in CARDS:
             records.report("warning", "", f"card '{word}' after END is not read; put it before END")
-        else:
+        elif word not in SWITCHES:
             skipped.add(line)
     else:
         records.report("warning", "", "the deck ends without a STOP card")

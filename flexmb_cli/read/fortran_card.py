@@ -46,12 +46,11 @@ class Format:
     text: str
     edits: tuple[Edit, ...]
 
-    @property
-    def guide(self) -> tuple[str, str]:
-        """Two lines to set above a card: the prescribed fields and a ruler of the columns."""
-        width = self.edits[-1].last
+    def guide(self, fields: int) -> tuple[str, str]:
+        """Two lines to set above a card: its first `fields` fields and a ruler of their columns."""
+        width = self.edits[fields - 1].last
         ruler = "".join(f"----+----{tens}" for tens in range(1, width // 10 + 2))
-        return "".join(edit.picture for edit in self.edits), ruler[:width]
+        return "".join(edit.picture for edit in self.edits[:fields]), ruler[:width]
 
 
 @lru_cache

@@ -94,51 +94,51 @@ class Records:
         self.stop(subject, f"unexpected end of the deck, expected {expected}", Place(max(last, 1), column))
 
     def _read_record(self, fmt: Format, items: list[Item], subject: str) -> list[Number]:
-        keys = items[0].key if len(items) == 1 else f"{items[0].key} ... {items[-1].key}"
         if self.exhausted:
-            self.end_of_deck(subject, f"{keys}; FORMAT({fmt.text})")
+            self.end_of_deck(subject, f"{_named(items)}; FORMAT({fmt.text})")
         line = self.next_card()
         if self.word() in self.words:
-            self.report(
-                "error", subject, f"card '{self.word()}' stands where {keys} is expected; FORMAT({fmt.text})"
-            )
+            message = f"card '{self.word()}' stands where {_named(items)} must stand; FORMAT({fmt.text})"
+            self.report("error", subject, message)
             self.line -= 1
             raise MissingRecord
         numbers = [
-            self._number(fmt, cut(line, edit), item, line, subject)
+            self._number(fmt, cut(line, edit), item, (subject, line, fmt.guide(len(items))))
             for edit, item in zip(fmt.edits, items, strict=False)
         ]
         self._check_edges(fmt, line, len(items), subject)
         self._check_rest(fmt, line, len(items), subject)
         return numbers
 
-    def _number(self, fmt: Format, field: Field, item: Item, line: str, subject: str) -> Number:
+    def _number(self, fmt: Format, field: Field, item: Item, context) -> Number:
         value = field.value()
         place = Place(self.line, field.column, max(1, len(field.spelled)))
         if value is None:
-            self._report_bad(fmt, field, item, line, subject, place)
+            self._report_bad(fmt, field, item, context, place)
             value = 0 if field.edit.letter == "I" else 0.0
         elif field.implied_point or " " in field.spelled:
-            self._report_odd(fmt, field, item, subject, place, value)
+            self._report_odd(fmt, field, item, context, place, value)
         return Number(item.key, value, item.meaning, item.unit, place, field.spelled)
 
-    def _report_bad(self, fmt, field, item, line, subject, place):
+    def _report_bad(self, fmt, field, item, context, place):
+        subject, line, guide = context
         kind = "an integer" if field.edit.letter == "I" else "a real number"
         reason = hint(field, line)
         reason = f" ({reason})" if reason else ""
         message = (
             f"{item.key} in {field.span} must be {kind}, read '{field.spelled}'{reason}; FORMAT({fmt.text})"
         )
-        self.report("error", subject, message, place, fmt.guide)
+        self.report("error", subject, message, place, guide)
 
-    def _report_odd(self, fmt, field, item, subject, place, value):
+    def _report_odd(self, fmt, field, item, context, place, value):
+        subject, _, guide = context
         why = "blanks inside a number are ignored" if " " in field.spelled else "no decimal point is typed"
         if field.implied_point:
             why += f", so {field.edit.descriptor} takes {field.edit.decimals} decimals"
         message = (
             f"{item.key} in {field.span}: '{field.spelled}' is read as {value!r}: {why}; FORMAT({fmt.text})"
         )
-        self.report("warning", subject, message, place, fmt.guide)
+        self.report("warning", subject, message, place, guide)
 
     def _check_edges(self, fmt, line, used, subject):
         """Warn of a number cut in two: it begins in one field and leaves blanks in the next.
@@ -153,7 +153,7 @@ class Records:
                     f"'{left.spelled}' and '{right.spelled.split()[0]}' touch at column {right.edit.column}: "
                     f"two numbers are read, one is typed?; FORMAT({fmt.text})"
                 )
-                self.report("warning", subject, message, Place(self.line, left.column), fmt.guide)
+                self.report("warning", subject, message, Place(self.line, left.column), fmt.guide(used))
 
     def _check_rest(self, fmt, line, used, subject):
         """Warn of numbers behind the last column read; words there are the old decks' comments."""
@@ -162,7 +162,15 @@ class Records:
         if rest.strip() and not rest.strip(" 0123456789.+-EeDd"):
             column = last + 1 + len(rest) - len(rest.lstrip())
             message = f"'{rest.strip()}' stands behind column {last} and is not read; FORMAT({fmt.text})"
-            self.report("warning", subject, message, Place(self.line, column, len(rest.strip())), fmt.guide)
+            self.report(
+                "warning", subject, message, Place(self.line, column, len(rest.strip())), fmt.guide(used)
+            )
+
+
+def _named(items):
+    """The keys of a list in words, a long one by its ends."""
+    keys = [item.key for item in items]
+    return ", ".join(keys) if len(keys) < 5 else f"{keys[0]} ... {keys[-1]}"
 
 
 def _lines_before_end(source: DeckText) -> list[str]:
