@@ -74,9 +74,9 @@ class Cache:
     lasting = True
 
     @classmethod
-    def is_cold(cls) -> bool:
-        """Whether the next kernel call will have to compile."""
-        return cls.folder is not None and not any(cls.folder.glob("**/*.nbi"))
+    def must_compile(cls, name: str) -> bool:
+        """Whether the kernel `name` ("module.function") has to be compiled before its first call."""
+        return cls.folder is not None and not any(cls.folder.glob(f"**/{name}-*.nbi"))
 
 
 @functools.cache

@@ -9,6 +9,7 @@ are skipped, and substitution visits nonzeros only.
 from ._jit import kernel
 
 GOOD_ENOUGH = 0.1  # of the largest entry in the column: bounds the growth, spares the zeros
+HUGE = 1e300
 
 
 @kernel
@@ -25,14 +26,15 @@ def pivot_row(matrix, order, k):
 
 
 @kernel
-def factorise(matrix, order, pattern, smallest):
+def factorise(matrix, order, pattern, smallest, rank):
     """Overwrite matrix (n, n) with its factors; rows are exchanged in `order` (n,) only.
 
-    pattern (n, n + 1) receives the nonzero places.  Returns 0, or the 1-based column in which no
+    pattern (n, n + 1) receives the nonzero places.  The columns from `rank` on depend on those
+    before: their unknowns become 0.  Returns 0, or the 1-based column before `rank` in which no
     pivot exceeds `smallest` (also for NaN).
     """
     n = matrix.shape[0]
-    for k in range(n):
+    for k in range(rank):
         pivot = pivot_row(matrix, order, k)
         row = order[pivot]
         order[pivot] = order[k]
@@ -46,6 +48,8 @@ def factorise(matrix, order, pattern, smallest):
                 matrix[below, k] = factor
                 for j in range(k + 1, n):
                     matrix[below, j] -= factor * matrix[row, j]
+    for k in range(rank, n):
+        matrix[order[k], k] = HUGE
     note_nonzeros(matrix, order, pattern)
     return 0
 

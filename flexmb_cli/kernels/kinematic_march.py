@@ -10,7 +10,7 @@ import numpy as np
 from . import constraints as equations
 from ._jit import kernel
 from .joints import driver
-from .newton import CONVERGED, OF_COORDINATE, PHI, make_work, newton, rates
+from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, make_work, newton, rates
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
@@ -22,7 +22,6 @@ LARGEST_TURN = 1.1  # rad that a driver may turn in one step
 SMALLEST_STEP = 2.0**-30  # of the distance between report times
 NO_LIMIT = 1e3
 STEP_ITERATIONS = 20
-ASSEMBLY_ITERATIONS = 250  # NRMAX of YOUNG
 ASSEMBLY_LIMIT = 0.5
 
 # Rows of `state` and of `out`.
@@ -116,6 +115,17 @@ def step_to(clock, target):
 
 
 @kernel
+def after_success(clock, t_new, off):
+    """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
+    h = t_new - clock[TIME]
+    if clock[STEP] == 0.0:
+        clock[STEP] = np.inf
+    elif h >= clock[STEP] and off <= ROOM_TO_GROW:
+        clock[STEP] = 2.0 * h
+    clock[TIME] = t_new
+
+
+@kernel
 def advance(system, work, state, motion, clock, target, new, near):
     """Carry `state` from clock[TIME] to `target`; returns (arrived, iterations, velocity residual).
 
@@ -124,7 +134,9 @@ def advance(system, work, state, motion, clock, target, new, near):
     """
     smallest = SMALLEST_STEP * (target - clock[TIME])
     assembling = clock[STEP] == 0.0
-    limit, most = (ASSEMBLY_LIMIT, ASSEMBLY_ITERATIONS) if assembling else (NO_LIMIT, STEP_ITERATIONS)
+    limit, most = (
+        (ASSEMBLY_LIMIT, int(system.limits[ITERATIONS])) if assembling else (NO_LIMIT, STEP_ITERATIONS)
+    )
     total, gap = 0, 0.0
     while clock[TIME] < target or clock[STEP] == 0.0:
         t_new = step_to(clock, target)
@@ -137,11 +149,7 @@ def advance(system, work, state, motion, clock, target, new, near):
             total += iterations
         if off <= 1.0 or (assembling and off < np.inf):
             accept(system, work, new, near, state, motion)
-            clock[TIME] = t_new
-            if assembling:
-                clock[STEP] = np.inf
-            elif h >= clock[STEP] and off <= ROOM_TO_GROW:
-                clock[STEP] = 2.0 * h
+            after_success(clock, t_new, off)
         else:
             clock[STEP] = 0.5 * h
             if clock[STEP] <= smallest:

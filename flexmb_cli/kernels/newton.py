@@ -20,18 +20,20 @@ LAST_CORRECTION = 1e-9
 ROUND_OFF = 1e-12
 REFINED = 4e-15  # of the solution: what refinement cannot better
 
-SMALLEST_PIVOT = 1e-13
 
 # As few arrays as possible: each one costs compile time in every function it passes through.
-System = namedtuple("System", "constraints places units")
+System = namedtuple("System", "constraints places units limits")
 System.__doc__ = """The equations.
 
 constraints: CONSTRAINT records.  places (n, 4): bodies of the two halves of each Jacobian row, order
 of elimination of the rows, matrix column of each coordinate.  units (2, n): one over those of the
-rows, those of the coordinates.
+rows, those of the coordinates.  limits (4,): see the names below.
 """
 BODY_I, BODY_J, ORDER, COLUMN = 0, 1, 2, 3
 PER_ROW, OF_COORDINATE = 0, 1
+# Largest residual that ends Newton early (0: go on to round-off), smallest pivot, most iterations,
+# and the rank: less than n when some equations repeat others.
+EARLY_END, PIVOT, ITERATIONS, RANK = 0, 1, 2, 3
 
 Work = namedtuple("Work", "rotations vectors phi_q matrix order pattern")
 Work.__doc__ = """Arrays reused in every step.
@@ -113,7 +115,7 @@ def factorise_at(system, work, q):
     fill_matrix(system, work)
     for row in range(work.order.size):
         work.order[row] = system.places[row, ORDER]
-    return factorise(work.matrix, work.order, work.pattern, SMALLEST_PIVOT)
+    return factorise(work.matrix, work.order, work.pattern, system.limits[PIVOT], int(system.limits[RANK]))
 
 
 @kernel
@@ -126,8 +128,11 @@ def newton(system, work, q, t, near, limit, most):
     correction = work.vectors[CORRECTION]
     previous = np.inf
     for iteration in range(1, most + 1):
-        if not evaluate_position(system, work, q, t, near) < np.inf:
+        gap = evaluate_position(system, work, q, t, near)
+        if not gap < np.inf:
             return STALLED, iteration
+        if gap <= system.limits[EARLY_END] and iteration > 1:
+            return CONVERGED, iteration - 1
         if factorise_at(system, work, q) != 0:
             return SINGULAR, iteration
         size = solve_linear(system, work, work.vectors[PHI], correction)

@@ -46,7 +46,8 @@ CONSTRAINT = np.dtype(
 class Equation:
     """One scalar equation: whose it is, which one, and where its owner stands in the deck.
 
-    `factor` turns the kernel's row (unit vectors) into the source's (vectors as typed).
+    `scale` is the unit its residual is measured in; `factor` turns the kernel's row (unit vectors)
+    into the source's (vectors as typed).
     """
 
     owner: str
@@ -54,11 +55,17 @@ class Equation:
     place: Place | None
     scale: float
     factor: float = 1.0
+    is_length: bool = False
 
     @property
     def name(self) -> str:
         """Readable name, such as "universal joint 1, s_i · s_j"."""
         return f"{self.owner}, {self.part}"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the residual: m, or 1 for unit vectors and Euler parameters."""
+        return "m" if self.is_length else "1"
 
 
 @dataclass(frozen=True)
@@ -143,7 +150,7 @@ class _Rows:
         """A coordinate held at a value; an angle holds e1, e2 or e3 at sin(angle/2)."""
         coordinate, target = held_coordinate(direction, value)
         scale = self.length if coordinate < 3 else 1.0
-        part = Equation(owner, COORDINATES[coordinate], place, scale)
+        part = Equation(owner, COORDINATES[coordinate], place, scale, is_length=coordinate < 3)
         self.add(SIMPLIFIED, body, body, [part], coordinate=coordinate, C=target)
 
 
@@ -218,20 +225,21 @@ def _add_joint(rows, mechanism, joint: Joint):
 def _joint_equations(joint: Joint, length: float):
     size_i, size_j, size_h = (math.hypot(*v) for v in (joint.s_i, joint.s_j, joint.h_i))
     size_hj = math.hypot(*joint.h_j)
-    points = [("x", length, 1.0), ("y", length, 1.0), ("z", length, 1.0)]
-    arms = [("s_i · s_j", 1.0, size_i * size_j)]
-    p1 = [("s_i × s_j, 1st", 1.0, size_i * size_j), ("s_i × s_j, 2nd", 1.0, size_i * size_j)]
-    p2 = [("s_i × d, 1st", length, size_i), ("s_i × d, 2nd", length, size_i)]
+    points = [("x", True, 1.0), ("y", True, 1.0), ("z", True, 1.0)]
+    arms = [("s_i · s_j", False, size_i * size_j)]
+    p1 = [("s_i × s_j, 1st", False, size_i * size_j), ("s_i × s_j, 2nd", False, size_i * size_j)]
+    p2 = [("s_i × d, 1st", True, size_i), ("s_i × d, 2nd", True, size_i)]
     parts = {
         "spherical": points,
         "universal": points + arms,
         "revolute": points + p1,
         "cylindrical": p1 + p2,
-        "translational": p1 + p2 + [("h_i · h_j", 1.0, size_h * size_hj)],
-        "screw": p1 + p2 + [("slide and turn", length, 1.0)],
+        "translational": p1 + p2 + [("h_i · h_j", False, size_h * size_hj)],
+        "screw": p1 + p2 + [("slide and turn", True, 1.0)],
     }
     return [
-        Equation(joint.name, part, joint.place, scale, factor) for part, scale, factor in parts[joint.kind]
+        Equation(joint.name, part, joint.place, length if is_length else 1.0, factor, is_length)
+        for part, is_length, factor in parts[joint.kind]
     ]
 
 
@@ -284,15 +292,17 @@ def _unit(v):
 def _add_distance(rows, item):
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     scale = rows.length if coordinate < 3 else 1.0
-    part = Equation(item.name, COORDINATES[coordinate], item.place, scale)
+    part = Equation(item.name, COORDINATES[coordinate], item.place, scale, is_length=coordinate < 3)
     rows.add(DISTANCE, item.i, item.j, [part], coordinate=coordinate, C=item.value)
 
 
 def _add_driver(rows, driver: Driver):
     law = {"C": driver.C, "B": driver.B, "A": driver.A}
     if driver.direction <= 3:
-        parts = [Equation(driver.name, COORDINATES[driver.direction - 1], driver.place, rows.length)]
-        rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction - 1, **law)
+        part = Equation(
+            driver.name, COORDINATES[driver.direction - 1], driver.place, rows.length, is_length=True
+        )
+        rows.add(DRIVER, driver.body, driver.body, [part], coordinate=driver.direction - 1, **law)
     else:
         parts = [Equation(driver.name, e, driver.place, 1.0) for e in (COORDINATES[driver.direction], "e0")]
         rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction, **law)

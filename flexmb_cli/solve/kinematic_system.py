@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from ..kernels.newton import System
+from ..kernels.newton import COLUMN, RANK, System
 from ..model.arrays import KinematicArrays
 from ..model.joint_types import DRIVER, SIMPLIFIED
 from ..model.mechanism import Mechanism
 from .rows import Rows
+from .settings import KinematicSettings
 
 
-def dense_system(arrays: KinematicArrays) -> System:
+def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> System:
     """The kernels' view of a mechanism.
 
     Bodies at rest come first among the columns, and held or driven coordinates first among the
@@ -19,14 +20,31 @@ def dense_system(arrays: KinematicArrays) -> System:
     simple = np.isin(constraints["kind"], (SIMPLIFIED.code, DRIVER.code))
     of_row = np.searchsorted(constraints["first_row"], np.arange(len(arrays.equations)), side="right") - 1
     order = np.argsort(~simple[of_row], kind="stable")
-    bodies = len(arrays.body_names)
-    held = np.bincount(constraints["body_i"][simple], minlength=bodies)
-    sequence = np.argsort(-held, kind="stable")
-    column = np.empty(7 * bodies, dtype=np.int64)
-    for position, body in enumerate(sequence):
+    held = np.bincount(constraints["body_i"][simple], minlength=len(arrays.body_names))
+    column = np.empty(arrays.q.size, dtype=np.int64)
+    for position, body in enumerate(np.argsort(-held, kind="stable")):
         column[7 * body : 7 * body + 7] = np.arange(7 * position, 7 * position + 7)
-    places = np.column_stack([arrays.bodies_of, order, column]).astype(np.int64)
-    return System(constraints, places, np.stack([1.0 / arrays.row_scale, arrays.column_scale]))
+    return System(
+        constraints,
+        np.column_stack([arrays.bodies_of, order, column]).astype(np.int64),
+        np.stack([1.0 / arrays.row_scale, arrays.column_scale]),
+        np.array([settings.tolerance, settings.smallest_pivot, settings.most_iterations, arrays.q.size]),
+    )
+
+
+def with_dependent_columns(system: System, dependent) -> System:
+    """The system for a position at which the coordinates `dependent` follow from the others.
+
+    They are eliminated last, and their corrections and rates are 0.
+    """
+    places = system.places.copy()
+    order = np.argsort(
+        places[:, COLUMN] + system.places.shape[0] * np.isin(np.arange(len(places)), dependent)
+    )
+    places[order, COLUMN] = np.arange(len(places))
+    limits = system.limits.copy()
+    limits[RANK] -= len(dependent)
+    return system._replace(places=places, limits=limits)
 
 
 def rows_of(mechanism: Mechanism, times, states, audit) -> Rows:

@@ -1,42 +1,111 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from ..errors import Fault
 from ..kernels import kinematic_march
 from ..model.arrays import KinematicArrays, kinematic_arrays
 from ..model.mechanism import Mechanism
-from .kinematic_system import dense_system, rows_of
+from .assembly import assemble_by_search, assembly_failure, free_motion_error, redundancy_warning
+from .diagnosis import CLOSED, mobility, moves_freely
+from .kinematic_system import kinematic_system, rows_of, with_dependent_columns
+from .lockup import step_failure
+from .position import Evaluator
 from .rows import Rows
+from .settings import KinematicSettings
+from .tilt import keeps_axis, refuse_tilted_drive
 
-BLOCK = 1024  # rows handed on at a time; small enough to lose little, large enough to write fast
+BLOCK_WORK = 2_000_000  # rows x equations² handed to the kernel at a time: an interrupt waits for it
+LARGEST_BLOCK = 1024  # rows
 
 
-def analyse(mechanism: Mechanism) -> Iterator[Rows]:
-    """Yield the report rows of `mechanism` in blocks.
+class KinematicAnalysis:
+    """One run over the report times of a mechanism.
 
-    Raises AnalysisError when a position cannot be reached; all rows before it have been yielded.
+    `warnings` fills while the run goes on.
     """
-    arrays = kinematic_arrays(mechanism)
-    yield from _march(mechanism, arrays)
 
+    def __init__(self, mechanism: Mechanism, settings: KinematicSettings | None = None):
+        self.mechanism = mechanism
+        self.arrays: KinematicArrays = kinematic_arrays(mechanism)
+        self.system = kinematic_system(self.arrays, settings or KinematicSettings())
+        self.warnings: list[Fault] = []
+        self._restart(self.arrays.q)
 
-def _march(mechanism: Mechanism, arrays: KinematicArrays) -> Iterator[Rows]:
-    system = dense_system(arrays)
-    grid = mechanism.time
-    state = np.zeros((3, arrays.q.size))
-    state[0] = arrays.q
-    motion = np.zeros((arrays.screw_angles.size, 3))
-    motion[:, 0] = arrays.screw_angles
-    clock = np.array([grid.time(0), 0.0])
-    for first in range(0, grid.rows, BLOCK):
-        last = min(first + BLOCK, grid.rows)
-        times = np.array([grid.time(k) for k in range(first, last)])
-        out = np.zeros((times.size, 3, arrays.q.size))
+    def _restart(self, q):
+        """Begin at the estimates q, which are assembled by the first step (a step of 0)."""
+        self.state = np.zeros((3, q.size))
+        self.state[0] = q
+        self.motion = np.zeros((self.arrays.screw_angles.size, 3))
+        self.motion[:, 0] = self.arrays.screw_angles
+        self.clock = np.array([self.mechanism.time.time(0), 0.0])
+
+    @property
+    def evaluator(self) -> Evaluator:
+        """Residuals and Jacobians of this mechanism."""
+        return Evaluator.of(self.arrays, self.system)
+
+    def rows(self) -> Iterator[Rows]:
+        """Yield the report rows in blocks.
+
+        Raises ModelError when something can move that nothing determines, AnalysisError when a
+        position cannot be reached; all rows before have been yielded.
+        """
+        first = self._block(0, 1)
+        if first is None:
+            first = self._assemble_otherwise()
+        refuse_tilted_drive(self.mechanism, first)
+        yield first
+        grid, size = self.mechanism.time, self._block_size()
+        for start in range(1, grid.rows, size):
+            end = min(start + size, grid.rows)
+            block = self._block(start, end)
+            if block is not None:
+                yield keeps_axis(self.mechanism, block)
+            if block is None or block.time.size < end - start:
+                reached = start + (0 if block is None else block.time.size)
+                raise step_failure(self, grid.time(reached))
+
+    def _block_size(self):
+        return int(np.clip(BLOCK_WORK / self.arrays.q.size**2, 1, LARGEST_BLOCK))
+
+    def _marcher(self) -> Callable:
+        if not self.evaluator.is_large:
+            return lambda *arguments: kinematic_march.march(self.system, *arguments)
+        if not hasattr(self, "_sparse"):
+            from .sparse_march import SparseMarch
+
+            self._sparse = SparseMarch(self.evaluator)
+        return self._sparse.march
+
+    def _block(self, start, end) -> Rows | None:
+        """Report rows start … end - 1, fewer where one cannot be reached, None where none can."""
+        times = np.array([self.mechanism.time.time(k) for k in range(start, end)])
+        out = np.zeros((times.size, 3, self.arrays.q.size))
         audit = np.zeros((times.size, 3))
-        reached = kinematic_march.march(system, state, motion, clock, times, out, audit)
-        if reached:
-            yield rows_of(mechanism, times[:reached], out[:reached], audit[:reached])
-        if reached < times.size:
-            raise RuntimeError(("fail", times[reached], clock))
+        reached = self._marcher()(self.state, self.motion, self.clock, times, out, audit)
+        if not reached:
+            return None
+        return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
+
+    def _assemble_otherwise(self) -> Rows:
+        """The first row where plain Newton fails: by search, and past equations that repeat others."""
+        evaluator, t = self.evaluator, self.mechanism.time.time(0)
+        near = self.arrays.screw_angles
+        q, gap = assemble_by_search(evaluator, self.arrays.q, t, near)
+        if np.max(np.abs(gap)) > CLOSED:
+            raise assembly_failure(evaluator, gap, t)
+        found = mobility(evaluator, q, t, near)
+        for motion, names in zip(found.motions, found.free, strict=True):
+            if moves_freely(evaluator, q, t, near, motion):
+                raise free_motion_error(found, names, t)
+        if found.freedoms:
+            self.warnings.append(redundancy_warning(found))
+            self.system = with_dependent_columns(self.system, found.pivots)
+        self._restart(q)
+        first = self._block(0, 1)
+        if first is None:
+            raise assembly_failure(evaluator, gap, t)
+        return first

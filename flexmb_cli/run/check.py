@@ -1,0 +1,179 @@
+"""Diagnose a deck without solving it through time: counts, rank, redundant and free coordinates, gaps.
+
+Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..errors import Fault, FlexmbError, ModelError
+from ..model.build_young import build_young
+from ..read.deck import Deck
+from .deck import open_deck
+from .outcome import Outcome, RunOptions
+from .young import refuse_warnings
+
+INTERPRETED_LIMIT = 150  # equations
+RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
+
+
+@dataclass
+class CheckReport:
+    """What `check` found; `outcome` holds faults and the exit code.
+
+    `gaps`: (owner, largest residual of the estimates, of the assembled position, unit) per owner.
+    `redundant`, `free`: groups of names; None where the rank was not looked at.
+    """
+
+    outcome: Outcome
+    deck: Deck | None = None
+    counts: dict = field(default_factory=dict)
+    time: float | None = None
+    rank: int | None = None
+    redundant: list | None = None
+    free: list | None = None
+    smallest: float | None = None
+    gaps: list = field(default_factory=list)
+    jacobian: "LabelledJacobian | None" = None
+
+    def as_dict(self) -> dict:
+        """The record that `--json` prints."""
+        record = self.outcome.as_dict()
+        record.pop("files"), record.pop("rows")
+        names = ("owner", "estimate", "assembled", "unit")
+        return record | {
+            "dialect": self.deck.dialect if self.deck else None,
+            "counts": self.counts,
+            "rank": self.rank,
+            "smallest_singular_value": self.smallest,
+            "redundant": self.redundant,
+            "free": self.free,
+            "assembly": [dict(zip(names, gap, strict=True)) for gap in self.gaps],
+        }
+
+
+@dataclass(frozen=True)
+class LabelledJacobian:
+    """Φ_q at `time` (None: at the deck's estimates) in the source's units: rows, columns, labels."""
+
+    time: float | None
+    rows: tuple[str, ...]
+    bodies: tuple[str, ...]
+    matrix: np.ndarray
+
+
+def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> CheckReport:
+    """Read the deck at `path`, assemble it at its first time and analyse the rank of its Jacobian.
+
+    `jacobian`: "estimate" or a time at which to give Φ_q.  Failures become the outcome's faults.
+    """
+    report = CheckReport(Outcome(path))
+    try:
+        report.deck = open_deck(path, options, report.outcome)
+        mechanism, warnings = build_young(report.deck)
+        report.outcome.faults += warnings
+        refuse_warnings(report.outcome, options)
+        _diagnose(report, mechanism, jacobian)
+        refuse_warnings(report.outcome, options)
+    except FlexmbError as failure:
+        known = set(report.outcome.faults)
+        report.outcome.faults += [fault for fault in failure.faults if fault not in known]
+        report.outcome.exit_code = failure.exit_code
+        report.outcome.norms = getattr(failure, "norms", {})
+        report.outcome.failed_at = getattr(failure, "time", None)
+    return report
+
+
+def _diagnose(report: CheckReport, mechanism, jacobian):
+    from ..kernels import _jit
+
+    equations = 7 * len(mechanism.bodies)
+    if equations <= INTERPRETED_LIMIT:
+        _jit.interpret()
+    from ..solve.kinematics import KinematicAnalysis
+
+    analysis = KinematicAnalysis(mechanism)
+    report.counts = _counts(mechanism, analysis)
+    before = _gaps(analysis, analysis.arrays.q)
+    if jacobian == "estimate":
+        report.jacobian = _labelled(analysis, analysis.arrays.q, None)
+    try:
+        next(analysis.rows())
+    finally:
+        report.outcome.faults += analysis.warnings
+    report.time = mechanism.time.start
+    report.gaps = _before_and_after(analysis, before, _gaps(analysis, analysis.state[0]))
+    if equations <= RANK_LIMIT:
+        _look_at_rank(report, analysis)
+    if jacobian not in (None, "estimate"):
+        report.jacobian = _jacobian_at(mechanism, float(jacobian))
+
+
+def _counts(mechanism, analysis):
+    joints = {}
+    for joint in mechanism.joints:
+        joints[joint.kind] = joints.get(joint.kind, 0) + 1
+    return {
+        "bodies": len(mechanism.bodies),
+        "joints": joints,
+        "simplified": len(mechanism.simplified),
+        "distance": len(mechanism.distances),
+        "drivers": len(mechanism.drivers),
+        "grounds": len(mechanism.grounds),
+        "points": len(mechanism.points),
+        "report_times": mechanism.time.rows,
+        "equations": len(analysis.arrays.equations),
+        "coordinates": analysis.arrays.q.size,
+        "degrees_of_freedom": analysis.arrays.q.size
+        - len(analysis.arrays.equations)
+        + len(mechanism.drivers),
+    }
+
+
+def _gaps(analysis, q):
+    """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
+    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, analysis.arrays.screw_angles)
+    gaps: dict = {}
+    for equation, value in zip(analysis.arrays.equations, scaled * analysis.arrays.row_scale, strict=True):
+        key = (equation.owner, equation.unit)
+        gaps[key] = max(gaps.get(key, 0.0), abs(float(value)))
+    return gaps
+
+
+def _before_and_after(analysis, before, after):
+    return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
+
+
+def _look_at_rank(report, analysis):
+    from ..solve.diagnosis import mobility
+
+    found = mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
+    report.rank = found.rank
+    report.smallest = found.smallest
+    report.redundant = [[equation.name for equation in group] for group in found.redundant]
+    report.free = [list(names) for names in found.free]
+
+
+def _jacobian_at(mechanism, time):
+    """Φ_q at any time from the start on; the mechanism is moved there first."""
+    from ..solve.kinematics import KinematicAnalysis
+
+    start = mechanism.time.start
+    if not time >= start:
+        message = f"--jacobian {time:g}: the motion begins at t = {start:g} s"
+        raise ModelError([Fault("error", message)])
+    grid = replace(mechanism.time, end=time, step=max(time - start, 1.0))
+    analysis = KinematicAnalysis(replace(mechanism, time=grid))
+    for _ in analysis.rows():
+        pass
+    return _labelled(analysis, analysis.state[0], time)
+
+
+def _labelled(analysis, q, time):
+    evaluator, arrays = analysis.evaluator, analysis.arrays
+    evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
+    matrix = evaluator.matrix(q) * arrays.row_scale[:, None] / arrays.column_scale
+    factors = np.array([equation.factor for equation in arrays.equations])
+    names = tuple(equation.name for equation in arrays.equations)
+    return LabelledJacobian(time, names, arrays.body_names, matrix * factors[:, None])

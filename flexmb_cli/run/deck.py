@@ -1,0 +1,66 @@
+"""Run one deck of any dialect; every failure becomes an outcome with its exit code."""
+
+from ..errors import INTERNAL_FAULT, AnalysisError, Fault, FlexmbError
+from ..read.deck import Deck
+from ..read.dialects import read_deck
+from ..read.settings import apply_settings
+from ..read.text import read_text
+from ..write.file_names import result_paths
+from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
+from .young import run_young
+
+RUNNERS = {"young": run_young}
+
+
+def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout=None) -> Outcome:
+    """Read, solve and write the deck at `path` ("-": standard input).
+
+    `stdout` receives the OUT table of `--out -`.  Never raises for what a deck, a disk or a signal
+    can do; a fault of flexmb itself is left to the caller.
+    """
+    outcome = Outcome(path)
+    try:
+        deck = open_deck(path, options, outcome)
+        runner = RUNNERS[deck.dialect]
+        runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
+    except FlexmbError as failure:
+        _record(outcome, failure, options)
+    except KeyboardInterrupt:
+        outcome.exit_code = INTERRUPTED
+    except Terminated:
+        outcome.exit_code = TERMINATED
+    return outcome
+
+
+def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
+    """The deck at `path` with the changes of `--set`; its text and warnings go into `outcome`."""
+    outcome.source = read_text(path)
+    deck = apply_settings(read_deck(outcome.source, options.dialect), list(options.changes))
+    outcome.faults += deck.warnings
+    if deck.dialect not in RUNNERS:
+        message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
+        raise FlexmbError(message, (Fault("error", message),))
+    return deck
+
+
+def paths_of(deck: Deck, options: RunOptions):
+    """Where the results of `deck` go."""
+    return result_paths(
+        deck.source.name,
+        deck.dialect,
+        options.folder,
+        options.out,
+        options.h5,
+        options.no_out,
+        options.no_h5,
+    )
+
+
+def _record(outcome, failure: FlexmbError, options):
+    known = set(outcome.faults)
+    outcome.faults += [fault for fault in failure.faults if fault not in known]
+    outcome.exit_code = failure.exit_code
+    if isinstance(failure, AnalysisError):
+        outcome.failed_at, outcome.norms = failure.time, failure.norms
+    if outcome.exit_code == INTERNAL_FAULT:
+        raise failure

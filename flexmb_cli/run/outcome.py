@@ -1,0 +1,77 @@
+"""What is asked of a run, and what became of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ..errors import DONE, Fault
+from ..read.deck import DeckText
+
+INTERRUPTED, TERMINATED = 130, 143
+
+
+class Terminated(BaseException):
+    """SIGTERM, raised where the program happens to be; like KeyboardInterrupt no Exception."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """The options of `flexmb run` that concern one deck."""
+
+    dialect: str = "auto"
+    folder: str = "."
+    out: str | None = None
+    h5: str | None = None
+    no_out: bool = False
+    no_h5: bool = False
+    layout: str = "safe"
+    changes: tuple[str, ...] = ()
+    strict: bool = False
+    solver: dict = field(default_factory=dict)
+
+
+@dataclass
+class Outcome:
+    """What became of one deck; fills while the deck is run.
+
+    `deck` is the deck as named by the user, `source` its text once read.
+    """
+
+    deck: str
+    exit_code: int = DONE
+    source: DeckText | None = None
+    faults: list[Fault] = field(default_factory=list)
+    files: tuple[str, ...] = ()
+    rows: int = 0
+    iterations: int = 0
+    most_iterations: int = 0
+    largest_residual: float = 0.0
+    failed_at: float | None = None
+    norms: dict = field(default_factory=dict)
+
+    @property
+    def status(self) -> str:
+        """The outcome in one word, for `--json`."""
+        words = {0: "complete", 1: "failed", 2: "bad input", 3: "internal fault"}
+        return words.get(self.exit_code, "interrupted")
+
+    def as_dict(self) -> dict:
+        """The record that `--json` prints."""
+        return {
+            "deck": self.deck,
+            "status": self.status,
+            "exit_code": self.exit_code,
+            "faults": [fault.as_dict() for fault in self.faults],
+            "time": self.failed_at,
+            "norms": self.norms,
+            "rows": self.rows,
+            "files": list(self.files),
+        }
+
+
+@dataclass(frozen=True)
+class Listener:
+    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`."""
+
+    begin: Callable[[int], None] = lambda rows: None
+    advance: Callable[[int], None] = lambda rows: None
+    notice: Callable[[str], None] = lambda sentence: None

@@ -1,0 +1,67 @@
+"""First position of a mechanism when Newton from the deck's estimates fails, and what to say then."""
+
+import numpy as np
+
+from ..errors import AnalysisError, Fault, ModelError
+from .diagnosis import Mobility, nearest_position, worst_gaps
+from .position import Evaluator
+
+POLISHED = 1e-13
+
+
+def assemble_by_search(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
+    """A position that meets the equations as well as can be, and its scaled residual.
+
+    Least squares from the estimates, then the shortest corrections, which also converge where
+    equations repeat each other.
+    """
+    q, gap = nearest_position(evaluator, q, t, near)
+    scale = evaluator.arrays.column_scale
+    for _ in range(20):
+        if evaluator.is_large or np.max(np.abs(gap)) <= POLISHED:
+            break
+        better = q - scale * np.linalg.lstsq(evaluator.matrix(q), gap, rcond=1e-9)[0]
+        better_gap = evaluator.residual(better, t, near)
+        if not np.max(np.abs(better_gap)) < np.max(np.abs(gap)):
+            break
+        q, gap = better, better_gap
+    return q, evaluator.residual(q, t, near)
+
+
+def assembly_failure(evaluator: Evaluator, gap, t) -> AnalysisError:
+    """The mechanism of the deck cannot be put together at its first time."""
+    worst = worst_gaps(evaluator, gap)
+    left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
+    message = (
+        f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
+        f"constraints: {left}; check these joints' points and the body estimates"
+    )
+    place = worst[0].equation.place if worst else None
+    norms = {"gap": float(np.max(np.abs(gap))), "worst": [one.equation.name for one in worst]}
+    return AnalysisError(Fault("error", message, place), t, norms)
+
+
+def free_motion_error(found: Mobility, names, t) -> ModelError:
+    """Something can move that neither joints nor drivers determine."""
+    body = names[0].rsplit(" ", 1)[0]
+    doubled = "; ".join(_group(group) for group in found.redundant)
+    message = (
+        f"at t = {t:.6g} s a motion is left that nothing determines: {', '.join(names[:7])} can change "
+        "together; constrain it (a simplified constraint or a driver) in place of an equation that repeats "
+        f"others: {doubled}"
+    )
+    place = next((e.place for group in found.redundant for e in group if e.place), None)
+    return ModelError([Fault("error", message, place, body)])
+
+
+def redundancy_warning(found: Mobility) -> Fault:
+    """Some equations repeat others, yet every motion is determined."""
+    groups = "; ".join(_group(group) for group in found.redundant)
+    place = next((e.place for group in found.redundant for e in group if e.place), None)
+    return Fault("warning", f"redundant equations, consistent with the others: {groups}", place)
+
+
+def _group(equations, most: int = 6):
+    names = [e.name for e in equations[:most]]
+    more = f" and {len(equations) - most} more" if len(equations) > most else ""
+    return "one of " + ", ".join(names) + more if len(equations) > 1 else names[0]

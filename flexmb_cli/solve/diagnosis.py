@@ -1,0 +1,147 @@
+"""Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model.arrays import Equation
+from .position import Evaluator
+
+RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
+CLOSED = 1e-9  # scaled residual that counts as met
+NAMED = 1e-6  # of the largest component of a null vector
+PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
+
+
+@dataclass(frozen=True)
+class Gap:
+    """What is left of one owner's equations: its worst part and the residual there, in its unit."""
+
+    equation: Equation
+    value: float
+
+    @property
+    def text(self) -> str:
+        """Readable, such as "universal joint 1 (x): 3.1e-04 m"."""
+        unit = " m" if self.equation.is_length else ""
+        line = f", line {self.equation.place.line}" if self.equation.place else ""
+        return f"{self.equation.owner} ({self.equation.part}{line}): {abs(self.value):.1e}{unit}"
+
+
+def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap]:
+    """The owners with the largest scaled residuals, worst first; those that are met are left out."""
+    found: dict[str, Gap] = {}
+    for row in np.argsort(-np.abs(scaled_residual), kind="stable"):
+        equation = evaluator.arrays.equations[row]
+        if abs(scaled_residual[row]) <= CLOSED or len(found) == most:
+            break
+        found.setdefault(
+            equation.owner, Gap(equation, scaled_residual[row] * evaluator.arrays.row_scale[row])
+        )
+    return list(found.values())
+
+
+def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
+    """The position with the least residual that a least-squares search from q finds, and its residual."""
+    from scipy.optimize import least_squares
+
+    scale = evaluator.arrays.column_scale
+
+    def residual(x):
+        return evaluator.residual(x * scale, t, near)
+
+    def jacobian(x):
+        evaluator.residual(x * scale, t, near)
+        return evaluator.sparse_matrix(x * scale) if evaluator.is_large else evaluator.matrix(x * scale)
+
+    solver = "lsmr" if evaluator.is_large else "exact"
+    result = least_squares(
+        residual, q / scale, jacobian, tr_solver=solver, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
+    )
+    return result.x * scale, result.fun
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """Rank of the Jacobian at a position, and the names that a rank defect concerns.
+
+    `redundant`: groups of equations, one group a dependency; any one of a group repeats the others.
+    `free`: groups of coordinate names that can change together, largest share first.  `motions`:
+    the unit null vectors (freedoms, coordinates), scaled.  `pivots`: a coordinate for each of them
+    that no other moves.
+    """
+
+    equations: int
+    coordinates: int
+    rank: int
+    smallest: float
+    redundant: tuple[tuple[Equation, ...], ...]
+    free: tuple[tuple[str, ...], ...]
+    motions: np.ndarray
+    pivots: tuple[int, ...]
+
+    @property
+    def freedoms(self) -> int:
+        """Motions that the equations leave open at this position."""
+        return self.coordinates - self.rank
+
+
+def mobility(evaluator: Evaluator, q, t, near) -> Mobility:
+    """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
+    evaluator.residual(q, t, near)
+    left, values, right = np.linalg.svd(evaluator.matrix(q))
+    rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
+    arrays = evaluator.arrays
+    motions, pivots = sparse_basis(right[rank:])
+    dependencies, _ = sparse_basis(left[:, rank:].T)
+    return Mobility(
+        equations=len(arrays.equations),
+        coordinates=q.size,
+        rank=rank,
+        smallest=float(values[-1] / values[0]),
+        redundant=tuple(tuple(arrays.equations[k] for k in involved(row)) for row in dependencies),
+        free=tuple(tuple(arrays.coordinate_name(k) for k in involved(row)) for row in motions),
+        motions=motions,
+        pivots=pivots,
+    )
+
+
+def sparse_basis(vectors) -> tuple[np.ndarray, tuple[int, ...]]:
+    """Other vectors spanning the same space, of unit length, each with a coordinate of its own: its pivot.
+
+    Null vectors of a singular value decomposition mix unrelated motions; elimination with full
+    pivoting separates them, so that each can be named.
+    """
+    basis = np.array(vectors, dtype=float)
+    pivots = []
+    for k in range(len(basis)):
+        row, column = divmod(int(np.argmax(np.abs(basis[k:]))), basis.shape[1])
+        pivots.append(column)
+        basis[[k, k + row]] = basis[[k + row, k]]
+        for other in range(len(basis)):
+            if other != k:
+                basis[other] -= basis[k] * (basis[other, column] / basis[k, column])
+    norms = np.linalg.norm(basis, axis=1, keepdims=True)
+    return basis / np.where(norms > 0.0, norms, 1.0), tuple(pivots)
+
+
+def involved(vector) -> list[int]:
+    """Places of a vector that are not zero, largest first."""
+    size = np.abs(vector)
+    return [int(k) for k in np.argsort(-size, kind="stable") if size[k] > NAMED * size.max()]
+
+
+def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
+    """Whether the mechanism can really move along a null vector, and not only to first order.
+
+    A step along `motion` is brought back to the constraints by the shortest way; a stiff mechanism
+    comes back to where it was.
+    """
+    scale = evaluator.arrays.column_scale
+    moved = q + PROBE * motion * scale
+    for _ in range(60):
+        gap = evaluator.residual(moved, t, near)
+        if np.max(np.abs(gap)) <= 1e-13:
+            break
+        moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=RANK_TOLERANCE)[0]
+    return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE

@@ -1,0 +1,49 @@
+"""Attitudes of bodies with a rotational driver.
+
+The driver's two rows, e_k = sin(θ/2) and e0 = cos(θ/2), stand in place of the body's normalisation:
+the other two parameters must come out 0 from the joints.  If they do not, the joints tilt the body
+against its driver's axis, |p| is not 1 and the position is no position.
+"""
+
+import numpy as np
+
+from ..errors import AnalysisError, Fault, ModelError
+from ..model.mechanism import Driver, Mechanism
+from .rows import Rows
+
+UPRIGHT = 1e-9
+
+
+def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
+    """Raise ModelError naming the driven bodies that the first row shows tilted."""
+    tilted = [d for d in _turning(mechanism) if _tilt(first, d).max() > UPRIGHT]
+    if tilted:
+        raise ModelError([Fault("error", _message(d, _tilt(first, d)[0]), d.place, d.name) for d in tilted])
+
+
+def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
+    """The rows, if no driven body tilts in them; raises AnalysisError at the first that does."""
+    for driver in _turning(mechanism):
+        tilt = _tilt(rows, driver)
+        if tilt.max() > UPRIGHT:
+            k = int(np.argmax(tilt > UPRIGHT))
+            message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, tilt[k])}"
+            raise AnalysisError(Fault("error", message, driver.place), float(rows.time[k]))
+    return rows
+
+
+def _turning(mechanism):
+    return [driver for driver in mechanism.drivers if driver.direction > 3]
+
+
+def _tilt(rows, driver: Driver):
+    return np.abs(np.linalg.norm(rows.euler_parameters[:, driver.body], axis=-1) - 1.0)
+
+
+def _message(driver: Driver, tilt):
+    axis = "xyz"[driver.direction - 4]
+    return (
+        f"the joints turn body {driver.body + 1} away from the global {axis} axis that this driver turns "
+        f"it about (Euler parameters of length {1.0 + tilt:.6g} instead of 1); align the joint's axis with "
+        f"{axis}, or describe the body in axes in which its attitude is a turn about it"
+    )

@@ -1,0 +1,71 @@
+"""Text of what `flexmb check` found (`run.check.CheckReport`)."""
+
+COLUMNS = ("x", "y", "z", "e0", "e1", "e2", "e3")
+MOST_NAMES = 8
+
+
+def check_text(report) -> str:
+    """Counts, assembly and rank of a deck that could be read, one fact a line."""
+    counts = report.counts
+    joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
+    lines = [
+        f"{report.outcome.deck}: {report.deck.dialect.upper()} deck",
+        f"  bodies {counts['bodies']}, joints: {joints}",
+        f"  simplified {counts['simplified']}, distance {counts['distance']}, drivers {counts['drivers']}, "
+        f"grounded bodies {counts['grounds']}, points of interest {counts['points']}",
+        f"  equations {counts['equations']}, coordinates {counts['coordinates']}, "
+        f"degrees of freedom without drivers {counts['degrees_of_freedom']}, "
+        f"report times {counts['report_times']}",
+        *_assembly_lines(report),
+        *_rank_lines(report),
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _assembly_lines(report):
+    if not report.gaps:
+        return
+    yield f"  assembly at t = {report.time:.6g} s: largest residual per constraint, estimates → assembled"
+    width = max(len(owner) for owner, *_ in report.gaps)
+    for owner, before, after, unit in report.gaps:
+        yield f"    {owner:<{width}}  {before:9.2e} → {after:9.2e} {'m' if unit == 'm' else ''}".rstrip()
+
+
+def _rank_lines(report):
+    if report.rank is None:
+        return
+    coordinates = report.counts["coordinates"]
+    yield f"  rank {report.rank} of {coordinates}, smallest singular value {report.smallest:.1e}"
+    for group in report.redundant:
+        yield "  redundant, one of: " + _few(group)
+    for names in report.free:
+        yield "  not determined to first order: " + _few(names)
+
+
+def _few(names):
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return "; ".join(names[:MOST_NAMES]) + more
+
+
+def jacobian_text(jacobian) -> str:
+    """Φ_q as in Young's tables 6.1 and 6.2: a row an equation, seven columns a body."""
+    when = "at the estimates" if jacobian.time is None else f"at t = {jacobian.time:.6g} s"
+    width = max(len(name) for name in jacobian.rows)
+    number = len(str(len(jacobian.rows)))
+    lines = [f"Jacobian {when}; rows: equations, columns: {' '.join(COLUMNS)} of each body"]
+    lead = " " * (number + 2 + width)
+    lines.append(lead + "".join(f"  {name:<{7 * 9 - 1}}" for name in jacobian.bodies).rstrip())
+    lines.append(lead + "".join(" " + "".join(f"{c:>9}" for c in COLUMNS) for _ in jacobian.bodies))
+    for k, (name, row) in enumerate(zip(jacobian.rows, jacobian.matrix, strict=True), start=1):
+        cells = "".join(
+            " " + "".join(_cell(value) for value in row[7 * body : 7 * body + 7])
+            for body in range(len(jacobian.bodies))
+        )
+        lines.append(f"{k:>{number}}  {name:<{width}}{cells}".rstrip())
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _cell(value):
+    if abs(value) < 5e-16:
+        return f"{'.':>9}"
+    return f"{value:>9.4f}" if abs(value) < 1000 else f"{value:>9.2e}"
