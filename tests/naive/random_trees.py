@@ -49,10 +49,14 @@ def flexible_body(rng, name, nodes, axes):
     """A flexible body with a hub at its root."""
     x = rng.normal(size=(nodes, 3)) * 0.5
     m = rng.uniform(0.2, 0.6, nodes)
-    inertia = spd(rng, 3, 0.1) + sum(mi * (xi @ xi * np.eye(3) - np.outer(xi, xi)) for mi, xi in zip(m, x))
+    inertia = spd(rng, 3, 0.1) + sum(
+        mi * (xi @ xi * np.eye(3) - np.outer(xi, xi)) for mi, xi in zip(m, x, strict=True)
+    )
     n = nodes * len(axes)
     elastic = Elasticity(x, m, axes, spd(rng, n, 50.0), rng.normal(size=(nodes, 3)), spd(rng, n, 0.5))
-    return Body(name, m.sum() + 0.4, inertia, (0, 0, 0), elastic, tuple(rng.normal(size=3)), tuple(rng.normal(size=3)))
+    return Body(
+        name, m.sum() + 0.4, inertia, (0, 0, 0), elastic, tuple(rng.normal(size=3)), tuple(rng.normal(size=3))
+    )
 
 
 def random_tree(seed, bodies=5, flexible=0.5, tilted=False, **options):
@@ -68,12 +72,12 @@ def random_tree(seed, bodies=5, flexible=0.5, tilted=False, **options):
         hinges.append(random_hinge(rng, parts, k, tilted))
     n = len(generalized_coordinates(parts, hinges))
     options.setdefault("springs", random_springs(rng, hinges))
+    options.setdefault("time", TimeGrid(0.0, 1.0, 0.1))
     return Tree(
         tuple(parts),
         tuple(hinges),
         rng.uniform(-0.5, 0.5, n),
         rng.uniform(-2, 2, n),
-        TimeGrid(0.0, 1.0, 0.1),
         gravity=options.pop("gravity", tuple(rng.normal(size=3) * 5)),
         **options,
     )
