@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
-from .diagnosis import Mobility, nearest_position, worst_gaps
+from .diagnosis import Mobility, motion_text, nearest_position, worst_gaps
 from .position import Evaluator
 
 POLISHED = 1e-13
@@ -41,24 +41,26 @@ def assembly_failure(evaluator: Evaluator, gap, t) -> AnalysisError:
     return AnalysisError(Fault("error", message, place), t, norms)
 
 
-def free_motion_error(found: Mobility, names, t) -> ModelError:
-    """Something can move that neither joints nor drivers determine."""
-    body = names[0].rsplit(" ", 1)[0]
+def free_motion_error(evaluator: Evaluator, q, found: Mobility, motion, t) -> ModelError:
+    """Something can move along the null vector `motion` that neither joints nor drivers determine."""
     doubled = "; ".join(_group(group) for group in found.redundant)
     message = (
-        f"at t = {t:.6g} s a motion is left that nothing determines: {', '.join(names[:7])} can change "
-        "together; constrain it (a simplified constraint or a driver) in place of an equation that repeats "
-        f"others: {doubled}"
+        f"at t = {t:.6g} s a motion is left that nothing determines: {motion_text(evaluator, q, motion)}; "
+        "constrain it (a simplified constraint or a driver) in place of an equation that repeats others: "
+        f"{doubled}"
     )
-    place = next((e.place for group in found.redundant for e in group if e.place), None)
-    return ModelError([Fault("error", message, place, body)])
+    return ModelError([Fault("error", message, _first_place(found))])
 
 
 def redundancy_warning(found: Mobility) -> Fault:
     """Some equations repeat others, yet every motion is determined."""
     groups = "; ".join(_group(group) for group in found.redundant)
-    place = next((e.place for group in found.redundant for e in group if e.place), None)
-    return Fault("warning", f"redundant equations, consistent with the others: {groups}", place)
+    message = f"redundant equations, consistent with the others: {groups}"
+    return Fault("warning", message, _first_place(found))
+
+
+def _first_place(found):
+    return next((e.place for group in found.redundant for e in group if e.place), None)
 
 
 def _group(equations, most: int = 6):

@@ -5,11 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model.arrays import Equation
+from ..model.joint_types import JOINT_TYPES
 from .position import Evaluator
+from .rows import twice_g
 
 RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
 CLOSED = 1e-9  # scaled residual that counts as met
 NAMED = 1e-6  # of the largest component of a null vector
+PRESCRIBED_WEIGHT = 1e4
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
 
 
@@ -42,23 +45,39 @@ def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap
 
 
 def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
-    """The position with the least residual that a least-squares search from q finds, and its residual."""
+    """The position with the least residual that a least-squares search from q finds, and its residual.
+
+    What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
+    joints that a gap shows where the user would see it: in a joint.
+    """
     from scipy.optimize import least_squares
+    from scipy.sparse import diags
 
     scale = evaluator.arrays.column_scale
+    weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
 
     def residual(x):
-        return evaluator.residual(x * scale, t, near)
+        return weights * evaluator.residual(x * scale, t, near)
 
     def jacobian(x):
         evaluator.residual(x * scale, t, near)
-        return evaluator.sparse_matrix(x * scale) if evaluator.is_large else evaluator.matrix(x * scale)
+        if evaluator.is_large:
+            return diags(weights) @ evaluator.sparse_matrix(x * scale)
+        return weights[:, None] * evaluator.matrix(x * scale)
 
     solver = "lsmr" if evaluator.is_large else "exact"
     result = least_squares(
         residual, q / scale, jacobian, tr_solver=solver, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
     )
-    return result.x * scale, result.fun
+    return result.x * scale, result.fun / weights
+
+
+def _of_joints(arrays):
+    """Which equations are those of joints (equations,)."""
+    constraints = arrays.constraints
+    joints = np.isin(constraints["kind"], [kind.code for kind in JOINT_TYPES])
+    rows = np.arange(len(arrays.equations))
+    return joints[np.searchsorted(constraints["first_row"], rows, side="right") - 1]
 
 
 @dataclass(frozen=True)
@@ -145,3 +164,22 @@ def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
             break
         moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=RANK_TOLERANCE)[0]
     return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE
+
+
+def motion_text(evaluator: Evaluator, q, motion) -> str:
+    """A null vector in words: which bodies turn about, or move along, which global direction."""
+    bodies = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
+    size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
+    moving = [int(k) for k in np.argsort(-size, kind="stable") if size[k] > NAMED * size.max()]
+    parts = [
+        _body_motion(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], bodies[k]) for k in moving[:3]
+    ]
+    return "; ".join(parts) + (f"; and {len(moving) - 3} more bodies" if len(moving) > 3 else "")
+
+
+def _body_motion(name, p, rates):
+    velocity, omega = rates[:3], twice_g(p, rates[3:])
+    turning = np.linalg.norm(omega) > NAMED
+    direction = omega if turning else velocity
+    x, y, z = direction / np.linalg.norm(direction) + 0.0
+    return f"{name} can {'turn about' if turning else 'move along'} ({x:.3g}, {y:.3g}, {z:.3g})"

@@ -6,7 +6,7 @@ from ..kernels.newton import COLUMN, RANK, System
 from ..model.arrays import KinematicArrays
 from ..model.joint_types import DRIVER, SIMPLIFIED
 from ..model.mechanism import Mechanism
-from .rows import Rows
+from .rows import Rows, twice_g
 from .settings import KinematicSettings
 
 
@@ -68,20 +68,6 @@ def rows_of(mechanism: Mechanism, times, states, audit) -> Rows:
         constraint_residual=audit[:, 0].copy(),
         velocity_residual=audit[:, 1].copy(),
         newton_iterations=audit[:, 2].astype(np.int64),
-    )
-
-
-def twice_g(p, rate):
-    """2 G(p) rate (…, 3): angular velocity of ṗ (3.35), angular acceleration of p̈ (3.37), global axes."""
-    e0, e1, e2, e3 = np.moveaxis(p, -1, 0)
-    r0, r1, r2, r3 = np.moveaxis(rate, -1, 0)
-    return 2.0 * np.stack(
-        [
-            e0 * r1 - e1 * r0 + e2 * r3 - e3 * r2,
-            e0 * r2 - e2 * r0 + e3 * r1 - e1 * r3,
-            e0 * r3 - e3 * r0 + e1 * r2 - e2 * r1,
-        ],
-        axis=-1,
     )
 
 

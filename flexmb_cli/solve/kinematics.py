@@ -98,9 +98,9 @@ class KinematicAnalysis:
         if np.max(np.abs(gap)) > CLOSED:
             raise assembly_failure(evaluator, gap, t)
         found = mobility(evaluator, q, t, near)
-        for motion, names in zip(found.motions, found.free, strict=True):
+        for motion in found.motions:
             if moves_freely(evaluator, q, t, near, motion):
-                raise free_motion_error(found, names, t)
+                raise free_motion_error(evaluator, q, found, motion, t)
         if found.freedoms:
             self.warnings.append(redundancy_warning(found))
             self.system = with_dependent_columns(self.system, found.pivots)

@@ -28,3 +28,17 @@ class Rows:
     constraint_residual: np.ndarray  # (T,) largest |Phi|
     velocity_residual: np.ndarray  # (T,) largest |dPhi/dt|
     newton_iterations: np.ndarray  # (T,) int64
+
+
+def twice_g(p, rate):
+    """2 G(p) rate (…, 3): angular velocity of ṗ (3.35), angular acceleration of p̈ (3.37), global axes."""
+    e0, e1, e2, e3 = np.moveaxis(p, -1, 0)
+    r0, r1, r2, r3 = np.moveaxis(rate, -1, 0)
+    return 2.0 * np.stack(
+        [
+            e0 * r1 - e1 * r0 + e2 * r3 - e3 * r2,
+            e0 * r2 - e2 * r0 + e3 * r1 - e1 * r3,
+            e0 * r3 - e3 * r0 + e1 * r2 - e2 * r1,
+        ],
+        axis=-1,
+    )
