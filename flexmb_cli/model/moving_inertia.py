@@ -18,14 +18,13 @@ _ROUNDING = 1e-11
 
 def check_inertia(tree: Tree, values: DeckValues, findings: Findings) -> None:
     """Name every body whose inertia is negative, or zero where only its own can resist its hinge."""
-    parents = {hinge.parent for hinge in tree.hinges}
     allowed = _allowed_motions(tree)
     for k, body in enumerate(tree.bodies):
         left = moving_inertia(body, tree.one_way)
         value, motion = _smallest(left, moving_inertia(body, True), allowed)
         if value < -_ROUNDING:
             _report(body, k, motion, values, findings)
-        elif k not in parents:
+        elif _stands_alone(tree, k):
             hinged = hinge_motions(tree, k)
             value, motion = _smallest(left, moving_inertia(body, True), hinged)
             if value <= _ROUNDING:
@@ -70,6 +69,19 @@ def hinge_motions(tree: Tree, k: int) -> np.ndarray:
     columns = [np.concatenate([np.zeros(3), frame.T @ turn]) for turn in turns]
     columns += [np.concatenate([slide, np.zeros(3)]) for slide in slides]
     return np.array(columns).reshape(-1, 6).T
+
+
+def _stands_alone(tree, k):
+    """Whether no child can add inertia to hinge k: each sits on a node and can turn back with its own hinge.
+
+    Where the nodes of body k can stay behind altogether, such children stay with them.
+    """
+    turned = set(tree.hinges[k].rotations)
+    children = [hinge for hinge in tree.hinges if hinge.parent == k]
+    return all(
+        child.node is not None and turned <= set(child.rotations) and child.frame == UNTURNED
+        for child in children
+    )
 
 
 def _allowed_motions(tree):
