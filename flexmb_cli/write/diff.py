@@ -4,7 +4,7 @@ import numpy as np
 
 from ..errors import Fault
 from .diff_report import Found, Report
-from .out_table import Listing, Section, TableError, parse_listing, read_bytes
+from .out_table import LARGEST_INDEX, Listing, Section, TableError, parse_listing, read_bytes
 from .tolerances import Tolerances
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -38,7 +38,7 @@ def compare_listings(a: Listing, b: Listing, tolerances: Tolerances, same_attitu
     _compare_echo(report, a, b, tolerances)
     rows_a, rows_b = _matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
-    flips = _flips(a, b, rows_a, rows_b) if same_attitude else None
+    flips = _flips((a, b), (rows_a, rows_b)) if same_attitude else None
     for name in [*a.sections, *(name for name in b.sections if name not in a.sections)]:
         if name in a.sections and name in b.sections:
             _compare_section(report, name, (a, b), (rows_a, rows_b), tolerances, flips)
@@ -116,8 +116,9 @@ def _compare_times(report, a, b, rows_a, rows_b, tolerances):
 
 def _compare_section(report, name, listings, rows, tolerances, flips):
     sections = [listing.sections[name] for listing in listings]
-    pick_a, pick_b = _matching_lines(report, name, listings, rows)
+    pick_a, pick_b = _matching_lines(name, listings, rows)
     first, second = sections
+    _report_lines(report, name, listings, rows, (pick_a, pick_b))
     shared = [column for column in first.columns if column in second.columns]
     _report_columns(report, name, listings, sections)
     values = [
@@ -127,7 +128,7 @@ def _compare_section(report, name, listings, rows, tolerances, flips):
     kinds = np.array([first.kinds[first.columns.index(column)] for column in shared])
     units = np.maximum(*[section.units[[section.columns.index(c) for c in shared]] for section in sections])
     if flips is not None:
-        signs = flips[first.step[pick_a], first.index[pick_a]]
+        signs = np.where(np.isin(_keys(first, pick_a), flips), -1.0, 1.0)
         values[1] = np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])
     for kind in dict.fromkeys(kinds.tolist()):
         columns = np.flatnonzero(kinds == kind)
@@ -150,14 +151,9 @@ def _describer(name, listing, pick, columns, shared, values):
     return describe
 
 
-def _matching_lines(report, name, listings, rows):
+def _matching_lines(name, listings, rows):
     """Line numbers of the section in both tables that belong to the same row and item."""
-    keys = []
-    for listing, chosen in zip(listings, rows, strict=True):
-        section = listing.sections[name]
-        rank = np.full(len(listing.time), -1)
-        rank[chosen] = np.arange(len(chosen))
-        keys.append((rank[section.step], section.index))
+    keys = [_ranked(listing, name, chosen) for listing, chosen in zip(listings, rows, strict=True)]
     if (
         all(np.array_equal(left, right) for left, right in zip(*keys, strict=True))
         and (keys[0][0] >= 0).all()
@@ -165,26 +161,28 @@ def _matching_lines(report, name, listings, rows):
         everything = np.arange(len(keys[0][0]))
         return everything, everything
     pairs = [list(zip(rank.tolist(), index.tolist(), strict=True)) for rank, index in keys]
-    for k, (listing, other) in enumerate((listings, listings[::-1])):
-        _report_lines(report, name, listing, other, pairs[k], set(pairs[1 - k]))
-    known = [
-        [pair if pair[0] >= 0 else ("alone", k, line) for line, pair in enumerate(pairs[k])] for k in (0, 1)
-    ]
-    return _common(*known)
+    return _common(*[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)])
 
 
-def _report_lines(report, name, listing, other, pairs, others):
-    """Lines of rows that both tables have, but of a body or point that one of them lacks."""
+def _ranked(listing, name, chosen):
+    """For every line of the section: its row among the rows that both tables have (else -1), and its item."""
     section = listing.sections[name]
-    alone = [line for line, pair in enumerate(pairs) if pair[0] >= 0 and pair not in others]
-    if alone:
-        item = "point" if name == "point" else "body"
-        shown = _few(
-            [f"{item} {section.index[k]} at t = {listing.time[section.step[k]]:.10g}" for k in alone]
-        )
-        report.missing.append(
-            f"{name}: {len(alone)} lines of {listing.name} are not in {other.name}: {shown}"
-        )
+    rank = np.full(len(listing.time), -1)
+    rank[chosen] = np.arange(len(chosen))
+    return rank[section.step], section.index
+
+
+def _report_lines(report, name, listings, rows, picks):
+    """Lines of rows that both tables have, but of a body or point that one of them lacks."""
+    for k, (listing, other) in enumerate((listings, listings[::-1])):
+        section = listing.sections[name]
+        rank, _ = _ranked(listing, name, rows[k])
+        alone = np.setdiff1d(np.flatnonzero(rank >= 0), picks[k])
+        if alone.size:
+            item = "point" if name == "point" else "body"
+            places = [f"{item} {section.index[n]} at t = {listing.time[section.step[n]]:.10g}" for n in alone]
+            lines = f"{name}: {alone.size} lines of {listing.name} are not in {other.name}"
+            report.missing.append(f"{lines}: {_few(places)}")
 
 
 def _report_columns(report, name, listings, sections):
@@ -194,25 +192,27 @@ def _report_columns(report, name, listings, sections):
             report.missing.append(f"{name}: {listings[1 - k].name} has no column {', '.join(alone)}")
 
 
-def _flips(a, b, rows_a, rows_b):
-    """Signs (rows of a, numbers of bodies) that turn b's Euler parameters towards a's."""
-    bodies = max((int(s.index.max(initial=0)) for x in (a, b) for s in x.sections.values()), default=0)
-    signs = np.ones((len(a.time), bodies + 1))
-    if "position" not in a.sections or "position" not in b.sections:
-        return signs
-    attitudes = [_attitudes(listing, bodies)[rows] for listing, rows in ((a, rows_a), (b, rows_b))]
+def _flips(listings, rows):
+    """The lines of `a` whose Euler parameters point against b's, as keys of row and body."""
+    if any("position" not in listing.sections for listing in listings):
+        return np.array([], dtype=np.int64)
+    pick_a, pick_b = _matching_lines("position", listings, rows)
+    section = listings[0].sections["position"]
+    p_a, p_b = (
+        _attitudes(x.sections["position"])[pick] for x, pick in zip(listings, (pick_a, pick_b), strict=True)
+    )
     with np.errstate(invalid="ignore"):
-        signs[rows_a] = np.where((attitudes[0] * attitudes[1]).sum(axis=2) < 0, -1.0, 1.0)
-    return signs
+        against = (p_a * p_b).sum(axis=1) < 0
+    return _keys(section, pick_a)[against]
 
 
-def _attitudes(listing, bodies):
-    section = listing.sections["position"]
-    table = np.zeros((len(listing.time), bodies + 1, 4))
+def _attitudes(section):
     columns = [k for k, kind in enumerate(section.kinds) if kind == "euler"]
-    if len(columns) == 4:
-        table[section.step, section.index] = section.values[:, columns]
-    return table
+    return section.values[:, columns] if len(columns) == 4 else np.zeros((len(section.values), 4))
+
+
+def _keys(section, lines):
+    return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
 
 
 def _compare_echo(report, a, b, tolerances):

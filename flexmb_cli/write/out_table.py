@@ -59,6 +59,9 @@ HEADINGS = {"POSITION": "position", "VELOCITY": "velocity", "ACCELERATION": "acc
 # The oldest listings (OUT1-4-3) print two decimals everywhere.
 OLD_DECIMALS = 2
 
+# No deck has more bodies; a larger number at the start of a line is another slip.
+LARGEST_INDEX = 99999
+
 FAST_LINES = 4096
 
 
@@ -135,7 +138,7 @@ def read_bytes(path) -> bytes:
 def parse_listing(name: str, content: bytes) -> Listing | None:
     """The OUT table in `content`; None when it has no block and no echo of a YOUNG table.
 
-    Raises `TableError` with the place of every line that cannot be read (twenty at most).
+    Raises `TableError` with the place of every line that cannot be read.
     """
     text = content.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     lines = text.split("\n")
@@ -261,7 +264,11 @@ def _read_together(texts, width):
             numbers = np.fromstring(joined, sep=" ")
         except (ValueError, DeprecationWarning):
             return None
-    return numbers.reshape(-1, width + 1) if numbers.size == len(texts) * (width + 1) else None
+    if numbers.size != len(texts) * (width + 1):
+        return None
+    table = numbers.reshape(-1, width + 1)
+    index = table[:, 0]
+    return table if ((index >= 1) & (index <= LARGEST_INDEX) & (index == np.floor(index))).all() else None
 
 
 def _decimals_agree(joined, decimals, lines):
@@ -284,7 +291,10 @@ def _read_one_by_one(key, texts, numbers, columns, faults):
     for row, (text, number) in enumerate(zip(texts, numbers, strict=True)):
         index, rest, offset = _split_index(text)
         words = _split_row(rest, columns)
-        if words is None:
+        if not 1 <= index <= LARGEST_INDEX:
+            sentence = f"a number of a {columns.item} is expected first, read {text[:offset].strip()!r}"
+            faults.append(Fault("error", sentence, Place(number, 1, offset), key))
+        elif words is None:
             faults.append(_row_fault(key, index, rest, number, offset, columns))
         else:
             block[row] = [index, *map(float, words)]

@@ -166,3 +166,10 @@ def test_all_bad_lines_are_told_in_their_order():
         .replace(" 1.000 ", " 1.00O ")
     )
     assert [line for line, _, _ in faults(text)] == [3, 9, 23]
+
+
+def test_a_line_without_a_body_number_is_located():
+    text = BLOCK.replace(
+        "  1     0.000     0.000     0.000     1.000", "  0     0.000     0.000     0.000     1.000"
+    )
+    assert faults(text) == [(7, 1, "position: a number of a body is expected first, read '0'")]
