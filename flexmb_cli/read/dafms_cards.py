@@ -9,6 +9,7 @@ The whole format is described for users in decks/dafms/FORMAT.md.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 from .fortran_records import Item
 
@@ -211,6 +212,7 @@ CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}
 KNOWN_WORDS = (*MACROS, *SWITCHES, *CARDS)
 
 
+@cache
 def resembling(word: str) -> str | None:
     """The known card that `word` was probably meant to be: other case, one letter off, two swapped."""
     for known in KNOWN_WORDS:

@@ -10,23 +10,20 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 _EDIT = re.compile(r"(\d*)([IFE])(\d+)(?:\.(\d+))?")
+_PLAIN = re.compile(r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+)")
 _INTEGER = re.compile(r"[+-]?[0-9]+")
 _REAL = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)(?:[ED]?([+-][0-9]+)|[ED]([0-9]+))?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Edit:
-    """One field of a FORMAT: its letter (I, F or E), width, decimals and first column."""
+    """One field of a FORMAT: its letter (I, F or E), width, decimals, first and last column."""
 
     letter: str
     width: int
     decimals: int
     column: int
-
-    @property
-    def last(self) -> int:
-        """Last column of the field."""
-        return self.column + self.width - 1
+    last: int
 
     @property
     def descriptor(self) -> str:
@@ -60,28 +57,26 @@ def fortran_format(text: str) -> Format:
     for part in text.split(","):
         repeat, letter, width, decimals = _EDIT.fullmatch(part).groups()
         for _ in range(int(repeat or 1)):
-            edits.append(Edit(letter, int(width), int(decimals or 0), column))
-            column += int(width)
+            last = column + int(width) - 1
+            edits.append(Edit(letter, int(width), int(decimals or 0), column, last))
+            column = last + 1
     return Format(text, tuple(edits))
 
 
-@dataclass(frozen=True)
 class Field:
-    """What stands in the columns of one edit descriptor; `column` is that of the first character used."""
+    """What stands in the columns of one edit descriptor.
 
-    edit: Edit
-    raw: str
+    `raw` has the field's width; `spelled` is it without the blanks around; `column` is that of the
+    first character that is not blank, the field's first when all are.
+    """
 
-    @property
-    def spelled(self) -> str:
-        """The field without the blanks around it."""
-        return self.raw.strip(" ")
+    __slots__ = ("column", "edit", "raw", "spelled")
 
-    @property
-    def column(self) -> int:
-        """First column that is not blank; the field's first when all are."""
-        lead = len(self.raw) - len(self.raw.lstrip(" "))
-        return self.edit.column + (lead if self.spelled else 0)
+    def __init__(self, edit: Edit, raw: str):
+        self.edit = edit
+        self.raw = raw
+        self.spelled = raw.strip(" ")
+        self.column = edit.column + (len(raw) - len(raw.lstrip(" ")) if self.spelled else 0)
 
     @property
     def span(self) -> str:
@@ -91,6 +86,8 @@ class Field:
 
     def value(self) -> int | float | None:
         """The number read, or None when the field holds none."""
+        if self.edit.letter != "I" and _PLAIN.fullmatch(self.spelled):
+            return float(self.spelled)
         digits = self.raw.replace(" ", "")
         if not digits:
             return 0 if self.edit.letter == "I" else 0.0
@@ -101,8 +98,9 @@ class Field:
     @property
     def implied_point(self) -> bool:
         """Whether digits were read with the decimal point that the FORMAT implies."""
-        mantissa = re.split("[EeDd]", self.spelled)[0]
-        return self.edit.letter != "I" and "." not in mantissa and bool(mantissa.strip("+-0 "))
+        if self.edit.letter == "I" or "." in self.spelled:
+            return False
+        return bool(re.split("[EeDd]", self.spelled)[0].strip("+-0 "))
 
 
 def cut(line: str, edit: Edit) -> Field:

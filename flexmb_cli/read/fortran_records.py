@@ -102,69 +102,76 @@ class Records:
             self.report("error", subject, message)
             self.line -= 1
             raise MissingRecord
-        numbers = [
-            self._number(fmt, cut(line, edit), item, (subject, line, fmt.guide(len(items))))
-            for edit, item in zip(fmt.edits, items, strict=False)
-        ]
-        self._check_edges(fmt, line, len(items), subject)
-        self._check_rest(fmt, line, len(items), subject)
+        card = _Card(self, fmt, line, len(items), subject)
+        numbers = [card.number(field, item) for field, item in zip(card.fields, items, strict=True)]
+        card.check_edges()
+        card.check_rest()
         return numbers
 
-    def _number(self, fmt: Format, field: Field, item: Item, context) -> Number:
+
+class _Card:
+    """One record being read: its fields, and the faults that are shown with its FORMAT and ruler."""
+
+    def __init__(self, records: Records, fmt: Format, line: str, used: int, subject: str):
+        self.records = records
+        self.format = fmt
+        self.line = line
+        self.fields = [cut(line, edit) for edit in fmt.edits[:used]]
+        self.subject = subject
+
+    def number(self, field: Field, item: Item) -> Number:
+        """The field's number; 0 with an error noted when it holds none."""
         value = field.value()
-        place = Place(self.line, field.column, max(1, len(field.spelled)))
+        place = Place(self.records.line, field.column, len(field.spelled) or 1)
         if value is None:
-            self._report_bad(fmt, field, item, context, place)
+            self._report_bad(field, item, place)
             value = 0 if field.edit.letter == "I" else 0.0
-        elif field.implied_point or " " in field.spelled:
-            self._report_odd(fmt, field, item, context, place, value)
+        elif " " in field.spelled or field.implied_point:
+            self._report_odd(field, item, place, value)
         return Number(item.key, value, item.meaning, item.unit, place, field.spelled)
 
-    def _report_bad(self, fmt, field, item, context, place):
-        subject, line, guide = context
-        kind = "an integer" if field.edit.letter == "I" else "a real number"
-        reason = hint(field, line)
-        reason = f" ({reason})" if reason else ""
-        message = (
-            f"{item.key} in {field.span} must be {kind}, read '{field.spelled}'{reason}; FORMAT({fmt.text})"
-        )
-        self.report("error", subject, message, place, guide)
+    def _report(self, severity, message, place):
+        message = f"{message}; FORMAT({self.format.text})"
+        guide = self.format.guide(len(self.fields))
+        self.records.report(severity, self.subject, message, place, guide)
 
-    def _report_odd(self, fmt, field, item, context, place, value):
-        subject, _, guide = context
+    def _report_bad(self, field, item, place):
+        kind = "an integer" if field.edit.letter == "I" else "a real number"
+        reason = hint(field, self.line)
+        reason = f" ({reason})" if reason else ""
+        message = f"{item.key} in {field.span} must be {kind}, read '{field.spelled}'{reason}"
+        self._report("error", message, place)
+
+    def _report_odd(self, field, item, place, value):
         why = "blanks inside a number are ignored" if " " in field.spelled else "no decimal point is typed"
         if field.implied_point:
             why += f", so {field.edit.descriptor} takes {field.edit.decimals} decimals"
-        message = (
-            f"{item.key} in {field.span}: '{field.spelled}' is read as {value!r}: {why}; FORMAT({fmt.text})"
-        )
-        self.report("warning", subject, message, place, guide)
+        message = f"{item.key} in {field.span}: '{field.spelled}' is read as {value!r}: {why}"
+        self._report("warning", message, place)
 
-    def _check_edges(self, fmt, line, used, subject):
+    def check_edges(self) -> None:
         """Warn of a number cut in two: it begins in one field and leaves blanks in the next.
 
         Fields that touch because the right one is full are the custom of these decks.
         """
-        fields = [cut(line, edit) for edit in fmt.edits[:used]]
-        for left, right in pairwise(fields):
-            touching = left.raw[-1] != " " and right.raw[0] != " " and right.raw[-1] == " "
-            if touching and left.value() is not None and right.value() is not None:
+        for left, right in pairwise(self.fields):
+            if left.raw[-1] == " " or right.raw[0] == " " or right.raw[-1] != " ":
+                continue
+            if left.value() is not None and right.value() is not None:
                 message = (
                     f"'{left.spelled}' and '{right.spelled.split()[0]}' touch at column {right.edit.column}: "
-                    f"two numbers are read, one is typed?; FORMAT({fmt.text})"
+                    "two numbers are read, one is typed?"
                 )
-                self.report("warning", subject, message, Place(self.line, left.column), fmt.guide(used))
+                self._report("warning", message, Place(self.records.line, left.column))
 
-    def _check_rest(self, fmt, line, used, subject):
+    def check_rest(self) -> None:
         """Warn of numbers behind the last column read; words there are the old decks' comments."""
-        last = fmt.edits[used - 1].last
-        rest = line[last:].rstrip()
-        if rest.strip() and not rest.strip(" 0123456789.+-EeDd"):
+        last = self.fields[-1].edit.last
+        rest = self.line[last:].rstrip()
+        if rest and not rest.strip(" 0123456789.+-EeDd"):
             column = last + 1 + len(rest) - len(rest.lstrip())
-            message = f"'{rest.strip()}' stands behind column {last} and is not read; FORMAT({fmt.text})"
-            self.report(
-                "warning", subject, message, Place(self.line, column, len(rest.strip())), fmt.guide(used)
-            )
+            message = f"'{rest.strip()}' stands behind column {last} and is not read"
+            self._report("warning", message, Place(self.records.line, column, len(rest.strip())))
 
 
 def _named(items):
