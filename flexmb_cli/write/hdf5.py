@@ -170,7 +170,7 @@ class ResultFile:
             ("driver", mechanism.drivers),
         ):
             if items:
-                scales[f"{kind}/{kind}"] = self._numbered_axis(kind, [item.name for item in items])
+                scales[f"{kind}/{kind}"] = self._numbered_axis(kind, readable_names(kind, items))
         return scales
 
     def _numbered_axis(self, kind, names):
@@ -261,6 +261,20 @@ class _ForgivingDisk(io.FileIO):
         except OSError as error:
             self.failure = self.failure or error
             return size
+
+
+def readable_names(kind: str, items) -> list[str]:
+    """Names as in the settings of the deck: "body 1", "point 2"; joints count by their type: "spherical 1".
+
+    Messages name the same items in words ("spherical joint 1"); scripts rely on the names here.
+    """
+    counts: dict[str, int] = {}
+    names = []
+    for item in items:
+        word = item.kind if kind == "joint" else kind
+        counts[word] = counts.get(word, 0) + 1
+        names.append(f"{word} {counts[word]}")
+    return names
 
 
 def chunk_rows(mechanism: Mechanism) -> int:

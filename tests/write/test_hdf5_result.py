@@ -109,6 +109,16 @@ def test_names_stand_in_the_order_of_the_deck(written, rows):
     assert names == expected | {"joint": ["spherical 1"], "driver": ["driver 1"]}
 
 
+def test_names_do_not_follow_the_wording_of_messages(written, rows, mechanism):
+    first = replace(mechanism.joints[0], name="spherical joint 1")
+    second = replace(first, kind="screw", name="screw joint 1")
+    points = (replace(mechanism.points[0], name="point of interest 1"),)
+    wordy = replace(mechanism, joints=(first, second, first), points=points)
+    with h5py.File(written(rows([0.0]), mechanism=wordy)) as file:
+        assert list(file["joint/name"].asstr()) == ["spherical 1", "screw 1", "spherical 2"]
+        assert list(file["point/name"].asstr()) == ["point 1"]
+
+
 def test_the_file_tells_where_it_comes_from(written, rows, deck):
     with h5py.File(written(rows([0.0]))) as file:
         assert dict(file.attrs) == {
