@@ -10,7 +10,7 @@ import numpy as np
 
 from .deck_values import DeckValues
 from .findings import Findings
-from .tree import UNTURNED, Body, Tree
+from .tree import INERTIAL, UNTURNED, Body, Tree
 
 # Share of a body's inertia below which what its nodes leave counts as rounding.
 _ROUNDING = 1e-11
@@ -18,10 +18,9 @@ _ROUNDING = 1e-11
 
 def check_inertia(tree: Tree, values: DeckValues, findings: Findings) -> None:
     """Name every body whose inertia is negative, or zero where only its own can resist its hinge."""
-    allowed = _allowed_motions(tree)
     for k, body in enumerate(tree.bodies):
         left = moving_inertia(body, tree.one_way)
-        value, motion = _smallest(left, moving_inertia(body, True), allowed)
+        value, motion = _smallest(left, moving_inertia(body, True), _allowed_motions(tree, k))
         if value < -_ROUNDING:
             _report(body, k, motion, values, findings)
         elif _stands_alone(tree, k):
@@ -84,13 +83,20 @@ def _stands_alone(tree, k):
     )
 
 
-def _allowed_motions(tree):
-    """All six, or the three of the plane 2-3 when no hinge leaves it: planar decks leave the rest zero."""
-    for hinge in tree.hinges:
-        turned = any(q[2] or q[3] for q in (hinge.frame, hinge.attitude) if q != UNTURNED)
-        if turned or set(hinge.rotations) - {1} or set(hinge.translations) - {2, 3}:
-            return np.eye(6)
-    return np.eye(6)[:, [1, 2, 3]]
+def _allowed_motions(tree, k):
+    """Columns (6, n): any velocity of O_k, and the turning that the hinges on the way to body k allow.
+
+    Decks leave the moments about axes that never turn at zero: with turning about one axis only, the
+    others do not count.
+    """
+    path = [tree.hinges[k]]
+    while path[-1].parent != INERTIAL:
+        path.append(tree.hinges[path[-1].parent])
+    axes = {axis for hinge in path for axis in hinge.rotations}
+    for attitude in (quadruple for hinge in path for quadruple in (hinge.frame, hinge.attitude)):
+        axes |= {axis for axis in (1, 2, 3) if attitude[axis]} if axes else set()
+    turning = sorted(axes) if len(axes) < 2 else (1, 2, 3)
+    return np.eye(6)[:, [0, 1, 2, *(2 + axis for axis in turning)]]
 
 
 def _smallest(left, whole, motions):

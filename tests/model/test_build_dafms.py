@@ -220,3 +220,23 @@ def test_numbers_beyond_all_measure_are_refused():
     )
     with pytest.raises(ModelError, match="too large"):
         build_dafms(replace(deck, records=records))
+
+
+def test_moments_about_axes_that_never_turn_may_be_left_out():
+    """A base that turns about axis 1 only needs no moment about axis 3, however far its mass centre."""
+    deck = read("spatial_rigid").with_values(
+        {
+            **{f"counts.1.{key}": value for key, value in (("NR", 1), ("NR2", 0), ("NR3", 0))},
+            **{f"attitude.1.e{i}": float(i == 4) for i in (1, 2, 3, 4)},
+            **{f"inertia.1.BII{i}": value for i, value in ((1, 0.25), (2, 0.0), (3, 0.0))},
+        }
+    )
+    lists = ("speed", "coordinate", "first_coordinate")
+    deck = replace(deck, records=tuple(r for r in deck.records if r.section not in lists))
+    assert build_dafms(deck)[0].bodies[0].inertia[2, 2] == 0.0
+
+
+def test_moments_about_axes_that_turn_must_hold_the_mass_centre():
+    """spatial_rigid, body 1: m rc^2 = 2 * 0.3^2 = 0.18 about axes 1 and 3."""
+    with pytest.raises(ModelError, match=r"INER about axis 3 is 0.17 kg m\^2, less than m rc\^2 = 0.18"):
+        build_dafms(read("spatial_rigid").with_values({"inertia.1.BII3": 0.17}))

@@ -1,7 +1,8 @@
 """Bodies and hinges of FMBD.DAT that can be read but describe no model, or a doubtful one."""
 
 import pytest
-from dafms_decks import deck_text, told
+
+from tests.read.dafms_decks import deck_text, told
 
 CASES = [
     pytest.param(

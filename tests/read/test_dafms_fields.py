@@ -1,7 +1,8 @@
 """Fields of FMBD.DAT that hold no number, or one that was hardly meant: place, FORMAT, remedy."""
 
 import pytest
-from dafms_decks import deck_text, told
+
+from tests.read.dafms_decks import deck_text, told
 
 CASES = [
     pytest.param(

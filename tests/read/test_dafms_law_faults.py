@@ -1,7 +1,8 @@
 """Loads, drives, closures and start of FMBD.DAT that cannot be meant, or are doubtful."""
 
 import pytest
-from dafms_decks import deck_text, told
+
+from tests.read.dafms_decks import deck_text, told
 
 CASES = [
     pytest.param(

@@ -3,12 +3,12 @@
 import time
 
 import pytest
-from dafms_decks import DECKS, build, deck_text, faults, read, told
 
 from flexmb_cli.errors import DeckError, compiler_style
 from flexmb_cli.read import dafms_system
 from flexmb_cli.read.dafms_cards import EXTENSIONS, HISTORIC, KNOWN_WORDS
 from flexmb_cli.read.fortran_card import fortran_format
+from tests.read.dafms_decks import DECKS, build, deck_text, faults, read, told
 
 NAMES = sorted(path.stem for path in DECKS.glob("*.DAT"))
 

@@ -1,7 +1,8 @@
 """Decks of FMBD.DAT whose counts, lists or cards do not fit together."""
 
 import pytest
-from dafms_decks import deck_text, told
+
+from tests.read.dafms_decks import deck_text, told
 
 CASES = [
     pytest.param(
