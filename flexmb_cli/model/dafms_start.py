@@ -61,14 +61,19 @@ def _where(drive):
 
 
 def _check_first_coordinates(values, q, findings):
-    given = [record["X"] for record in values.section("first_coordinate")]
     if not values.section("speed"):
         message = "card 'Y(L)' is missing: the motion starts at rest from zero coordinates"
         findings.warn("", message, values.place("counts"))
-    if given and np.any(np.abs(np.array(given) - q) > 1.1e-5):
-        m = int(np.argmax(np.abs(np.array(given) - q)))
-        message = f"X({m + 1}) = {given[m]} is not used: Y(L) gives {q[m]} for this coordinate"
-        findings.warn("X(L)", message, values.place("first_coordinate", m + 1))
+    for m, record in enumerate(values.section("first_coordinate")):
+        if abs(record["X"] - q[m]) > 1.1e-5 and not _is_set(values, m):
+            message = f"X({m + 1}) = {record['X']} is not used: Y(L) gives {q[m]} for this coordinate"
+            findings.warn("X(L)", message, record.place)
+            return
+
+
+def _is_set(values, m):
+    """Whether `--set` gave the initial coordinate: the deck's echoes of the old one are no slips then."""
+    return bool(values.section("coordinate")) and values.place("coordinate", m + 1) is None
 
 
 def _set_driven(values, state, m, drive, name, findings):
@@ -87,6 +92,8 @@ def _check_angles(values, coordinates, hinges, q, findings):
     for m, c in enumerate(coordinates):
         hinge = hinges[c.body]
         if c.motion != ROTATION or len(hinge.rotations) != 1 or hinge.attitude == UNTURNED:
+            continue
+        if _is_set(values, m):
             continue
         echo = _quadruple(c.axis, q[m])
         if abs(np.dot(echo, hinge.attitude)) < math.cos(_ANGLE / 2):

@@ -240,3 +240,17 @@ def test_moments_about_axes_that_turn_must_hold_the_mass_centre():
     """spatial_rigid, body 1: m rc^2 = 2 * 0.3^2 = 0.18 about axes 1 and 3."""
     with pytest.raises(ModelError, match=r"INER about axis 3 is 0.17 kg m\^2, less than m rc\^2 = 0.18"):
         build_dafms(read("spatial_rigid").with_values({"inertia.1.BII3": 0.17}))
+
+
+def test_an_initial_angle_set_from_outside_is_no_slip_of_the_deck():
+    """X(L) and EULT echo the angle of Y(L); `--set` leaves a number without a place."""
+    deck = read("two_link_n2")
+    records = tuple(
+        replace(r, numbers=tuple(replace(n, value=0.1, place=None) for n in r.numbers))
+        if r.prefix == "coordinate.2"
+        else r
+        for r in deck.records
+    )
+    built, doubts = build_dafms(replace(deck, records=records))
+    assert built.q[1] == 0.1
+    assert doubts == []
