@@ -1,0 +1,242 @@
+"""The command line as scripts and pipelines use it: streams, exit codes, files, signals."""
+
+import json
+import os
+import shutil
+import signal
+import stat
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import h5py
+import pytest
+
+TOP = Path(__file__).resolve().parents[1]
+FOUR_BAR = TOP / "decks" / "young" / "IN4-BAR.dat"
+HELD = TOP / "decks" / "young" / "IN1-1-1.dat"
+# Rod of 5.4 m instead of 6.1 m: the crank cannot turn fully (a linkage of this size locks at t = 0.499 s).
+LOCKING = ["--set", "universal.1.P_j.y=5.4"]
+
+
+def flexmb(*arguments, cwd, stdin=None, **environment):
+    """A finished `flexmb` process, outputs as text."""
+    return subprocess.run(
+        [sys.executable, "-m", "flexmb_cli", *map(str, arguments)],
+        cwd=cwd, input=stdin, capture_output=True, text=True, encoding="utf-8", timeout=300,
+        env={**os.environ, **environment},
+    )  # fmt: skip
+
+
+def test_run_writes_table_and_result_beside_and_says_so_on_standard_error(tmp_path):
+    done = flexmb("run", FOUR_BAR, cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stdout == ""
+    assert done.stderr.splitlines()[-1].endswith("26 rows → OUT4-BAR.dat, OUT4-BAR.h5")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["OUT4-BAR.dat", "OUT4-BAR.h5"]
+
+
+def test_a_table_on_standard_output_is_alone_there(tmp_path):
+    done = flexmb("run", FOUR_BAR, "--out", "-", "--no-h5", cwd=tmp_path)
+    flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
+    assert done.stdout == (tmp_path / "OUT4-BAR.dat").read_text(encoding="utf-8")
+
+
+def test_standard_input_gives_flexmb_files_and_the_name_of_a_dash(tmp_path):
+    done = flexmb("run", "-", cwd=tmp_path, stdin=HELD.read_text())
+    assert done.returncode == 0
+    with h5py.File(tmp_path / "flexmb.h5") as result:
+        assert result.attrs["deck_name"] == "-"
+    assert (tmp_path / "flexmb.OUT").exists()
+
+
+def test_a_closed_pipe_ends_quietly(tmp_path):
+    command = f"{sys.executable} -m flexmb_cli run {FOUR_BAR} --out - --no-h5 -q | head -1"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert (done.stdout, done.stderr) == ("ENTER NUMBER OF\n", "")
+
+
+def test_quiet_prints_nothing_when_all_is_well(tmp_path):
+    done = flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_a_missing_deck_has_no_place_and_exit_2(tmp_path):
+    done = flexmb("run", "none.dat", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (2, "none.dat: error: no such file\n")
+
+
+def test_a_bad_deck_leaves_no_file(tmp_path):
+    done = flexmb("run", "-", cwd=tmp_path, stdin=HELD.read_text().replace("1 6 0", "1 7 0"))
+    assert done.returncode == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_lock_keeps_its_rows_marks_them_and_exits_with_1(tmp_path):
+    done = flexmb("run", FOUR_BAR, *LOCKING, cwd=tmp_path)
+    assert done.returncode == 1
+    assert ": error: at t = 0.5 s the constraints cannot be met" in done.stderr
+    assert "5 rows kept, marked as failed" in done.stderr
+    table = (tmp_path / "OUT4-BAR.dat").read_text(encoding="utf-8")
+    assert table.count("TIME=") == 5
+    assert table.endswith("\n-----CONVERGENCE FAILED-----\n")
+    with h5py.File(tmp_path / "OUT4-BAR.h5") as result:
+        assert result.attrs["status"] == "failed"
+        assert result.attrs["message"].startswith("at t = 0.5 s")
+        assert result["time"].shape == (5,)
+
+
+def test_json_tells_of_a_failure_what_a_program_needs(tmp_path):
+    done = flexmb("run", FOUR_BAR, *LOCKING, "--json", "-q", cwd=tmp_path)
+    record = json.loads(done.stdout)
+    assert (record["status"], record["exit_code"], record["time"], record["rows"]) == ("failed", 1, 0.5, 5)
+    assert record["faults"][0]["severity"] == "error"
+    assert record["faults"][0]["line"] == 16
+    assert 1e-4 < record["norms"]["gap"] < 1e-2
+    assert record["files"] == ["./OUT4-BAR.dat", "./OUT4-BAR.h5"] or record["files"] == [
+        "OUT4-BAR.dat",
+        "OUT4-BAR.h5",
+    ]
+
+
+def test_several_decks_are_all_tried_and_the_largest_code_wins(tmp_path):
+    done = flexmb("run", "none.dat", FOUR_BAR, HELD, "-q", cwd=tmp_path)
+    assert done.returncode == 2
+    assert (tmp_path / "OUT4-BAR.dat").exists()
+    assert (tmp_path / "OUT1-1-1.dat").exists()
+
+
+def test_several_jobs_give_the_same_bytes_as_one(tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    decks = sorted((TOP / "decks" / "young").glob("*.dat"))
+    assert flexmb("run", *decks, "-q", "-o", one, cwd=tmp_path).returncode == 0
+    assert flexmb("run", *decks, "-q", "-o", two, "-j", 2, cwd=tmp_path).returncode == 0
+    names = sorted(path.name for path in one.iterdir())
+    assert len(names) == 2 * len(decks)
+    for name in names:
+        assert (one / name).read_bytes() == (two / name).read_bytes(), name
+
+
+def test_two_decks_for_one_file_are_refused_before_anything_is_solved(tmp_path):
+    (tmp_path / "a").mkdir()
+    shutil.copy(HELD, tmp_path / "a" / HELD.name)
+    done = flexmb("run", HELD, tmp_path / "a" / HELD.name, cwd=tmp_path)
+    assert done.returncode == 2
+    assert not (tmp_path / "OUT1-1-1.dat").exists()
+
+
+def test_set_changes_a_number_by_its_name(tmp_path):
+    flexmb("run", FOUR_BAR, "--set", "time.end=0.3", "-q", cwd=tmp_path)
+    assert (tmp_path / "OUT4-BAR.dat").read_text().count("TIME=") == 4
+
+
+def test_an_unknown_name_is_an_error_with_neighbours(tmp_path):
+    done = flexmb("run", FOUR_BAR, "--set", "time.and=0.3", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "time.end" in done.stderr
+
+
+def test_strict_turns_a_warning_into_an_error(tmp_path):
+    deck = HELD.read_text().replace("0 0 0 1 0 0 0", "0 0 0 1.1 0 0 0")
+    assert flexmb("run", "-", cwd=tmp_path, stdin=deck).returncode == 0
+    done = flexmb("run", "-", "--strict", cwd=tmp_path, stdin=deck)
+    assert done.returncode == 2
+    assert "warning" not in done.stderr
+
+
+def test_check_writes_nothing_and_names_a_free_motion(tmp_path):
+    # The RSSR without its constraint on the coupler's spin: a second hold of the ground takes its place.
+    deck = (TOP / "decks/young/IN-RSSR.dat").read_text().replace("\n3 5 0\n", "\n2 2 -0.06567\n")
+    done = flexmb("check", "-", cwd=tmp_path, stdin=deck)
+    assert done.returncode == 2
+    assert "body 3 can turn about" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_check_prints_every_number_with_its_name(tmp_path):
+    done = flexmb("check", FOUR_BAR, "--echo", cwd=tmp_path)
+    assert done.returncode == 0
+    for name in (
+        "counts.NBODY",
+        "body.2.e3",
+        "driver.1.B",
+        "universal.1.Q_j.z",
+        "ground.1.gamma",
+        "time.step",
+    ):
+        assert f" {name} " in done.stdout
+
+
+def test_the_labelled_jacobian_is_that_of_table_6_1(tmp_path):
+    """Young (1996), table 6.1: row 7 at the deck's estimates, rows 11, 12 and 18, 19.
+
+    Row 7 is printed with lost signs and digits; the exact figures are those of its recomputation,
+    -1.36 -0.90 -1.02 0.54 for body 1 and -0.80 0.77 1.66 -0.07 for body 2.
+    """
+    done = flexmb("check", FOUR_BAR, "--jacobian", "estimate", cwd=tmp_path)
+    rows = {int(line.split()[0]): line for line in done.stdout.splitlines() if line.lstrip()[:1].isdigit()}
+    cells = {k: line[47:].replace(".  ", "0  ").split() for k, line in rows.items()}
+    row = [0.0 if cell == "." else float(cell) for cell in cells[7]]
+    assert [round(v, 2) for v in row[3:7]] == [-1.36, -0.90, -1.02, 0.54]
+    assert [round(v, 2) for v in row[10:14]] == [-0.80, 0.77, 1.66, -0.07]
+    assert "revolute joint 1, s_i × s_j, 1st" in rows[11]
+    assert "-2.0000" in rows[11]
+    assert "-2.0000" in rows[12]
+    assert "driver 1, e1" in rows[18]
+    assert "driver 1, e0" in rows[19]
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_keeps_and_marks_its_rows(tmp_path, sent):
+    command = [sys.executable, "-m", "flexmb_cli", "run", str(FOUR_BAR), "--set", "time.end=100000"]
+    flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)  # compiled kernels are not what is interrupted here
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    time.sleep(4.0)
+    process.send_signal(sent)
+    message = process.communicate(timeout=60)[1]
+    assert process.returncode == 128 + sent
+    assert "interrupted; " in message
+    assert "rows kept, marked as failed" in message
+    with h5py.File(tmp_path / "OUT4-BAR.h5") as result:
+        assert result.attrs["status"] == "failed"
+        assert result["time"].shape[0] > 1000
+
+
+def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
+    place = tmp_path / "install"
+    shutil.copytree(TOP / "flexmb_cli", place / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
+    for path in [place, *place.rglob("*")]:
+        path.chmod(path.stat().st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
+    environment = {n: v for n, v in os.environ.items() if n in ("PATH", "LANG", "VIRTUAL_ENV")}
+    work = tmp_path / "work"
+    work.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-m", "flexmb_cli", "run", str(HELD)],
+        cwd=work, env={**environment, "PYTHONPATH": str(place)}, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    for path in [place, *place.rglob("*")]:
+        path.chmod(path.stat().st_mode | stat.S_IWUSR)
+    assert done.returncode == 0, done.stderr
+    assert "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR" in done.stderr
+    assert (work / "OUT1-1-1.dat").exists()
+
+
+def test_eight_first_runs_at_once_all_succeed(tmp_path):
+    def first_run(number):
+        return flexmb(
+            "run",
+            HELD,
+            "-q",
+            "-o",
+            tmp_path / str(number),
+            cwd=tmp_path,
+            XDG_CACHE_HOME=str(tmp_path / "cache"),
+        )
+
+    with ThreadPoolExecutor(8) as pool:
+        runs = list(pool.map(first_run, range(8)))
+    assert [run.returncode for run in runs] == [0] * 8
+    tables = {(tmp_path / str(number) / "OUT1-1-1.dat").read_bytes() for number in range(8)}
+    assert len(tables) == 1
