@@ -145,3 +145,15 @@ def test_huge_counts_in_a_short_deck_end_at_once(counts):
     with pytest.raises(DeckError, match="unexpected end of the deck"):
         read(text)
     assert time.perf_counter() - started < 1.0
+
+
+def test_the_format_description_tells_every_card_with_its_format():
+    rows = [line for line in (DECKS / "FORMAT.md").read_text().splitlines() if line.startswith("| `")]
+    for card in (*HISTORIC, *EXTENSIONS):
+        (row,) = [
+            row
+            for row in rows
+            if f"`{card.word}`" in row.split("|")[1] or row.startswith(f"| `FORC`, `{card.word}`")
+        ]
+        assert card.format in row
+        assert card.tail in row
