@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import Place
+from .attitudes import Attitudes, held_coordinate
+from .equations import Equation, joint_equations
 from .joint_types import BY_NAME, DISTANCE, DRIVER, NORMALISATION, SIMPLIFIED
-from .mechanism import Driver, Ground, Joint, Mechanism, Simplified
+from .mechanism import Driver, Joint, Mechanism
 
 COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
 
@@ -43,32 +44,6 @@ CONSTRAINT = np.dtype(
 
 
 @dataclass(frozen=True)
-class Equation:
-    """One scalar equation: whose it is, which one, and where its owner stands in the deck.
-
-    `scale` is the unit its residual is measured in; `factor` turns the kernel's row (unit vectors)
-    into the source's (vectors as typed).
-    """
-
-    owner: str
-    part: str
-    place: Place | None
-    scale: float
-    factor: float = 1.0
-    is_length: bool = False
-
-    @property
-    def name(self) -> str:
-        """Readable name, such as "universal joint 1, s_i · s_j"."""
-        return f"{self.owner}, {self.part}"
-
-    @property
-    def unit(self) -> str:
-        """Unit of the residual: m, or 1 for unit vectors and Euler parameters."""
-        return "m" if self.is_length else "1"
-
-
-@dataclass(frozen=True)
 class KinematicArrays:
     """What the kernels and the solver need to know of a mechanism."""
 
@@ -91,7 +66,7 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
     """Arrays of a mechanism whose data have been checked (`build_young`)."""
     length = length_scale(mechanism)
     rows = _Rows(length)
-    attitudes = _Attitudes(mechanism)
+    attitudes = Attitudes(mechanism)
     for joint in mechanism.joints:
         _add_joint(rows, mechanism, joint)
     for item in mechanism.simplified:
@@ -154,59 +129,6 @@ class _Rows:
         self.add(SIMPLIFIED, body, body, [part], coordinate=coordinate, C=target)
 
 
-def held_coordinate(direction: int, value: float) -> tuple[int, float]:
-    """Coordinate (0-6) and value that a simplified constraint of `direction` 1-6 holds."""
-    return (direction - 1, value) if direction <= 3 else (direction, math.sin(0.5 * value))
-
-
-class _Attitudes:
-    """What the deck itself says of the attitudes: estimates, held components, rotational drivers."""
-
-    def __init__(self, mechanism):
-        self.bodies = mechanism.bodies
-        self.driven = {d.body for d in mechanism.drivers if d.direction > 3}
-        self.held = [{} for _ in mechanism.bodies]
-        holders: list[Simplified | Ground] = [*mechanism.simplified, *mechanism.grounds]
-        for item in holders:
-            single = isinstance(item, Simplified)
-            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)
-            for direction, value in pairs:
-                if direction > 3:
-                    self.held[item.body][direction] = held_coordinate(direction, value)[1]
-
-    def e0(self, body) -> float:
-        """e0 of a body whose e1, e2, e3 are all held; its sign is the estimate's."""
-        rest = max(0.0, 1.0 - sum(value * value for value in self.held[body].values()))
-        return math.copysign(math.sqrt(rest), self.bodies[body].p[0])
-
-    def estimates(self):
-        """Estimates q, with |p| = 1 and the held components of each attitude in their places.
-
-        A held component of ±1 leaves no room for the others, and Newton would creep to their double
-        root; so held components go in first, and the free ones share what is left of |p| = 1.
-        """
-        q = np.empty(7 * len(self.bodies))
-        for body, item in enumerate(self.bodies):
-            q[7 * body : 7 * body + 3] = item.r
-            q[7 * body + 3 : 7 * body + 7] = self._attitude(body)
-        return q
-
-    def _attitude(self, body):
-        p = np.array(self.bodies[body].p)
-        held = self.held[body]
-        if not held or body in self.driven:
-            return p / np.linalg.norm(p)
-        for direction, value in held.items():
-            p[direction - 3] = value
-        free = [k for k in range(4) if k + 3 not in held]
-        rest = max(0.0, 1.0 - sum(value * value for value in held.values()))
-        size = np.linalg.norm(p[free])
-        p[free] = p[free] * math.sqrt(rest) / size if size > 0.0 else 0.0
-        if size == 0.0:
-            p[0] = math.sqrt(rest)
-        return p
-
-
 def _add_joint(rows, mechanism, joint: Joint):
     kind = BY_NAME[joint.kind]
     values = {"P_i": joint.P_i, "P_j": joint.P_j}
@@ -219,28 +141,7 @@ def _add_joint(rows, mechanism, joint: Joint):
         values |= _screw_values(mechanism, joint, values["s_i"])
         values["screw"] = len(rows.screw_angles)
         rows.screw_angles.append(values.pop("theta"))
-    rows.add(kind, joint.i, joint.j, _joint_equations(joint, rows.length), **values)
-
-
-def _joint_equations(joint: Joint, length: float):
-    size_i, size_j, size_h = (math.hypot(*v) for v in (joint.s_i, joint.s_j, joint.h_i))
-    size_hj = math.hypot(*joint.h_j)
-    points = [("x", True, 1.0), ("y", True, 1.0), ("z", True, 1.0)]
-    arms = [("s_i · s_j", False, size_i * size_j)]
-    p1 = [("s_i × s_j, 1st", False, size_i * size_j), ("s_i × s_j, 2nd", False, size_i * size_j)]
-    p2 = [("s_i × d, 1st", True, size_i), ("s_i × d, 2nd", True, size_i)]
-    parts = {
-        "spherical": points,
-        "universal": points + arms,
-        "revolute": points + p1,
-        "cylindrical": p1 + p2,
-        "translational": p1 + p2 + [("h_i · h_j", False, size_h * size_hj)],
-        "screw": p1 + p2 + [("slide and turn", True, 1.0)],
-    }
-    return [
-        Equation(joint.name, part, joint.place, length if is_length else 1.0, factor, is_length)
-        for part, is_length, factor in parts[joint.kind]
-    ]
+    rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
 
 
 def across(s) -> tuple[np.ndarray, np.ndarray]:

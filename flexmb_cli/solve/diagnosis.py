@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.arrays import Equation
+from ..model.equations import Equation
 from ..model.joint_types import JOINT_TYPES
 from .position import Evaluator
 from .rows import twice_g

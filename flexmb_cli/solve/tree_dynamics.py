@@ -15,8 +15,9 @@ from ..kernels.dop853_table import ALL_STAGES, DENSE_TERMS
 from ..kernels.kane_tree import SOLVED
 from ..kernels.tree_work import FRAME_WORK, tree_work
 from ..model.tree import Table, Tree
-from ..model.tree_arrays import TreeArrays, initial_attitudes, tree_arrays
-from .tree_rows import TreeRows, tree_rows
+from ..model.tree_arrays import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
+from .tree_assembly import assemble_tree
+from .tree_rows import Observed, TreeRows, tree_rows
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -71,9 +72,11 @@ class TreeAnalysis:
     def rows(self) -> Iterator[TreeRows]:
         """Yield the report rows in blocks.
 
-        Raises AnalysisError where the mass matrix is not positive definite or the step length falls
-        to round-off; all rows before have been yielded.
+        Raises AnalysisError where a loop cannot be closed, the mass matrix is not positive definite
+        or the step length falls to round-off; all rows before have been yielded.
         """
+        if not self.resumed:
+            assemble_tree(self.tree, self._system(), self.state)
         grid = self.tree.time
         end = grid.time(grid.rows - 1)
         for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
@@ -117,9 +120,11 @@ class TreeAnalysis:
 
     def _observed(self, times, states):
         frames = np.zeros((times.size, self.work.size), FRAME_WORK)
-        rates, energy = np.zeros((times.size, self.coordinates.size)), np.zeros((times.size, 3))
-        tree_march.observe(*self._system(), times, states, frames, rates, energy)
-        block = tree_rows(self.tree, self.arrays, times, states, frames, rates, energy, self.attitude)
+        rates, audit = np.zeros((times.size, self.coordinates.size)), np.zeros((times.size, 5))
+        closures = np.zeros((times.size, self.arrays.closures.size), CLOSURE_ROW)
+        tree_march.observe(*self._system(), times, states, frames, rates, audit, closures)
+        observed = Observed(times, states, frames, rates, audit, closures)
+        block = tree_rows(self.tree, self.arrays, observed, self.attitude)
         self.attitude = block.euler_parameters[-1]
         return block
 

@@ -34,6 +34,9 @@ class TreeRows:
     potential: np.ndarray  # (T,) gravity and springs, J
     strain: np.ndarray  # (T,) J
     applied_work: np.ndarray  # (T,) of all other loads since the start, J
+    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, opposite on body b, global axes, N
+    constraint_residual: np.ndarray  # (T,) largest gap of a closure, m
+    velocity_residual: np.ndarray  # (T,) its largest rate, m/s
 
     @property
     def total(self) -> np.ndarray:
@@ -41,21 +44,34 @@ class TreeRows:
         return self.kinetic + self.potential + self.strain - self.applied_work
 
 
-def tree_rows(tree: Tree, arrays: TreeArrays, times, states, frames, rates, energy, last) -> TreeRows:
-    """Rows from the states (T, n), the frame records (T, F), y' (T, NS) and energies (T, 3).
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """What the kernels found for T report rows, see `tree_march.observe`."""
+
+    times: np.ndarray
+    states: np.ndarray
+    frames: np.ndarray
+    rates: np.ndarray
+    audit: np.ndarray
+    closures: np.ndarray
+
+
+def tree_rows(tree: Tree, arrays: TreeArrays, observed: Observed, last: np.ndarray | None) -> TreeRows:
+    """Rows in the terms of the model.
 
     `last` (N, 4): Euler parameters of the row before, whose signs these go on with.
     """
+    states, audit = observed.states, observed.audit
     n = len(tree.coordinates)
-    bodies = frames[:, body_frames(arrays)]
-    axes = bodies["axes"].reshape(len(times), -1, 3, 3)
+    bodies = observed.frames[:, body_frames(arrays)]
+    axes = bodies["axes"].reshape(len(states), -1, 3, 3)
     q = states[:, n : 2 * n]
     displacement = _displacements(tree, q)
     return TreeRows(
-        time=times,
+        time=observed.times,
         q=q,
         y=states[:, :n],
-        y_rate=rates,
+        y_rate=observed.rates,
         position=bodies["position"],
         euler_parameters=continued_signs(euler_parameters(axes), last),
         velocity=bodies["velocity"],
@@ -64,11 +80,23 @@ def tree_rows(tree: Tree, arrays: TreeArrays, times, states, frames, rates, ener
         angular_acceleration=bodies["acceleration"][..., :3],
         displacement=displacement,
         node_position=_node_positions(tree, bodies["position"], axes, displacement),
-        kinetic=energy[:, 0],
-        potential=energy[:, 1],
-        strain=energy[:, 2],
+        kinetic=audit[:, 0],
+        potential=audit[:, 1],
+        strain=audit[:, 2],
         applied_work=states[:, -1],
+        closure_force=_closure_forces(tree, observed.closures),
+        constraint_residual=audit[:, 3],
+        velocity_residual=audit[:, 4],
     )
+
+
+def _closure_forces(tree, rows):
+    """Sum of the forces along the closed directions of each closure (T, C, 3)."""
+    along = rows["force"][..., None] * rows["direction"]
+    counts = [len(closure.directions) for closure in tree.closures]
+    parts = np.split(along, np.cumsum(counts)[:-1], axis=1) if counts else []
+    sums = [part.sum(axis=1) for part in parts]
+    return np.stack(sums, axis=1) if sums else np.zeros((len(rows), 0, 3))
 
 
 def _displacements(tree, q):

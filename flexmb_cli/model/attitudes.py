@@ -1,0 +1,60 @@
+"""What a deck itself says of the attitudes of its bodies, and the estimates that follow from it."""
+
+import math
+
+import numpy as np
+
+from .mechanism import Ground, Mechanism, Simplified
+
+
+def held_coordinate(direction: int, value: float) -> tuple[int, float]:
+    """Coordinate (0-6) and value that a simplified constraint of `direction` 1-6 holds."""
+    return (direction - 1, value) if direction <= 3 else (direction, math.sin(0.5 * value))
+
+
+class Attitudes:
+    """What the deck itself says of the attitudes: estimates, held components, rotational drivers."""
+
+    def __init__(self, mechanism: Mechanism):
+        self.bodies = mechanism.bodies
+        self.driven = {d.body for d in mechanism.drivers if d.direction > 3}
+        self.held = [{} for _ in mechanism.bodies]
+        holders: list[Simplified | Ground] = [*mechanism.simplified, *mechanism.grounds]
+        for item in holders:
+            single = isinstance(item, Simplified)
+            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)
+            for direction, value in pairs:
+                if direction > 3:
+                    self.held[item.body][direction] = held_coordinate(direction, value)[1]
+
+    def e0(self, body) -> float:
+        """e0 of a body whose e1, e2, e3 are all held; its sign is the estimate's."""
+        rest = max(0.0, 1.0 - sum(value * value for value in self.held[body].values()))
+        return math.copysign(math.sqrt(rest), self.bodies[body].p[0])
+
+    def estimates(self):
+        """Estimates q, with |p| = 1 and the held components of each attitude in their places.
+
+        A held component of ±1 leaves no room for the others, and Newton would creep to their double
+        root; so held components go in first, and the free ones share what is left of |p| = 1.
+        """
+        q = np.empty(7 * len(self.bodies))
+        for body, item in enumerate(self.bodies):
+            q[7 * body : 7 * body + 3] = item.r
+            q[7 * body + 3 : 7 * body + 7] = self._attitude(body)
+        return q
+
+    def _attitude(self, body):
+        p = np.array(self.bodies[body].p)
+        held = self.held[body]
+        if not held or body in self.driven:
+            return p / np.linalg.norm(p)
+        for direction, value in held.items():
+            p[direction - 3] = value
+        free = [k for k in range(4) if k + 3 not in held]
+        rest = max(0.0, 1.0 - sum(value * value for value in held.values()))
+        size = np.linalg.norm(p[free])
+        p[free] = p[free] * math.sqrt(rest) / size if size > 0.0 else 0.0
+        if size == 0.0:
+            p[0] = math.sqrt(rest)
+        return p
