@@ -9,6 +9,7 @@ elastic ones locked at rest, then the elastic ones with the rigid ones locked.
 """
 
 from ._jit import kernel
+from .tree_closures import add_closure_forces, closing_forces, forget_closing_forces
 from .tree_inertia import own_inertia
 from .tree_kinematics import lump_place, place_frames
 from .tree_loads import add_body_torques, coordinate_efforts
@@ -40,10 +41,21 @@ def accelerations(tree, work, coordinates, t, q, y, attitudes):
     q, y (NS,), attitudes (balls, 4).  The rate of a `given` coordinate is input.
     """
     coordinate_efforts(tree, t, q, y, coordinates)
-    if not tree.one_way:
-        for m in range(coordinates.shape[0]):
-            coordinates[m]["locked"] = tree.given[m]
-        return solve_tree(tree, work, coordinates, t, q, y, attitudes)
+    forget_closing_forces(tree.closures)
+    if tree.one_way:
+        return _one_way(tree, work, coordinates, t, q, y, attitudes)
+    for m in range(coordinates.shape[0]):
+        coordinates[m]["locked"] = tree.given[m]
+    fault = solve_tree(tree, work, coordinates, t, q, y, attitudes)
+    if fault != SOLVED or tree.closures.shape[0] == 0:
+        return fault
+    closing_forces(tree, work, coordinates)
+    return solve_tree(tree, work, coordinates, t, q, y, attitudes)
+
+
+@kernel
+def _one_way(tree, work, coordinates, t, q, y, attitudes):
+    """Rigid coordinates with the elastic ones locked at rest, then the elastic ones; as `accelerations`."""
     for m in range(coordinates.shape[0]):
         coordinates[m]["locked"] = tree.given[m] or tree.elastic[m]
         if tree.elastic[m]:
@@ -67,6 +79,7 @@ def solve_tree(tree, work, coordinates, t, q, y, attitudes):
     for k in range(1, frames.shape[0]):
         own_inertia(frames[k], work[k], tree.lumps, tree.gravity, coordinates, q, y)
     add_body_torques(tree, t, work)
+    add_closure_forces(tree.closures, work)
     for k in range(frames.shape[0] - 1, 0, -1):
         fault = _eliminate_hinge(frames[k], work[k], coordinates, tree.inertia_scale)
         if fault != SOLVED:

@@ -12,6 +12,7 @@ from .kane_tree import SOLVED
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage, step_error
 from .tree_energy import energies
 from .tree_motion import derivative, normalise_attitudes, parts
+from .tree_projection import largest_gap, largest_rate, project
 
 ROWS_FULL, AT_STOP, PAUSED, STEP_VANISHED = 0, 1, 2, 3
 
@@ -104,6 +105,8 @@ def march(tree, work, coordinates, clock, z, old, slopes, dense, trial, stop, ti
         if times[clock["row"]] < clock["t"]:
             _prepare_dense(tree, work, coordinates, clock, z, old, slopes, dense, trial)
         slopes[0] = slopes[STAGES]
+        if tree.closures.shape[0] > 0:
+            _close_loops(tree, work, coordinates, clock["t"], z, slopes[0])
 
 
 @kernel
@@ -164,6 +167,14 @@ def _stages(tree, work, coordinates, clock, h, z, slopes, trial):
 
 
 @kernel
+def _close_loops(tree, work, coordinates, t, z, slope):
+    """Project a state onto the closures, and evaluate its slope anew."""
+    derivative(tree, work, coordinates, t, z, slope)
+    project(tree, work, coordinates, z)
+    derivative(tree, work, coordinates, t, z, slope)
+
+
+@kernel
 def _prepare_dense(tree, work, coordinates, clock, z, old, slopes, dense, trial):
     """Evaluate the stages of the dense output, and its polynomial."""
     h = clock["step_length"]
@@ -178,17 +189,24 @@ def _prepare_dense(tree, work, coordinates, clock, z, old, slopes, dense, trial)
 
 
 @kernel
-def observe(tree, work, coordinates, times, rows, frames, rates, energy):
-    """Accelerations and energies of report rows.
+def observe(tree, work, coordinates, times, rows, frames, rates, audit, closures):
+    """Accelerations, energies and closure forces of report rows, whose loops are closed first.
 
-    frames (T, F) of FRAME_WORK, rates (T, NS) y', energy (T, 3) kinetic, potential, strain, J.
+    frames (T, F) of FRAME_WORK, rates (T, NS) y', closures (T, R) of CLOSURE_ROW; audit (T, 5)
+    kinetic, potential, strain energy, J, largest gap, m, and largest rate of a gap, m/s.
     """
     slope = np.zeros(rows.shape[1])
     for i in range(times.shape[0]):
         y, q, _attitudes = parts(tree, rows[i])
         derivative(tree, work, coordinates, times[i], rows[i], slope)
+        if tree.closures.shape[0] > 0:
+            _close_loops(tree, work, coordinates, times[i], rows[i], slope)
         for k in range(work.shape[0]):
             frames[i, k] = work[k]
         for m in range(y.shape[0]):
             rates[i, m] = coordinates[m]["rate"]
-        energy[i, 0], energy[i, 1], energy[i, 2] = energies(tree, work, q, y)
+        for j in range(tree.closures.shape[0]):
+            closures[i, j] = tree.closures[j]
+        audit[i, 0], audit[i, 1], audit[i, 2] = energies(tree, work, q, y)
+        audit[i, 3] = largest_gap(tree.closures)
+        audit[i, 4] = largest_rate(tree.closures)

@@ -24,6 +24,8 @@ FRAME_WORK = np.dtype(
         ("inertia", np.float64, 21),  # articulated inertia
         ("bias", np.float64, 6),  # p_n, p_f
         ("acceleration", np.float64, 6),  # al, a
+        ("push", np.float64, 6),  # bias of a force whose effect alone is asked for
+        ("response", np.float64, 6),  # (al, a) by that force alone
     ]
 )
 
@@ -36,6 +38,7 @@ COORDINATE_WORK = np.dtype(
         ("coupling", np.float64, 6),  # inertia times direction
         ("pivot", np.float64),  # inertia along it while all that hangs on it is free
         ("drive", np.float64),  # effort less the bias force; in the end, of a locked one, what locks it
+        ("response", np.float64),  # acceleration by the pushes alone
     ]
 )
 

@@ -1,9 +1,10 @@
 """Tree → structured arrays: what the kernels of tree dynamics read.
 
-A *frame* is a body or a node that carries other bodies: such a node is a point mass on translational
-hinges along the axes of its body, so that one recursion serves both.  The other nodes are *lumps*,
-which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's carrying nodes
-right behind it: a parent always comes before its children.  Frame 0 is the inertial frame.
+A *frame* is a body or a node that carries a hinge or closure: such a node is a point mass on
+translational hinges along the axes of its body, so that one recursion serves both.  The other nodes
+are *lumps*, which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's
+carrying nodes right behind it: a parent always comes before its children.  Frame 0 is the inertial
+frame.
 """
 
 from typing import NamedTuple
@@ -73,6 +74,24 @@ LAW = np.dtype(
     ]
 )
 
+# One closed direction of a closure: what it is, then what the kernels found for it last.
+CLOSURE_ROW = np.dtype(
+    [
+        ("frame_a", np.int64),
+        ("frame_b", np.int64),
+        ("point_a", np.float64, 3),  # axes of frame a, m
+        ("point_b", np.float64, 3),
+        ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("direction", np.float64, 3),  # of that axis, inertial axes
+        ("place", np.float64, 3),  # of point a, inertial axes, m
+        ("gap", np.float64),  # (p_a - p_b) . direction, m
+        ("rate", np.float64),  # its rate, m/s
+        ("force", np.float64),  # along the direction on body a, and opposite on body b, N
+        ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
+        ("order", np.int64),  # the row that is eliminated in this place
+    ]
+)
+
 
 class TreeArrays(NamedTuple):
     """A tree in numbers.  NS coordinates; `elastic`, `given` (NS,) mark elastic and prescribed ones."""
@@ -85,6 +104,8 @@ class TreeArrays(NamedTuple):
     springs: np.ndarray
     prescribed: np.ndarray
     laws: np.ndarray
+    closures: np.ndarray  # one record a closed direction
+    closure_matrix: np.ndarray  # (rows, rows), scratch
     gravity: np.ndarray  # (3,)
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
@@ -95,7 +116,8 @@ class TreeArrays(NamedTuple):
 def tree_arrays(tree: Tree) -> TreeArrays:
     """The arrays of a tree; laws get their values later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
-    frames, lumps, body_frames = _frames(tree, index)
+    frames, lumps, of_body, of_node = _frames(tree, index)
+    closures = _closure_rows(tree, of_body, of_node)
     elastic_bodies, stiffness, damping = _elastic_bodies(tree, index)
     prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
     given = np.zeros(len(index), bool)
@@ -108,7 +130,9 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         damping=damping,
         springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
-        laws=_laws(tree, index, body_frames),
+        laws=_laws(tree, index, of_body),
+        closures=closures,
+        closure_matrix=np.zeros((closures.size, closures.size)),
         gravity=np.array(tree.gravity, float),
         elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),
         given=given,
@@ -146,8 +170,9 @@ def _rigid(index, item):
 
 
 def _frames(tree, index):
-    """Frame records, lump records, and the frame of every body."""
-    carriers = {(hinge.parent, hinge.node) for hinge in tree.hinges if hinge.node is not None}
+    """Frame records, lump records, and the frames of all bodies and of the nodes that have one."""
+    carriers = {(hinge.parent, hinge.node) for hinge in tree.hinges}
+    carriers |= {(c.a, c.a_node) for c in tree.closures} | {(c.b, c.b_node) for c in tree.closures}
     frames, lumps, of_body, of_node = [_blank_frame(0, INERTIAL)], [], [], {}
     balls = 0
     for k, body in enumerate(tree.bodies):
@@ -165,7 +190,7 @@ def _frames(tree, index):
             else:
                 lumps.append(_lump(body, k, node, index))
         frame["lumps"] = len(lumps) - frame["first_lump"]
-    return np.concatenate(frames), _records(LUMP, lumps), of_body
+    return np.concatenate(frames), _records(LUMP, lumps), of_body, of_node
 
 
 def _blank_frame(parent, body):
@@ -266,6 +291,22 @@ def _laws(tree, index, of_body):
     laws = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
     laws += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
     return _records(LAW, laws)
+
+
+def _closure_rows(tree, of_body, of_node):
+    rows = []
+    for c in tree.closures:
+        a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node]
+        b = 0 if c.b == INERTIAL else of_body[c.b] if c.b_node is None else of_node[c.b, c.b_node]
+        # A node's own frame has its origin at the node.
+        point_a = c.a_point if c.a_node is None else (0.0, 0.0, 0.0)
+        point_b = c.b_point if c.b_node is None else (0.0, 0.0, 0.0)
+        for axis in c.directions:
+            row = np.zeros(1, CLOSURE_ROW)
+            row["frame_a"], row["frame_b"], row["axis"] = a, b, axis - 1
+            row["point_a"], row["point_b"] = point_a, point_b
+            rows.append(row)
+    return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)
 
 
 def _inertia_scale(tree):

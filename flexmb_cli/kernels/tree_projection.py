@@ -1,0 +1,127 @@
+"""Bringing the coordinates and speeds of a tree onto its closures.
+
+A correction is the motion that forces in the closures would give the tree, b^-1 Jᵀ times what closes
+the gaps: the least one in the measure of the mass matrix, which leaves alone whatever the loops do
+not involve.
+"""
+
+import numpy as np
+
+from ._jit import kernel
+from .kane_tree import SOLVED, solve_tree
+from .tree_closures import measure_closures, push_rows, set_response_matrix, solve_rows
+from .tree_kinematics import attitude_rates, place_frames
+from .tree_loads import set_prescribed
+from .tree_motion import normalise_attitudes, parts
+from .tree_response import respond, respond_lumps
+
+CLOSED = 1e-13  # m and m/s: as good as closed
+MOST_CORRECTIONS = 5
+MOST_ITERATIONS = 60
+LARGEST_TURN = 0.5  # of one coordinate in an iteration of the assembly, rad or m
+
+
+@kernel
+def largest_gap(closures):
+    """Largest |gap|, m."""
+    largest = 0.0
+    for i in range(closures.shape[0]):
+        largest = max(largest, abs(closures[i]["gap"]))
+    return largest
+
+
+@kernel
+def largest_rate(closures):
+    """Largest |rate| of a gap, m/s."""
+    largest = 0.0
+    for i in range(closures.shape[0]):
+        largest = max(largest, abs(closures[i]["rate"]))
+    return largest
+
+
+@kernel
+def project(tree, work, coordinates, z):
+    """Close gaps and rates of z, near the state for which the equations have just been solved."""
+    for _ in range(MOST_CORRECTIONS):
+        _measure(tree, work, coordinates, z)
+        if largest_gap(tree.closures) <= CLOSED:
+            break
+        _close_gaps(tree, work, coordinates, z, 1e300)
+    _measure(tree, work, coordinates, z)
+    _close_rates(tree, work, coordinates, z)
+
+
+@kernel
+def assemble(tree, work, coordinates, t, z, kept):
+    """Close gaps and rates of z (n,) by Newton's method; returns the largest gap left, m.
+
+    `kept` (NS,) marks coordinates that stay as they are.
+    """
+    y, q, attitudes = parts(tree, z)
+    set_prescribed(tree, t, q, y, coordinates)
+    for _ in range(MOST_ITERATIONS):
+        for m in range(y.shape[0]):
+            coordinates[m]["locked"] = kept[m]
+        if solve_tree(tree, work, coordinates, t, q, y, attitudes) != SOLVED:
+            return np.inf
+        set_response_matrix(tree, work, coordinates)
+        _measure(tree, work, coordinates, z)
+        if largest_gap(tree.closures) <= CLOSED:
+            break
+        _close_gaps(tree, work, coordinates, z, LARGEST_TURN)
+    _close_rates(tree, work, coordinates, z)
+    _measure(tree, work, coordinates, z)
+    return largest_gap(tree.closures)
+
+
+@kernel
+def _measure(tree, work, coordinates, z):
+    y, q, attitudes = parts(tree, z)
+    place_frames(tree.frames, work, coordinates, q, y, attitudes)
+    measure_closures(tree.closures, work)
+
+
+@kernel
+def _respond_to_rows(tree, work, coordinates, z):
+    """Responses of all coordinates to forces that take away what the rows hold as forces."""
+    _y, q, _attitudes = parts(tree, z)
+    solve_rows(tree.closures, tree.closure_matrix)
+    push_rows(tree.closures, work, -1)
+    respond(tree.frames, work, coordinates)
+    respond_lumps(tree, work, coordinates, q)
+
+
+@kernel
+def _close_gaps(tree, work, coordinates, z, longest):
+    """Move the coordinates by one Newton correction, none further than `longest`."""
+    for i in range(tree.closures.shape[0]):
+        tree.closures[i]["force"] = -tree.closures[i]["gap"]
+    _respond_to_rows(tree, work, coordinates, z)
+    largest = 0.0
+    for m in range(coordinates.shape[0]):
+        largest = max(largest, abs(coordinates[m]["response"]))
+    share = min(1.0, longest / largest) if largest > 0.0 else 1.0
+    _y, q, attitudes = parts(tree, z)
+    move = np.zeros(q.shape[0])
+    for m in range(q.shape[0]):
+        move[m] = share * coordinates[m]["response"]
+        q[m] += move[m]
+    turn = np.zeros(attitudes.shape)
+    for k in range(1, tree.frames.shape[0]):
+        if tree.frames[k]["ball"] >= 0:
+            attitude_rates(tree.frames[k], move, attitudes, turn)
+    for ball in range(attitudes.shape[0]):
+        for i in range(4):
+            attitudes[ball, i] += turn[ball, i]
+    normalise_attitudes(tree, z)
+
+
+@kernel
+def _close_rates(tree, work, coordinates, z):
+    """Change the speeds by the correction that is exact but for round-off."""
+    for i in range(tree.closures.shape[0]):
+        tree.closures[i]["force"] = -tree.closures[i]["rate"]
+    _respond_to_rows(tree, work, coordinates, z)
+    y, _q, _attitudes = parts(tree, z)
+    for m in range(y.shape[0]):
+        y[m] += coordinates[m]["response"]
