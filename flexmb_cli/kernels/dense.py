@@ -2,8 +2,8 @@
 
 LAPACK chooses its loops by processor and gives other last digits elsewhere.  A constraint Jacobian
 is mostly zeros: among the pivots that are good enough the first in order is taken, which leaves
-most zeros standing when simple equations come first, rows without an entry in the pivot's column
-are skipped, and substitution visits nonzeros only.
+most zeros standing when simple equations come first, and elimination and substitution visit
+nonzeros only.
 """
 
 from ._jit import kernel
@@ -29,11 +29,14 @@ def pivot_row(matrix, order, k):
 def factorise(matrix, order, pattern, smallest, rank):
     """Overwrite matrix (n, n) with its factors; rows are exchanged in `order` (n,) only.
 
-    pattern (n, n + 1) receives the nonzero places.  The columns from `rank` on depend on those
+    pattern (n, n + 1) receives the nonzero places of every row: where those left of the diagonal
+    end, where those right of it end, then the places.  The columns from `rank` on depend on those
     before: their unknowns become 0.  Returns 0, or the 1-based column before `rank` in which no
     pivot exceeds `smallest` (also for NaN).
     """
     n = matrix.shape[0]
+    for row in range(n):
+        pattern[row, 0] = 2
     for k in range(rank):
         pivot = pivot_row(matrix, order, k)
         row = order[pivot]
@@ -41,33 +44,38 @@ def factorise(matrix, order, pattern, smallest, rank):
         order[k] = row
         if not abs(matrix[row, k]) > smallest:
             return k + 1
+        note_right(matrix, pattern, row, k)
         for i in range(k + 1, n):
-            below = order[i]
-            if matrix[below, k] != 0.0:
-                factor = matrix[below, k] / matrix[row, k]
-                matrix[below, k] = factor
-                for j in range(k + 1, n):
-                    matrix[below, j] -= factor * matrix[row, j]
+            if matrix[order[i], k] != 0.0:
+                eliminate(matrix, pattern, row, order[i], k)
     for k in range(rank, n):
-        matrix[order[k], k] = HUGE
-    note_nonzeros(matrix, order, pattern)
+        row = order[k]
+        matrix[row, k] = HUGE
+        pattern[row, 1] = pattern[row, 0]
     return 0
 
 
 @kernel
-def note_nonzeros(matrix, order, pattern):
-    """Row i of pattern: where its left places end, where its right places end, then the places."""
-    n = matrix.shape[0]
-    for i in range(n):
-        row = order[i]
-        end = 2
-        for j in range(n):
-            if j == i:
-                pattern[i, 0] = end
-            elif matrix[row, j] != 0.0:
-                pattern[i, end] = j
-                end += 1
-        pattern[i, 1] = end
+def note_right(matrix, pattern, row, k):
+    """Note the nonzero places of a pivot row right of its pivot in column k."""
+    end = pattern[row, 0]
+    for j in range(k + 1, matrix.shape[0]):
+        if matrix[row, j] != 0.0:
+            pattern[row, end] = j
+            end += 1
+    pattern[row, 1] = end
+
+
+@kernel
+def eliminate(matrix, pattern, row, below, k):
+    """Take a multiple of the pivot row from the row `below`; the multiple stays in column k."""
+    factor = matrix[below, k] / matrix[row, k]
+    matrix[below, k] = factor
+    pattern[below, pattern[below, 0]] = k
+    pattern[below, 0] += 1
+    for place in range(pattern[row, 0], pattern[row, 1]):
+        j = pattern[row, place]
+        matrix[below, j] -= factor * matrix[row, j]
 
 
 @kernel
@@ -77,14 +85,14 @@ def substitute(matrix, order, pattern, b, x):
     for i in range(n):
         row = order[i]
         total = b[row]
-        for place in range(2, pattern[i, 0]):
-            j = pattern[i, place]
+        for place in range(2, pattern[row, 0]):
+            j = pattern[row, place]
             total -= matrix[row, j] * x[j]
         x[i] = total
     for i in range(n - 1, -1, -1):
         row = order[i]
         total = x[i]
-        for place in range(pattern[i, 0], pattern[i, 1]):
-            j = pattern[i, place]
+        for place in range(pattern[row, 0], pattern[row, 1]):
+            j = pattern[row, place]
             total -= matrix[row, j] * x[j]
         x[i] = total / matrix[row, i]

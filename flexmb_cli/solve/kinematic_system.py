@@ -87,8 +87,18 @@ def point_motion(mechanism: Mechanism, q, qd, qdd):
 
 def rotated(p, r, s):
     """G(p) L(r)ᵀ s (3.26), symmetrical in p and r: A s for p = r, half of dA/dt s for r = ṗ."""
-    p0, r0 = p[..., :1], r[..., :1]
-    pv, rv = p[..., 1:], r[..., 1:]
-    along = np.sum(rv * s, axis=-1, keepdims=True) * pv + np.sum(pv * s, axis=-1, keepdims=True) * rv
-    scalar = p0 * r0 - np.sum(pv * rv, axis=-1, keepdims=True)
-    return scalar * s + along + p0 * np.cross(rv, s) + r0 * np.cross(pv, s)
+    p0, p1, p2, p3 = np.moveaxis(p, -1, 0)
+    r0, r1, r2, r3 = np.moveaxis(r, -1, 0)
+    x, y, z = s.T
+    rs, ps = r1 * x + r2 * y + r3 * z, p1 * x + p2 * y + p3 * z
+    scalar = p0 * r0 - p1 * r1 - p2 * r2 - p3 * r3
+    # p0 r × s + r0 p × s
+    c1, c2, c3 = p0 * r1 + r0 * p1, p0 * r2 + r0 * p2, p0 * r3 + r0 * p3
+    return np.stack(
+        [
+            scalar * x + rs * p1 + ps * r1 + c2 * z - c3 * y,
+            scalar * y + rs * p2 + ps * r2 + c3 * x - c1 * z,
+            scalar * z + rs * p3 + ps * r3 + c1 * y - c2 * x,
+        ],
+        axis=-1,
+    )
