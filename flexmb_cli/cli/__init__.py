@@ -1,0 +1,74 @@
+"""The commands, a file each: the only place that prints and exits.
+
+What a command needs is imported inside it, so that `--help`, `check` and `diff` start at once.
+"""
+
+import signal
+import sys
+
+import click
+
+from .. import __version__
+from ..errors import BAD_INPUT, INTERNAL_FAULT, FlexmbError
+from .check import check
+from .diff import diff
+from .run import run
+
+
+class Group(click.Group):
+    """Keeps the commands in the order of their definition."""
+
+    def list_commands(self, ctx):
+        """Names in the order a newcomer meets them."""
+        return list(self.commands)
+
+
+@click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="flexmb")
+@click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
+def cli(debug):
+    """Solve rigid and flexible multibody systems from legacy decks.
+
+    \b
+    Example:
+        flexmb run decks/young/IN4-BAR.dat
+    """
+
+
+for command in (run, check, diff):
+    cli.add_command(command)
+
+
+def main():
+    """Entry point of `flexmb`: no traceback reaches a user, and a closed pipe ends quietly."""
+    if hasattr(signal, "SIGPIPE"):
+        # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    try:
+        cli.main(standalone_mode=False, prog_name="flexmb")
+    except SystemExit:
+        raise
+    except click.exceptions.Exit as ending:
+        sys.exit(ending.exit_code)
+    except click.Abort:
+        sys.exit(130)
+    except click.ClickException as fault:
+        fault.show()
+        sys.exit(BAD_INPUT)
+    except FlexmbError as failure:
+        _report_failure(failure)
+        sys.exit(failure.exit_code)
+    except Exception as fault:
+        if "--debug" in sys.argv:
+            raise
+        click.echo(
+            f"flexmb: error: a fault of flexmb itself: {type(fault).__name__}: {fault}\n"
+            "Please report it with the deck; `flexmb --debug …` shows where it happened.",
+            err=True,
+        )
+        sys.exit(INTERNAL_FAULT)
+
+
+def _report_failure(failure):
+    for fault in failure.faults:
+        click.echo(f"flexmb: {fault.severity}: {fault.sentence}", err=True)
