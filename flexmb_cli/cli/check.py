@@ -1,0 +1,62 @@
+"""`flexmb check`: diagnose decks without solving them."""
+
+import json
+import sys
+
+import click
+
+from .deck_options import DECK, deck_options, show_faults
+
+
+@click.command()
+@DECK
+@deck_options
+@click.option("--jacobian", metavar="TIME|estimate", help="Print the Jacobian, rows and columns labelled.")
+def check(decks, changes, echo, as_json, quiet, jacobian, **options):
+    """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
+
+    \b
+    Example:
+        flexmb check decks/young/IN4-BAR.dat --echo
+    """
+    from ..run.check import check_deck
+    from ..run.outcome import RunOptions
+
+    _check_jacobian_option(jacobian)
+    codes = []
+    for path in decks:
+        report = check_deck(path, RunOptions(changes=changes, **options), jacobian)
+        show_faults(report.outcome, quiet)
+        if as_json:
+            click.echo(json.dumps(report.as_dict()))
+        elif report.deck and not quiet:
+            _print_check(report, echo)
+        codes.append(report.outcome.exit_code)
+    sys.exit(max(codes))
+
+
+def _check_jacobian_option(jacobian):
+    from math import isfinite
+
+    if jacobian in (None, "estimate"):
+        return
+    try:
+        good = isfinite(float(jacobian))
+    except ValueError:
+        good = False
+    if not good:
+        raise click.BadParameter(
+            f"{jacobian!r} is neither a time in s nor 'estimate'", param_hint="--jacobian"
+        )
+
+
+def _print_check(report, with_echo):
+    from ..write.check_text import check_text, jacobian_text
+    from ..write.echo import echo
+
+    if with_echo:
+        click.echo(echo(report.deck), nl=False)
+    if report.counts:
+        click.echo(check_text(report), nl=False)
+    if report.jacobian:
+        click.echo(jacobian_text(report.jacobian), nl=False)

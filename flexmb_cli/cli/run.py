@@ -1,0 +1,174 @@
+"""`flexmb run`: solve decks and write their results."""
+
+import json
+import signal
+import sys
+
+import click
+
+from ..errors import DONE, FlexmbError
+from .deck_options import DECK, deck_options, show_faults
+
+
+@click.command()
+@DECK
+@deck_options
+@click.option("-v", "--verbose", is_flag=True, help="Add solver statistics.")
+@click.option("-o", "--output-dir", "folder", default=".", metavar="DIR", help="Folder of the results.")
+@click.option("--out", metavar="PATH|-", help="OUT table; - is standard output.")
+@click.option("--h5", metavar="PATH", help="HDF5 result.")
+@click.option("--no-out", is_flag=True, help="Write no OUT table.")
+@click.option("--no-h5", is_flag=True, help="Write no HDF5 result.")
+@click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,
+              help="historic: signed zeros, fields that run together.")  # fmt: skip
+@click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run at once.")
+@click.option("--feps", type=click.FloatRange(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
+@click.option("--epslu", type=click.FloatRange(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
+@click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
+def run(decks, changes, echo, as_json, quiet, verbose, jobs, feps, epslu, nrmax, **options):
+    """Solve every DECK and write its OUT table and HDF5 result.
+
+    \b
+    Example:
+        flexmb run decks/young/IN4-BAR.dat -o results
+    """
+    from ..run.outcome import RunOptions
+
+    solver = {"tolerance": feps, "smallest_pivot": epslu, "most_iterations": nrmax}
+    solver = {name: value for name, value in solver.items() if value is not None}
+    choices = RunOptions(changes=changes, solver=solver, **options)
+    _refuse_shared_files(decks, choices)
+    _stop_on_sigterm()
+    codes = []
+    for outcome in _outcomes(decks, choices, jobs, quiet, echo):
+        _report_outcome(outcome, quiet, verbose)
+        if as_json:
+            click.echo(json.dumps(outcome.as_dict()))
+        codes.append(outcome.exit_code)
+        if outcome.exit_code > 128:
+            break
+    sys.exit(max(codes))
+
+
+def _outcomes(decks, options, jobs, quiet, echo):
+    if jobs > 1 and len(decks) > 1:
+        yield from _outcomes_in_parallel(decks, options, jobs)
+        return
+    from ..run.deck import run_deck
+
+    for deck in decks:
+        if echo:
+            _print_echo(deck, options)
+        with _Progress(quiet) as progress:
+            yield run_deck(deck, options, progress.listener, sys.stdout)
+
+
+def _outcomes_in_parallel(decks, options, jobs):
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    from ..run.deck import run_deck
+
+    with ProcessPoolExecutor(min(jobs, len(decks)), get_context("spawn")) as pool:
+        waiting = [pool.submit(run_deck, deck, options) for deck in decks]
+        for outcome in waiting:
+            yield outcome.result()
+
+
+class _Progress:
+    """A progress bar on a terminal, and notices; silent with -q."""
+
+    def __init__(self, quiet):
+        from ..run.outcome import Listener
+
+        self.bar = None
+        self.shown = not quiet and sys.stderr.isatty()
+        notice = (
+            (lambda sentence: None)
+            if quiet
+            else (lambda sentence: click.echo(f"flexmb: {sentence}", err=True))
+        )
+        self.listener = Listener(self.begin, self.advance, notice)
+
+    def begin(self, rows):
+        if self.shown and rows > 1:
+            self.bar = click.progressbar(length=rows, label="rows", file=sys.stderr)
+            self.bar.__enter__()
+
+    def advance(self, rows):
+        if self.bar:
+            self.bar.update(rows)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *failure):
+        if self.bar:
+            self.bar.__exit__(None, None, None)
+
+
+def _refuse_shared_files(decks, options):
+    """Two decks that would write the same file are refused before anything is solved."""
+    from pathlib import PurePath
+
+    from ..write.file_names import refuse_shared, result_paths
+
+    if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
+        raise click.UsageError("--out and --h5 name one file: give one deck, or use --output-dir")
+    names = [(deck, PurePath(deck).name if deck != "-" else deck) for deck in decks]
+    guess = "young" if options.dialect == "auto" else options.dialect
+    paths = [
+        (
+            deck,
+            result_paths(name, guess, options.folder, options.out, options.h5, options.no_out, options.no_h5),
+        )
+        for deck, name in names
+    ]
+    refuse_shared(paths)
+
+
+def _stop_on_sigterm():
+    from ..run.outcome import Terminated
+
+    def stop(number, frame):
+        raise Terminated
+
+    signal.signal(signal.SIGTERM, stop)
+
+
+def _report_outcome(outcome, quiet, verbose):
+    show_faults(outcome, quiet)
+    if outcome.exit_code > 128:
+        click.echo(f"{outcome.deck}: interrupted; {_kept(outcome)}", err=True)
+    elif outcome.exit_code == 1 and not quiet:
+        click.echo(f"{outcome.deck}: {_kept(outcome)}", err=True)
+    elif outcome.exit_code == DONE and not quiet:
+        click.echo(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}", err=True)
+    if verbose:
+        click.echo(
+            f"  Newton iterations {outcome.iterations}, at most {outcome.most_iterations} in a row; "
+            f"largest residual {outcome.largest_residual:.1e}",
+            err=True,
+        )
+
+
+def _rows(outcome):
+    return f"{outcome.rows} row{'' if outcome.rows == 1 else 's'}"
+
+
+def _kept(outcome):
+    if not outcome.files:
+        return "nothing was written"
+    return f"{_rows(outcome)} kept, marked as failed, in {', '.join(outcome.files)}"
+
+
+def _print_echo(path, options):
+    """The echo of one deck on standard error; its faults are reported by the run itself."""
+    from ..run.deck import open_deck
+    from ..run.outcome import Outcome
+    from ..write.echo import echo
+
+    try:
+        click.echo(echo(open_deck(path, options, Outcome(path))), err=True, nl=False)
+    except FlexmbError:
+        return
