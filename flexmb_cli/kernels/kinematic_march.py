@@ -10,7 +10,7 @@ import numpy as np
 from . import constraints as equations
 from ._jit import kernel
 from .joints import driver
-from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, make_work, newton, rates
+from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, largest, make_work, newton, rates
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
@@ -158,21 +158,12 @@ def advance(system, work, state, motion, clock, target, new, near):
 
 
 @kernel
-def largest(values):
-    """Largest magnitude."""
-    found = 0.0
-    for k in range(values.size):
-        found = max(found, abs(values[k]))
-    return found
-
-
-@kernel
 def march(system, state, motion, clock, times, out, audit):
     """Report rows at `times` (rows,), from `state` (3, n) at clock[TIME] on; state and clock move along.
 
     motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,
-    velocities, accelerations.  audit (rows, 3): largest |Φ|, largest scaled |dΦ/dt|, Newton
-    iterations.  Returns the number of rows reached.
+    velocities, accelerations.  audit (rows, 3): largest |Φ|, largest |dΦ/dt|, Newton iterations.
+    Returns the number of rows reached.
     """
     work = make_work(state.shape[1])
     new = np.empty((3, state.shape[1]))

@@ -101,6 +101,15 @@ def largest_scaled(system, values):
 
 
 @kernel
+def largest(values):
+    """Largest magnitude."""
+    found = 0.0
+    for k in range(values.size):
+        found = max(found, abs(values[k]))
+    return found
+
+
+@kernel
 def evaluate_position(system, work, q, t, near):
     """Fill A and Φ of `work` at q; returns the largest scaled residual."""
     rotation_matrices(q, work.rotations[A])
@@ -161,7 +170,7 @@ def row_times(system, work, row, values):
 
 @kernel
 def solve_refined(system, work, solution):
-    """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; returns what is left.
+    """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; REST is what is left.
 
     The factors are those of Newton's last iteration, which is nearly, but not quite, here: each
     refinement multiplies the error by that small distance.
@@ -171,22 +180,21 @@ def solve_refined(system, work, solution):
     for _ in range(3):
         for row in range(rest.size):
             rest[row] = right_side[row] - row_times(system, work, row, solution)
-        gap = largest_scaled(system, rest)
-        if gap <= REFINED * size:
+        if largest_scaled(system, rest) <= REFINED * size:
             break
         solve_linear(system, work, rest, correction)
         for k in range(solution.size):
             solution[k] += correction[k]
-    return gap
 
 
 @kernel
 def rates(system, work, q, t, qd, qdd):
-    """Fill qd and qdd at a position found by `newton`; returns the largest scaled |dΦ/dt|."""
+    """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
     rotations, right_side = work.rotations, work.vectors[RIGHT_SIDE]
     equations.jacobian(system.constraints, q, rotations[A], work.phi_q)
     equations.velocity(system.constraints, t, right_side)
-    gap = solve_refined(system, work, qd)
+    solve_refined(system, work, qd)
+    gap = largest(work.vectors[REST])
     rotation_rates(q, qd, rotations[RATE], rotations[REMAINDER])
     equations.acceleration(system.constraints, q, qd, t, rotations, right_side)
     solve_refined(system, work, qdd)

@@ -13,6 +13,7 @@ from .attitudes import Attitudes, held_coordinate
 from .equations import Equation, joint_equations
 from .joint_types import BY_NAME, DISTANCE, DRIVER, NORMALISATION, SIMPLIFIED
 from .mechanism import Driver, Joint, Mechanism
+from .vectors import cross, dot, rotated, rotation_matrix, unit
 
 COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
 
@@ -133,10 +134,10 @@ def _add_joint(rows, mechanism, joint: Joint):
     kind = BY_NAME[joint.kind]
     values = {"P_i": joint.P_i, "P_j": joint.P_j}
     if joint.kind != "spherical":
-        values |= {"s_i": _unit(joint.s_i), "s_j": _unit(joint.s_j)}
+        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}
         values["a_i"], values["b_i"] = across(values["s_i"])
     if joint.kind == "translational":
-        values |= {"h_i": _unit(joint.h_i), "h_j": _unit(joint.h_j)}
+        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
     if joint.kind == "screw":
         values |= _screw_values(mechanism, joint, values["s_i"])
         values["screw"] = len(rows.screw_angles)
@@ -152,20 +153,20 @@ def across(s) -> tuple[np.ndarray, np.ndarray]:
     largest = int(np.argmax(np.abs(s)))
     m, n = sorted({0, 1, 2} - {largest}, reverse=True)
     axes = np.eye(3)
-    return np.cross(axes[m], s), np.cross(axes[n], s)
+    return cross(axes[m], s), cross(axes[n], s)
 
 
 def _screw_values(mechanism, joint: Joint, s_i):
     """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
-    h = np.array(joint.h_i) - np.dot(joint.h_i, s_i) * s_i
-    f = _unit(h)
-    g = np.cross(s_i, f)
+    f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
+    g = cross(s_i, f)
+    h_j = unit(joint.h_j)
     body_i, body_j = mechanism.bodies[joint.i], mechanism.bodies[joint.j]
     A_i, A_j = rotation_matrix(body_i.p), rotation_matrix(body_j.p)
-    d = np.add(body_j.r, A_j @ joint.P_j) - np.add(body_i.r, A_i @ joint.P_i)
-    slide = float((A_i @ s_i) @ d)
-    h_j = _unit(joint.h_j)
-    theta = math.atan2(float((A_i @ g) @ (A_j @ h_j)), float((A_i @ f) @ (A_j @ h_j)))
+    d = np.add(body_j.r, rotated(A_j, joint.P_j)) - np.add(body_i.r, rotated(A_i, joint.P_i))
+    slide = dot(rotated(A_i, s_i), d)
+    axis_j = rotated(A_j, h_j)
+    theta = math.atan2(dot(rotated(A_i, g), axis_j), dot(rotated(A_i, f), axis_j))
     return {
         "h_i": f,
         "g_i": g,
@@ -175,19 +176,6 @@ def _screw_values(mechanism, joint: Joint, s_i):
         "offset": abs(slide) - joint.pitch * theta,
         "theta": theta,
     }
-
-
-def rotation_matrix(p) -> np.ndarray:
-    """A (3, 3) of eq. (3.17), body to global axes, for p of any length."""
-    e0, e1, e2, e3 = np.asarray(p) / np.linalg.norm(p)
-    e = np.array([e1, e2, e3])
-    tilde = np.array([[0.0, -e3, e2], [e3, 0.0, -e1], [-e2, e1, 0.0]])
-    return (2.0 * e0 * e0 - 1.0) * np.eye(3) + 2.0 * np.outer(e, e) + 2.0 * e0 * tilde
-
-
-def _unit(v):
-    v = np.asarray(v, dtype=float)
-    return v / math.hypot(*v)
 
 
 def _add_distance(rows, item):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from .mechanism import Ground, Mechanism, Simplified
+from .vectors import length, unit
 
 
 def held_coordinate(direction: int, value: float) -> tuple[int, float]:
@@ -48,12 +49,12 @@ class Attitudes:
         p = np.array(self.bodies[body].p)
         held = self.held[body]
         if not held or body in self.driven:
-            return p / np.linalg.norm(p)
+            return unit(p)
         for direction, value in held.items():
             p[direction - 3] = value
         free = [k for k in range(4) if k + 3 not in held]
         rest = max(0.0, 1.0 - sum(value * value for value in held.values()))
-        size = np.linalg.norm(p[free])
+        size = length(p[free])
         p[free] = p[free] * math.sqrt(rest) / size if size > 0.0 else 0.0
         if size == 0.0:
             p[0] = math.sqrt(rest)

@@ -86,7 +86,7 @@ class SparseMarch:
         return STALLED, most
 
     def rates(self, q, t, qd, qdd):
-        """Fill qd and qdd at a position found by `newton`; returns the largest scaled |dΦ/dt|."""
+        """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
         work, constraints = self.evaluator.work, self.system.constraints
         right_side = work.vectors[1]
         equations.velocity(constraints, t, right_side)
@@ -102,12 +102,11 @@ class SparseMarch:
         x = self.factors.solve(scaled)
         for _ in range(3):
             rest = scaled - matrix @ x
-            gap = np.max(np.abs(rest))
-            if gap <= REFINED * np.max(np.abs(x)):
+            if np.max(np.abs(rest)) <= REFINED * np.max(np.abs(x)):
                 break
             x += self.factors.solve(rest)
         solution[:] = x * self.arrays.column_scale
-        return gap
+        return np.max(np.abs(rest * self.arrays.row_scale))
 
     def attempt(self, state, motion, t, t_new, limit, most, new, near):
         """One step: (defect, iterations, velocity residual), as the kernel's `attempt`."""

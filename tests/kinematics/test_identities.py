@@ -14,7 +14,7 @@ import pytest
 from geometry import axes, euler_parameters, unit
 
 from flexmb_cli.kernels.rotation import add_rotation_row, rotate, rotation_matrices, rotation_rates
-from flexmb_cli.model.arrays import rotation_matrix
+from flexmb_cli.model.vectors import rotation_matrix
 from flexmb_cli.solve.kinematic_system import rotated, twice_g
 
 SEEDS = range(8)

@@ -1,0 +1,48 @@
+"""Vectors of three and rotations in plain arithmetic.
+
+numpy hands products of matrices to BLAS, whose last digits depend on the processor; what goes into
+the kernels as data must not.
+"""
+
+import math
+
+import numpy as np
+
+
+def dot(a, b) -> float:
+    """Scalar product."""
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+def cross(a, b) -> np.ndarray:
+    """Vector product."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def length(v) -> float:
+    """Euclidean length of a vector of any size."""
+    return math.sqrt(sum(float(x) * float(x) for x in v))
+
+
+def unit(v) -> np.ndarray:
+    """The vector of length one along v, which is not zero."""
+    v = np.asarray(v, dtype=float)
+    v = v / np.max(np.abs(v))  # squares of very long or short vectors leave the range of doubles
+    return v / length(v)
+
+
+def rotation_matrix(p) -> np.ndarray:
+    """A (3, 3) of Young (1996), eq. (3.17), body to global axes, for p of any length but zero."""
+    e0, e1, e2, e3 = unit(p)
+    return 2.0 * np.array(
+        [
+            [e0 * e0 + e1 * e1 - 0.5, e1 * e2 - e0 * e3, e1 * e3 + e0 * e2],
+            [e1 * e2 + e0 * e3, e0 * e0 + e2 * e2 - 0.5, e2 * e3 - e0 * e1],
+            [e1 * e3 - e0 * e2, e2 * e3 + e0 * e1, e0 * e0 + e3 * e3 - 0.5],
+        ]
+    )
+
+
+def rotated(A, v) -> np.ndarray:
+    """A v."""
+    return np.array([dot(row, v) for row in A])
