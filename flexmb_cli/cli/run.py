@@ -144,12 +144,8 @@ def _report_outcome(outcome, quiet, verbose):
         click.echo(f"{outcome.deck}: {_kept(outcome)}", err=True)
     elif outcome.exit_code == DONE and not quiet:
         click.echo(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}", err=True)
-    if verbose:
-        click.echo(
-            f"  Newton iterations {outcome.iterations}, at most {outcome.most_iterations} in a row; "
-            f"largest residual {outcome.largest_residual:.1e}",
-            err=True,
-        )
+    if verbose and outcome.statistics:
+        click.echo(f"  {outcome.statistics}", err=True)
 
 
 def _rows(outcome):

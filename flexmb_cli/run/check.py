@@ -11,8 +11,7 @@ from ..errors import Fault, FlexmbError, ModelError
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from .deck import open_deck
-from .outcome import Outcome, RunOptions
-from .young import refuse_warnings
+from .outcome import Outcome, RunOptions, refuse_warnings
 
 INTERPRETED_LIMIT = 150  # equations
 RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes

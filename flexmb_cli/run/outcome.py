@@ -1,9 +1,9 @@
 """What is asked of a run, and what became of it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from ..errors import DONE, Fault
+from ..errors import DONE, Fault, ModelError
 from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
@@ -15,7 +15,10 @@ class Terminated(BaseException):
 
 @dataclass(frozen=True)
 class RunOptions:
-    """The options of `flexmb run` that concern one deck."""
+    """The options of `flexmb run` that concern one deck.
+
+    `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`.
+    """
 
     dialect: str = "auto"
     folder: str = "."
@@ -27,13 +30,16 @@ class RunOptions:
     changes: tuple[str, ...] = ()
     strict: bool = False
     solver: dict = field(default_factory=dict)
+    integration: dict = field(default_factory=dict)
+    resume: bool = False
 
 
 @dataclass
 class Outcome:
     """What became of one deck; fills while the deck is run.
 
-    `deck` is the deck as named by the user, `source` its text once read.
+    `deck` is the deck as named by the user, `source` its text once read, `statistics` what the solver
+    counted, `resumable` whether `--resume` can go on with it.
     """
 
     deck: str
@@ -42,9 +48,8 @@ class Outcome:
     faults: list[Fault] = field(default_factory=list)
     files: tuple[str, ...] = ()
     rows: int = 0
-    iterations: int = 0
-    most_iterations: int = 0
-    largest_residual: float = 0.0
+    statistics: str = ""
+    resumable: bool = False
     failed_at: float | None = None
     norms: dict = field(default_factory=dict)
 
@@ -75,3 +80,12 @@ class Listener:
     begin: Callable[[int], None] = lambda rows: None
     advance: Callable[[int], None] = lambda rows: None
     notice: Callable[[str], None] = lambda sentence: None
+
+
+def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
+    """Under `--strict` the warnings so far become errors, and end the run."""
+    if options.strict and any(fault.severity == "warning" for fault in outcome.faults):
+        outcome.faults[:] = [
+            replace(f, severity="error") if f.severity == "warning" else f for f in outcome.faults
+        ]
+        raise ModelError(outcome.faults)

@@ -1,12 +1,13 @@
 """A YOUNG deck from its records to OUT table and HDF5 result."""
 
-from dataclasses import replace
+from dataclasses import dataclass
 
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
-from .outcome import Listener, Outcome, RunOptions
+from .compiling import tell_of_compiling
+from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 
 def run_young(
@@ -21,11 +22,14 @@ def run_young(
     refuse_warnings(outcome, options)
     analysis = _analysis(mechanism, options, listener)
     files = _ResultFiles(deck, mechanism, paths, options, stdout)
+    count = _NewtonCount()
     try:
         listener.begin(mechanism.time.rows)
         for rows in analysis.rows():
             files.rows(rows)
-            _count(outcome, rows)
+            count.add(rows)
+            outcome.rows += rows.time.size
+            outcome.statistics = str(count)
             listener.advance(rows.time.size)
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
@@ -42,33 +46,31 @@ def run_young(
     outcome.files = files.close()
 
 
-def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
-    """Under `--strict` the warnings so far become errors, and end the run."""
-    if options.strict and any(fault.severity == "warning" for fault in outcome.faults):
-        outcome.faults[:] = [
-            replace(f, severity="error") if f.severity == "warning" else f for f in outcome.faults
-        ]
-        raise ModelError(outcome.faults)
-
-
 def _analysis(mechanism, options, listener: Listener):
-    from ..kernels import _jit
     from ..solve.kinematics import KinematicAnalysis, KinematicSettings
 
-    if _jit.Cache.must_compile("kinematic_march.march"):
-        listener.notice("compiling kernels (once per version, 10 to 20 s)")
-    if not _jit.Cache.lasting:
-        listener.notice(
-            "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
-        )
+    tell_of_compiling(listener, "kinematic_march.march")
     return KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
 
 
-def _count(outcome, rows):
-    outcome.rows += rows.time.size
-    outcome.iterations += int(rows.newton_iterations.sum())
-    outcome.most_iterations = max(outcome.most_iterations, int(rows.newton_iterations.max()))
-    outcome.largest_residual = max(outcome.largest_residual, float(rows.constraint_residual.max()))
+@dataclass
+class _NewtonCount:
+    """Iterations and residuals so far."""
+
+    iterations: int = 0
+    most: int = 0
+    residual: float = 0.0
+
+    def add(self, rows):
+        self.iterations += int(rows.newton_iterations.sum())
+        self.most = max(self.most, int(rows.newton_iterations.max()))
+        self.residual = max(self.residual, float(rows.constraint_residual.max()))
+
+    def __str__(self):
+        return (
+            f"Newton iterations {self.iterations}, at most {self.most} in a row; "
+            f"largest residual {self.residual:.1e}"
+        )
 
 
 class _ResultFiles:
@@ -85,10 +87,11 @@ class _ResultFiles:
         if paths.out is not None:
             self._open_table(deck, options, stdout, ReplacedText)
         if paths.h5 is not None:
-            from ..write.hdf5 import ResultFile
+            from ..write.hdf5_kinematic import kinematic_layout
+            from ..write.result_file import ResultFile
 
             try:
-                self.result = ResultFile(paths.h5, deck, mechanism, "kinematic")
+                self.result = ResultFile(paths.h5, deck, kinematic_layout(mechanism))
             except Exception:
                 self.discard()
                 raise
@@ -110,7 +113,9 @@ class _ResultFiles:
         if self.table:
             self.table.rows(rows)
         if self.result:
-            self.result.rows(rows)
+            from ..write.hdf5_kinematic import kinematic_values
+
+            self.result.rows(kinematic_values(rows))
 
     def close(self):
         if self.table_file:

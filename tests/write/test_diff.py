@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from flexmb_cli.write.diff import compare
-from flexmb_cli.write.hdf5 import ResultFile
+from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
 from flexmb_cli.write.out_table import TableError
+from flexmb_cli.write.result_file import ResultFile
 from flexmb_cli.write.tolerances import KINDS, Tolerance, ToleranceError, Tolerances, parse_kinds
 from flexmb_cli.write.young import OutTable
 
@@ -48,8 +49,8 @@ def table(tmp_path, deck):
 @pytest.fixture
 def result(tmp_path, deck, mechanism):
     def write(name, rows, status="complete"):
-        file = ResultFile(tmp_path / name, deck, mechanism)
-        file.rows(rows)
+        file = ResultFile(tmp_path / name, deck, kinematic_layout(mechanism))
+        file.rows(kinematic_values(rows))
         file.close(status)
         return tmp_path / name
 

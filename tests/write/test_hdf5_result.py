@@ -15,8 +15,8 @@ import pytest
 from flexmb_cli import __version__
 from flexmb_cli.errors import OutputError
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.write import hdf5
-from flexmb_cli.write.hdf5 import ResultFile, chunk_rows
+from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
+from flexmb_cli.write.result_file import ResultFile, chunk_rows
 
 SHAPES = {
     "time": (),
@@ -53,9 +53,9 @@ def written(tmp_path, deck, mechanism):
     """Write blocks of rows; give the path."""
 
     def write(*blocks, status="complete", message="", mechanism=mechanism, name="OUT2-1-1.h5"):
-        result = ResultFile(tmp_path / name, deck, mechanism, "kinematic")
+        result = ResultFile(tmp_path / name, deck, kinematic_layout(mechanism))
         for block in blocks:
-            result.rows(block)
+            result.rows(kinematic_values(block))
         result.close(status, message)
         return tmp_path / name
 
@@ -173,10 +173,12 @@ def test_the_same_run_gives_the_same_bytes_later_and_in_another_process(written,
         import hashlib, sys
         sys.path.insert(0, sys.argv[1])
         import conftest
-        from flexmb_cli.write.hdf5 import ResultFile
+        from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
+        from flexmb_cli.write.result_file import ResultFile
         unwrap = lambda fixture: fixture.__wrapped__()
-        result = ResultFile(sys.argv[2], unwrap(conftest.deck), unwrap(conftest.mechanism), "kinematic")
-        result.rows(conftest.turning_rows([0.0, 1.0, 2.0]))
+        layout = kinematic_layout(unwrap(conftest.mechanism))
+        result = ResultFile(sys.argv[2], unwrap(conftest.deck), layout)
+        result.rows(kinematic_values(conftest.turning_rows([0.0, 1.0, 2.0])))
         result.close()
         print(hashlib.sha256(open(sys.argv[2], "rb").read()).hexdigest())
         """
@@ -188,12 +190,14 @@ def test_the_same_run_gives_the_same_bytes_later_and_in_another_process(written,
 
 @pytest.mark.parametrize(("count", "expected"), [(3, 3), (1, 1), (1024, 1024), (1_000_000, 1024)])
 def test_chunks_are_no_longer_than_the_run(mechanism, count, expected):
-    assert chunk_rows(replace(mechanism, time=TimeGrid(0, float(count - 1), 1.0))) == expected
+    assert (
+        chunk_rows(kinematic_layout(replace(mechanism, time=TimeGrid(0, float(count - 1), 1.0)))) == expected
+    )
 
 
 def test_chunks_of_many_bodies_stay_below_a_megabyte(mechanism):
     crowd = replace(mechanism, bodies=mechanism.bodies * 500, time=TimeGrid(0, 1e6, 1.0))
-    assert 0.9 * 2**20 < chunk_rows(crowd) * 1000 * 4 * 8 <= 2**20
+    assert 0.9 * 2**20 < chunk_rows(kinematic_layout(crowd)) * 1000 * 4 * 8 <= 2**20
 
 
 def test_a_small_file_stays_small(written, rows):
@@ -203,8 +207,8 @@ def test_a_small_file_stays_small(written, rows):
 def test_nothing_stands_at_the_path_before_the_end(tmp_path, deck, mechanism, rows):
     path = tmp_path / "OUT.h5"
     path.write_text("old")
-    result = ResultFile(path, deck, mechanism)
-    result.rows(rows([0.0]))
+    result = ResultFile(path, deck, kinematic_layout(mechanism))
+    result.rows(kinematic_values(rows([0.0])))
     assert path.read_text() == "old"
     result.discard()
     assert path.read_text() == "old"
@@ -213,13 +217,13 @@ def test_nothing_stands_at_the_path_before_the_end(tmp_path, deck, mechanism, ro
 
 def test_a_missing_folder_is_bad_usage(tmp_path, deck, mechanism):
     with pytest.raises(OutputError, match="its folder does not exist") as caught:
-        ResultFile(tmp_path / "no" / "OUT.h5", deck, mechanism)
+        ResultFile(tmp_path / "no" / "OUT.h5", deck, kinematic_layout(mechanism))
     assert caught.value.exit_code == 2
 
 
 def test_a_device_is_refused(deck, mechanism):
     with pytest.raises(OutputError, match="an HDF5 file can only be a regular file"):
-        ResultFile(os.devnull, deck, mechanism)
+        ResultFile(os.devnull, deck, kinematic_layout(mechanism))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of the file size are Unix's")
@@ -234,13 +238,14 @@ def test_a_disk_that_fills_up_ends_the_run_with_exit_code_1(tmp_path):
         from dataclasses import replace
         from flexmb_cli.errors import OutputError
         from flexmb_cli.model.mechanism import TimeGrid
-        from flexmb_cli.write.hdf5 import ResultFile
+        from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
+        from flexmb_cli.write.result_file import ResultFile
         resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000))
         mechanism = replace(conftest.mechanism.__wrapped__(), time=TimeGrid(0, 1e4, 1))
-        result = ResultFile(sys.argv[2], conftest.deck.__wrapped__(), mechanism)
+        result = ResultFile(sys.argv[2], conftest.deck.__wrapped__(), kinematic_layout(mechanism))
         try:
             for _ in range(20):
-                result.rows(conftest.turning_rows(np.arange(1024.0)))
+                result.rows(kinematic_values(conftest.turning_rows(np.arange(1024.0))))
             result.close()
         except OutputError as error:
             print(error.exit_code, error)
@@ -264,4 +269,6 @@ def test_h5netcdf_opens_the_file_with_named_dimensions(written, rows):
 
 
 def test_every_field_of_the_rows_has_its_dataset(rows):
-    assert [series.field for series in hdf5.SERIES] == list(vars(rows([0.0])))
+    block = rows([0.0])
+    written = kinematic_values(block).values()
+    assert [id(values) for values in written] == [id(values) for values in vars(block).values()]

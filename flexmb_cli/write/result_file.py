@@ -1,0 +1,247 @@
+"""HDF5 result of any analysis: netCDF-4 compatible, every axis a dimension scale, SI units.
+
+What a file holds is its `Layout`; rows are gathered and written by whole chunks, so that the bytes of
+the file do not depend on the blocks in which the analysis delivers them.
+"""
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import prod
+
+import h5py
+import numpy as np
+
+from .. import __version__
+from ..errors import OutputError
+from ..read.deck import Deck
+from .atomic import Replacement, output_error
+
+CONVENTIONS = "flexmb-1"
+COMPLETE, FAILED = "complete", "failed"
+CUT_SHORT = "the run was cut short"
+
+# HDF5 1.8 is what MATLAB releases of the last ten years and every netCDF-4 library can read.
+FILE_FORMAT = ("v108", "v108")
+CHUNK_ROWS = 1024
+CHUNK_BYTES = 2**20
+
+TEXT = h5py.string_dtype()
+
+Values = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A dimension scale at `path`; `labels`: further texts along it, by the path of their dataset."""
+
+    path: str
+    values: tuple
+    long_name: str
+    labels: tuple[tuple[str, tuple[str, ...], str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Series:
+    """A dataset along time: its path, the paths of its axes after time, unit and meaning."""
+
+    path: str
+    axes: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a result holds besides the deck: `rows` is the number of report rows of a whole run."""
+
+    analysis: str
+    rows: int
+    axes: tuple[Axis, ...]
+    series: tuple[Series, ...]
+
+
+TIME = Series("time", (), "s", "time")
+XYZ = Axis("xyz", tuple("xyz"), "component along the axis")
+EULER_PARAMETER = Axis("euler_parameter", ("e0", "e1", "e2", "e3"), "Euler parameter")
+
+
+def numbered_axis(kind: str, names) -> Axis:
+    """The scale `/<kind>/<kind>`, numbers as in the deck, and `/<kind>/name` along it."""
+    numbers = tuple(range(1, len(names) + 1))
+    label = (f"{kind}/name", tuple(names), f"name of the {kind}")
+    return Axis(f"{kind}/{kind}", numbers, f"number of the {kind} in the deck", (label,))
+
+
+class ResultFile:
+    """The HDF5 file of one run, complete at `path` only after `close`.
+
+    Raises `OutputError` when the place cannot be written or the disk is full.
+    """
+
+    def __init__(self, path, deck: Deck, layout: Layout):
+        self._place = Replacement(path)
+        if self._place.direct:
+            raise OutputError(f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none")
+        self._written = 0
+        self._waiting: list[Values] = []
+        self._disk = _ForgivingDisk(self._place.temporary)
+        self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
+        self._describe(deck, layout.analysis)
+        self._chunk = chunk_rows(layout)
+        scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
+        self._series = self._make_series(layout.series, scales)
+        self._raise_disk_failure()
+
+    @property
+    def temporary(self) -> str:
+        """Where the file is until it is complete."""
+        return self._place.temporary
+
+    def rows(self, values: Values) -> None:
+        """Add report rows, every series by its path; whole chunks are written at once."""
+        self._waiting.append(values)
+        if self._rows_waiting >= self._chunk:
+            self._write(self._rows_waiting // self._chunk * self._chunk)
+
+    def close(self, status: str = COMPLETE, message: str = "") -> None:
+        """Write what waits, mark the file with `status` and `message`, and put it in its place."""
+        if self._rows_waiting:
+            self._write(self._rows_waiting)
+        self._file.attrs["status"] = status
+        self._file.attrs["message"] = message
+        self._file.close()
+        self._disk.close()
+        self._raise_disk_failure()
+        self._place.commit()
+
+    def discard(self) -> None:
+        """Leave no file; one that stood at the path before stays."""
+        self._file.close()
+        self._disk.close()
+        self._place.discard()
+
+    @property
+    def _rows_waiting(self):
+        return sum(len(block["time"]) for block in self._waiting)
+
+    def _describe(self, deck, analysis):
+        for name, value in (
+            ("Conventions", CONVENTIONS),
+            ("flexmb_version", __version__),
+            ("dialect", deck.dialect),
+            ("analysis", analysis),
+            ("deck_name", deck.source.name),
+            ("deck_sha256", deck.source.sha256),
+            ("status", FAILED),
+            ("message", CUT_SHORT),
+        ):
+            self._file.attrs[name] = value
+        _describe(
+            self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT), "1", "text of the deck"
+        )
+
+    def _make_axis(self, axis):
+        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
+        scale.make_scale(axis.path.rpartition("/")[2])
+        _describe(scale, "1", axis.long_name)
+        for path, texts, long_name in axis.labels:
+            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
+            dataset.dims[0].attach_scale(scale)
+            _describe(dataset, "1", long_name)
+        return scale
+
+    def _make_series(self, series, scales):
+        time = self._growing(TIME, ())
+        time.make_scale("time")
+        datasets = {TIME.path: time}
+        for item in series:
+            axes = [scales[path] for path in item.axes]
+            datasets[item.path] = self._growing(item, axes)
+            for number, scale in enumerate([time, *axes]):
+                datasets[item.path].dims[number].attach_scale(scale)
+        return datasets
+
+    def _growing(self, series, axes):
+        """A dataset without rows that grows along time."""
+        item = tuple(len(axis) for axis in axes)
+        dataset = self._file.create_dataset(
+            series.path,
+            shape=(0, *item),
+            maxshape=(None, *item),
+            chunks=(self._chunk, *item),
+            dtype="f8",
+        )
+        _describe(dataset, series.units, series.long_name)
+        return dataset
+
+    def _write(self, count):
+        """Write the first `count` waiting rows; the others go on waiting."""
+        gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
+        stop = self._written + count
+        for path, dataset in self._series.items():
+            dataset.resize(stop, axis=0)
+            dataset[self._written : stop] = gathered[path][:count]
+        self._raise_disk_failure()
+        self._written = stop
+        rest = {path: values[count:] for path, values in gathered.items()}
+        self._waiting = [rest] if len(rest["time"]) else []
+
+    def _raise_disk_failure(self):
+        failure = self._disk.failure
+        if failure is not None:
+            self.discard()
+            raise output_error(self._place.path, failure) from failure
+
+
+class _ForgivingDisk(io.FileIO):
+    """The file below HDF5.  It remembers the first failure to write and swallows what follows.
+
+    HDF5 itself must not meet a full disk: it then crashes the process when its file is closed.
+    """
+
+    def __init__(self, path):
+        self.failure: OSError | None = None
+        super().__init__(path, "w+")
+
+    def write(self, data):
+        """Write all of `data`; tell HDF5 that it is done in any case."""
+        view = memoryview(data)
+        while view and self.failure is None:
+            try:
+                view = view[super().write(view) :]
+            except OSError as error:
+                self.failure = error
+        return len(data)
+
+    def truncate(self, size=None):
+        """Set the file's length."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.failure = self.failure or error
+            return size
+
+
+def chunk_rows(layout: Layout) -> int:
+    """Rows of a chunk: no more than the run has, and at most a megabyte for the largest dataset."""
+    length = {axis.path: len(axis.values) for axis in layout.axes}
+    widest = 8 * max((prod(length[path] for path in series.axes) for series in layout.series), default=1)
+    return max(1, min(layout.rows, CHUNK_ROWS, CHUNK_BYTES // widest))
+
+
+def _plain(values):
+    return list(values) if isinstance(values[0], str) else np.array(values, np.int32)
+
+
+def _kind(values):
+    return TEXT if isinstance(values[0], str) else None
+
+
+def _describe(dataset, units, long_name):
+    dataset.attrs["units"] = units
+    dataset.attrs["long_name"] = long_name
+
+
+def _joined(blocks):
+    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
