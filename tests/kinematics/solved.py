@@ -5,7 +5,9 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from flexmb_cli.errors import FlexmbError
 from flexmb_cli.model.build_young import build_young
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
 from flexmb_cli.read.dialects import read_deck
@@ -33,6 +35,15 @@ def rows_of_deck(deck: str) -> Rows:
 def solved(mechanism: Mechanism) -> Rows:
     """All report rows of a run from beginning to end."""
     return joined(list(KinematicAnalysis(mechanism).rows()))
+
+
+def until_failure(mechanism: Mechanism) -> tuple[Rows | None, FlexmbError]:
+    """The rows before the failure that a run must end with, None if there are none, and the failure."""
+    blocks = []
+    with pytest.raises(FlexmbError) as caught:
+        for block in KinematicAnalysis(mechanism).rows():
+            blocks.append(block)
+    return (joined(blocks) if blocks else None), caught.value
 
 
 def joined(blocks: list[Rows]) -> Rows:
