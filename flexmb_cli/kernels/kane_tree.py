@@ -38,34 +38,35 @@ NO_INERTIA = 1e-13
 def accelerations(tree, work, coordinates, t, q, y, attitudes):
     """Set coordinates["rate"], the y' of the state; returns SOLVED or the coordinate without inertia.
 
-    q, y (NS,), attitudes (balls, 4).  The rate of a `given` coordinate is input.
+    q, y (NS,), attitudes (balls, 4).  The rate of a "held" coordinate is input.
     """
     coordinate_efforts(tree, t, q, y, coordinates)
     forget_closing_forces(tree.closures)
-    if tree.one_way:
-        return _one_way(tree, work, coordinates, t, q, y, attitudes)
-    for m in range(coordinates.shape[0]):
-        coordinates[m]["locked"] = tree.given[m]
-    fault = solve_tree(tree, work, coordinates, t, q, y, attitudes)
-    if fault != SOLVED or tree.closures.shape[0] == 0:
-        return fault
-    closing_forces(tree, work, coordinates)
-    return solve_tree(tree, work, coordinates, t, q, y, attitudes)
+    # One call of the solution only: a second would be compiled a second time.
+    for turn in range(2):
+        if not _prepare_turn(tree, work, coordinates, turn):
+            break
+        fault = solve_tree(tree, work, coordinates, t, q, y, attitudes)
+        if fault != SOLVED:
+            return fault
+    return SOLVED
 
 
 @kernel
-def _one_way(tree, work, coordinates, t, q, y, attitudes):
-    """Rigid coordinates with the elastic ones locked at rest, then the elastic ones; as `accelerations`."""
+def _prepare_turn(tree, work, coordinates, turn):
+    """Lock and load the tree for the first or second solution; False when no second one is needed."""
+    if turn == 1 and not tree.one_way:
+        if tree.closures.shape[0] > 0:
+            closing_forces(tree, work, coordinates)
+        return tree.closures.shape[0] > 0
     for m in range(coordinates.shape[0]):
-        coordinates[m]["locked"] = tree.given[m] or tree.elastic[m]
-        if tree.elastic[m]:
-            coordinates[m]["rate"] = 0.0
-    fault = solve_tree(tree, work, coordinates, t, q, y, attitudes)
-    if fault != SOLVED:
-        return fault
-    for m in range(coordinates.shape[0]):
-        coordinates[m]["locked"] = not tree.elastic[m]
-    return solve_tree(tree, work, coordinates, t, q, y, attitudes)
+        c = coordinates[m]
+        c["locked"] = c["held"]
+        if tree.one_way:
+            c["locked"] = (c["held"] != 0 or tree.elastic[m]) if turn == 0 else not tree.elastic[m]
+            if turn == 0 and tree.elastic[m]:
+                c["rate"] = 0.0
+    return True
 
 
 @kernel

@@ -102,7 +102,7 @@ def _load(s, place, force):
 def closing_forces(tree, work, coordinates):
     """Set the forces that take the closures' accelerations away, from the solution with open loops."""
     closures = tree.closures
-    set_response_matrix(tree, work, coordinates)
+    _set_response_matrix(tree, work, coordinates)
     for i in range(closures.shape[0]):
         row = closures[i]
         row["force"] = -_gap_acceleration(row, work[row["frame_a"]], work[row["frame_b"]])
@@ -124,7 +124,7 @@ def push_rows(closures, work, only):
 
 
 @kernel
-def set_response_matrix(tree, work, coordinates):
+def _set_response_matrix(tree, work, coordinates):
     """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree."""
     closures, matrix = tree.closures, tree.closure_matrix
     for j in range(closures.shape[0]):
@@ -136,11 +136,11 @@ def set_response_matrix(tree, work, coordinates):
             place = triple(row["place"], 0)
             apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
             matrix[i, j] = dot(triple(row["direction"], 0), apart)
-    eliminate_rows(closures, matrix)
+    _eliminate_rows(closures, matrix)
 
 
 @kernel
-def eliminate_rows(closures, matrix):
+def _eliminate_rows(closures, matrix):
     """L D Lᵀ of a symmetric matrix with diagonal pivots; dependent rows get the pivot 0."""
     n = matrix.shape[0]
     largest = 0.0

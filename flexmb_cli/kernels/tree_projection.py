@@ -8,17 +8,14 @@ not involve.
 import numpy as np
 
 from ._jit import kernel
-from .kane_tree import SOLVED, solve_tree
-from .tree_closures import measure_closures, push_rows, set_response_matrix, solve_rows
+from .tree_closures import measure_closures, push_rows, solve_rows
 from .tree_kinematics import attitude_rates, place_frames
-from .tree_loads import set_prescribed
 from .tree_motion import normalise_attitudes, parts
 from .tree_response import respond, respond_lumps
 
 CLOSED = 1e-13  # m and m/s: as good as closed
 MOST_CORRECTIONS = 5
-MOST_ITERATIONS = 60
-LARGEST_TURN = 0.5  # of one coordinate in an iteration of the assembly, rad or m
+LONGEST = 0.5  # correction of one coordinate, rad or m
 
 
 @kernel
@@ -46,32 +43,9 @@ def project(tree, work, coordinates, z):
         _measure(tree, work, coordinates, z)
         if largest_gap(tree.closures) <= CLOSED:
             break
-        _close_gaps(tree, work, coordinates, z, 1e300)
+        _close_gaps(tree, work, coordinates, z)
     _measure(tree, work, coordinates, z)
     _close_rates(tree, work, coordinates, z)
-
-
-@kernel
-def assemble(tree, work, coordinates, t, z, kept):
-    """Close gaps and rates of z (n,) by Newton's method; returns the largest gap left, m.
-
-    `kept` (NS,) marks coordinates that stay as they are.
-    """
-    y, q, attitudes = parts(tree, z)
-    set_prescribed(tree, t, q, y, coordinates)
-    for _ in range(MOST_ITERATIONS):
-        for m in range(y.shape[0]):
-            coordinates[m]["locked"] = kept[m]
-        if solve_tree(tree, work, coordinates, t, q, y, attitudes) != SOLVED:
-            return np.inf
-        set_response_matrix(tree, work, coordinates)
-        _measure(tree, work, coordinates, z)
-        if largest_gap(tree.closures) <= CLOSED:
-            break
-        _close_gaps(tree, work, coordinates, z, LARGEST_TURN)
-    _close_rates(tree, work, coordinates, z)
-    _measure(tree, work, coordinates, z)
-    return largest_gap(tree.closures)
 
 
 @kernel
@@ -92,15 +66,15 @@ def _respond_to_rows(tree, work, coordinates, z):
 
 
 @kernel
-def _close_gaps(tree, work, coordinates, z, longest):
-    """Move the coordinates by one Newton correction, none further than `longest`."""
+def _close_gaps(tree, work, coordinates, z):
+    """Move the coordinates by one Newton correction, none further than LONGEST."""
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["gap"]
     _respond_to_rows(tree, work, coordinates, z)
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))
-    share = min(1.0, longest / largest) if largest > 0.0 else 1.0
+    share = min(1.0, LONGEST / largest) if largest > 0.0 else 1.0
     _y, q, attitudes = parts(tree, z)
     move = np.zeros(q.shape[0])
     for m in range(q.shape[0]):

@@ -31,7 +31,8 @@ FRAME_WORK = np.dtype(
 
 COORDINATE_WORK = np.dtype(
     [
-        ("locked", np.int64),  # its acceleration is given, its effort is asked for
+        ("held", np.int64),  # its acceleration is given throughout
+        ("locked", np.int64),  # its acceleration is given in this solution, its effort is asked for
         ("rate", np.float64),  # acceleration: y'
         ("effort", np.float64),  # internal forces, springs, motors along it
         ("direction", np.float64, 3),  # axis of a hinge coordinate

@@ -3,31 +3,46 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
-from ..kernels.tree_projection import assemble
+from ..kernels import tree_march
 from ..model.tree import ROTATION, Tree
 
 CLOSED = 1e-10  # m
+MOST_ITERATIONS = 40
 
 
-def assemble_tree(tree: Tree, system, state: np.ndarray) -> None:
-    """Bring `state` onto the closures of the tree.
+def assemble_tree(analysis) -> None:
+    """Bring the state of a TreeAnalysis onto the closures of its tree.
 
     The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
     the prescribed coordinates are.  Raises ModelError for closures in a one-way model, AnalysisError
     when a gap remains.
     """
+    tree, arrays = analysis.tree, analysis.arrays
     if not tree.closures:
         return
     if tree.one_way:
         raise ModelError([_one_way_fault(tree)])
-    arrays, work, coordinates = system
+    start = analysis.state.copy()
     for kept in (_kept(tree, arrays), arrays.given):
-        trial = state.copy()
-        gap = assemble(arrays, work, coordinates, tree.time.start, trial, kept)
-        if gap <= CLOSED:
-            state[:] = trial
+        analysis.state[:] = start
+        if _close(analysis, kept):
             return
     raise _assembly_failure(tree, arrays.closures)
+
+
+def _close(analysis, kept):
+    """Whether the loops close while the coordinates marked in `kept` (NS,) stay."""
+    analysis.coordinates["held"] = kept
+    gap = np.inf
+    for _ in range(MOST_ITERATIONS):
+        before = gap
+        if analysis.call(tree_march.CLOSE) != tree_march.READY:
+            break
+        gap = analysis.clock["gap"][0]
+        if gap <= CLOSED and not gap < before / 2:
+            break
+    analysis.coordinates["held"] = analysis.arrays.given
+    return gap <= CLOSED
 
 
 def _kept(tree, arrays):

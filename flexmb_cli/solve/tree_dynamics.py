@@ -11,13 +11,12 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..kernels import tree_march
-from ..kernels.dop853_table import ALL_STAGES, DENSE_TERMS
 from ..kernels.kane_tree import SOLVED
 from ..kernels.tree_work import FRAME_WORK, tree_work
 from ..model.tree import Table, Tree
 from ..model.tree_arrays import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from .tree_assembly import assemble_tree
-from .tree_rows import Observed, TreeRows, tree_rows
+from .tree_rows import TreeRows, tree_rows
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -45,21 +44,23 @@ class TreeAnalysis:
         self.tree = tree
         self.arrays: TreeArrays = tree_arrays(tree)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
-        self.state = initial_state(tree)
-        n = self.state.size
-        self.old, self.trial = self.state.copy(), np.zeros(n)
-        self.slopes, self.dense = np.zeros((ALL_STAGES, n)), np.zeros((DENSE_TERMS, n))
-        self.clock = _clock(tree)
-        self.row = 0
-        self.attitude = None
-        if checkpoint is not None:
-            self._go_on_from(checkpoint)
+        start = initial_state(tree)
+        self.coordinates["held"] = self.arrays.given
+        self.march = tree_march.new_march(start.size)
+        self.march.z[:] = start
+        self.clock = self.march.clock
+        self.clock["t"] = self.clock["step_start"] = tree.time.start
+        self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
+        self.row, self.attitude = 0, None
         self.resumed = checkpoint is not None
+        if checkpoint is not None:
+            self.row, self.attitude = checkpoint.row, checkpoint.attitude
+            self.clock[:], self.march.z[:] = checkpoint.clock, checkpoint.state
 
-    def _go_on_from(self, checkpoint):
-        self.row, self.attitude = checkpoint.row, checkpoint.attitude
-        self.clock[:] = checkpoint.clock
-        self.state[:] = checkpoint.state
+    @property
+    def state(self) -> np.ndarray:
+        """State (n,) at the end of the last step: speeds, coordinates, Euler parameters, work."""
+        return self.march.z
 
     @property
     def checkpoint(self) -> Checkpoint:
@@ -67,7 +68,7 @@ class TreeAnalysis:
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
-        return Checkpoint(self.row, clock, self.old.copy(), self.attitude)
+        return Checkpoint(self.row, clock, self.march.old.copy(), self.attitude)
 
     def rows(self) -> Iterator[TreeRows]:
         """Yield the report rows in blocks.
@@ -75,58 +76,63 @@ class TreeAnalysis:
         Raises AnalysisError where a loop cannot be closed, the mass matrix is not positive definite
         or the step length falls to round-off; all rows before have been yielded.
         """
-        if not self.resumed:
-            assemble_tree(self.tree, self._system(), self.state)
         grid = self.tree.time
         end = grid.time(grid.rows - 1)
         for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
             self._start_interval(stop)
             status = tree_march.PAUSED
             while self.row < grid.rows and status != tree_march.AT_STOP:
-                status, block = self._advance(stop)
+                status, block = self._advance()
                 if block is not None:
                     yield block
                 if status == tree_march.STEP_VANISHED:
                     raise self._failure()
 
+    def call(self, task: int, report: tree_march.Report | None = None) -> int:
+        """Have the kernel do one of the tasks of `tree_march`; its answer."""
+        report = report or self._blank_report(np.zeros(0))
+        budget = 1 + CALL_WORK // (1 + len(self.coordinates))
+        return tree_march.call(task, budget, self.arrays, self.work, self.coordinates, self.march, report)
+
+    def _blank_report(self, times):
+        rows, n = times.size, len(self.coordinates)
+        return tree_march.Report(
+            times,
+            np.zeros((rows, self.state.size)),
+            np.zeros((rows, self.work.size), FRAME_WORK),
+            np.zeros((rows, n)),
+            np.zeros((rows, self.arrays.closures.size), CLOSURE_ROW),
+            np.zeros((rows, 5)),
+        )
+
     def _start_interval(self, stop):
-        begin = float(self.clock["t"][0])
-        set_laws(self.tree, self.arrays, begin, stop)
+        set_laws(self.tree, self.arrays, float(self.clock["t"][0]), stop)
+        self.clock["stop"] = stop
         if self.resumed:
-            fault = tree_march.first_slope(*self._system(), self.clock[0], self.state, self.slopes)
+            task = tree_march.GO_ON
         else:
-            fault = tree_march.start(*self._system(), self.clock[0], self.state, self.slopes, self.trial)
+            task = tree_march.BEGIN
+            if self.row == 0:
+                assemble_tree(self)
         self.resumed = False
-        self.old[:] = self.state
-        if fault != SOLVED:
-            self.clock["fault"] = fault
+        self.march.old[:] = self.march.z
+        if self.call(task) == tree_march.NO_INERTIA:
             raise self._failure()
 
-    def _system(self):
-        return self.arrays, self.work, self.coordinates
-
-    def _advance(self, stop):
+    def _advance(self):
         """One call of the kernel: its status, and the rows it filled (None for none)."""
         grid = self.tree.time
         last = min(self.row + LARGEST_BLOCK, grid.rows)
-        times = np.array([grid.time(k) for k in range(self.row, last)])
-        states = np.zeros((times.size, self.state.size))
-        scratch = (self.state, self.old, self.slopes, self.dense, self.trial)
-        budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        status = tree_march.march(*self._system(), self.clock[0], *scratch, stop, times, states, budget)
+        report = self._blank_report(np.array([grid.time(k) for k in range(self.row, last)]))
+        status = self.call(tree_march.MARCH, report)
         filled = int(self.clock["row"][0])
         self.row += filled
-        return status, self._observed(times[:filled], states[:filled]) if filled else None
-
-    def _observed(self, times, states):
-        frames = np.zeros((times.size, self.work.size), FRAME_WORK)
-        rates, audit = np.zeros((times.size, self.coordinates.size)), np.zeros((times.size, 5))
-        closures = np.zeros((times.size, self.arrays.closures.size), CLOSURE_ROW)
-        tree_march.observe(*self._system(), times, states, frames, rates, audit, closures)
-        observed = Observed(times, states, frames, rates, audit, closures)
-        block = tree_rows(self.tree, self.arrays, observed, self.attitude)
+        if not filled:
+            return status, None
+        filled_part = tree_march.Report(*(part[:filled] for part in report))
+        block = tree_rows(self.tree, self.arrays, filled_part, self.attitude)
         self.attitude = block.euler_parameters[-1]
-        return block
+        return status, block
 
     def _failure(self):
         clock = self.clock[0]
@@ -142,14 +148,6 @@ class TreeAnalysis:
 def initial_state(tree: Tree) -> np.ndarray:
     """State (n,) at the start: speeds, coordinates, Euler parameters, applied work."""
     return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), [0.0]])
-
-
-def _clock(tree):
-    clock = np.zeros(1, tree_march.CLOCK)
-    clock["t"] = clock["step_start"] = tree.time.start
-    clock["rtol"], clock["atol"] = tree.integration.rtol, tree.integration.atol
-    clock["fault"] = SOLVED
-    return clock
 
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..kernels.tree_march import Report
 from ..model.tree import ELASTIC, Tree
 from ..model.tree_arrays import TreeArrays, body_frames
 
@@ -44,24 +45,12 @@ class TreeRows:
         return self.kinetic + self.potential + self.strain - self.applied_work
 
 
-@dataclass(frozen=True, eq=False)
-class Observed:
-    """What the kernels found for T report rows, see `tree_march.observe`."""
-
-    times: np.ndarray
-    states: np.ndarray
-    frames: np.ndarray
-    rates: np.ndarray
-    audit: np.ndarray
-    closures: np.ndarray
-
-
-def tree_rows(tree: Tree, arrays: TreeArrays, observed: Observed, last: np.ndarray | None) -> TreeRows:
+def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray | None) -> TreeRows:
     """Rows in the terms of the model.
 
     `last` (N, 4): Euler parameters of the row before, whose signs these go on with.
     """
-    states, audit = observed.states, observed.audit
+    states, audit = observed.rows, observed.audit
     n = len(tree.coordinates)
     bodies = observed.frames[:, body_frames(arrays)]
     axes = bodies["axes"].reshape(len(states), -1, 3, 3)

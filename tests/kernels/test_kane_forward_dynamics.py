@@ -96,7 +96,7 @@ def test_prescribed_coordinate_keeps_its_acceleration_and_the_others_answer_to_i
     driven = random_tree(5, prescribed=(Prescribed(body, ROTATION, axis, 0.0, 0.0, 3.0),))
     recursion = Recursion(driven)
     b, remainder, force = recursion.dense()
-    recursion.coordinates["rate"][m] = 3.0
+    recursion.coordinates["held"], recursion.coordinates["rate"][m] = recursion.arrays.given, 3.0
     others = np.arange(len(driven.q)) != m
     expected = np.linalg.solve(b[np.ix_(others, others)], (force - remainder - 3.0 * b[:, m])[others])
     rates = recursion.forward()
