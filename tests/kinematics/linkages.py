@@ -94,7 +94,7 @@ class SliderCrank:
         return self.crank * np.cos(angle) + np.sqrt(self.rod**2 - (self.crank * np.sin(angle)) ** 2)
 
     def mechanism(self, law, time: TimeGrid, driven="crank", angle=None) -> Mechanism:
-        """Driven by law = (C, B, A): the crank about z, or the slider along x from the crank angle `angle`."""
+        """Driven by law = (C, B, A): the crank about z, or the slider along x from crank angle `angle`."""
         C, B, A = law
         angle = C + B * time.start + 0.5 * A * time.start**2 if angle is None else angle
         pin = self.crank * np.array([math.cos(angle), math.sin(angle)])
