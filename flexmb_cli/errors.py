@@ -4,15 +4,16 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 `DeckError` that carries all of them.  Only `cli.py` turns them into text on a stream.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from typing import NamedTuple
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 
 SHOWN_FAULTS = 20
+SHOWN_LINE = 160
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """Where something stands in a deck: line and column count from 1, columns in characters."""
 
     line: int
@@ -42,14 +43,13 @@ class Fault:
 
     def as_dict(self) -> dict:
         """Plain record for `--json`."""
-        record = asdict(self)
-        place = record.pop("place") or {"line": None, "column": None}
+        line, column = self.place[:2] if self.place else (None, None)
         return {
             "severity": self.severity,
             "object": self.subject,
             "message": self.message,
-            "line": place["line"],
-            "column": place["column"],
+            "line": line,
+            "column": column,
         }
 
 
@@ -105,10 +105,18 @@ def compiler_style(deck_name: str, faults, lines=()) -> str:
 
     `lines` are the deck's lines; a fault without a place shows neither line nor caret.
     """
-    blocks = [_one_fault(deck_name, fault, lines) for fault in faults[:SHOWN_FAULTS]]
+    blocks = [_one_fault(deck_name, fault, lines) for fault in _most_serious(faults)]
     if len(faults) > SHOWN_FAULTS:
         blocks.append(f"{deck_name}: {len(faults) - SHOWN_FAULTS} more faults not shown")
     return "\n".join(blocks)
+
+
+def _most_serious(faults):
+    """At most `SHOWN_FAULTS` of `faults` in their order, so that no crowd of warnings hides an error."""
+    if len(faults) <= SHOWN_FAULTS:
+        return faults
+    by_weight = sorted(range(len(faults)), key=lambda index: faults[index].severity != "error")
+    return [faults[index] for index in sorted(by_weight[:SHOWN_FAULTS])]
 
 
 def _one_fault(deck_name, fault, lines):
@@ -118,9 +126,19 @@ def _one_fault(deck_name, fault, lines):
     head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {fault.sentence}"
     if not 1 <= place.line <= len(lines):
         return head
-    line = lines[place.line - 1]
+    before, line = _excerpt(lines[place.line - 1], place.column - 1)
     # Tabs are kept in front of the caret, so that it stands below its token at any tab width.
-    lead = "".join("\t" if char == "\t" else " " for char in line[: place.column - 1])
-    lead = lead.ljust(place.column - 1)
+    lead = "".join("\t" if char == "\t" else " " for char in line[:before])
+    lead = lead.ljust(before)
     shown = (*fault.guide, line, lead + "^" * max(1, place.width))
     return "\n    ".join((head, *shown))
+
+
+def _excerpt(line, before):
+    """The line and how much stands before the caret; long lines cut, unprintable characters masked."""
+    if len(line) > SHOWN_LINE:
+        start = max(0, before - SHOWN_LINE // 2)
+        cut = "…" if start else ""
+        more = "…" if len(line) > start + SHOWN_LINE else ""
+        line, before = f"{cut}{line[start : start + SHOWN_LINE]}{more}", before - start + len(cut)
+    return before, "".join(char if char.isprintable() or char == "\t" else "�" for char in line)

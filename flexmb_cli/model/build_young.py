@@ -43,18 +43,17 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         parts["point"],
     )
     check_held_coordinates(mechanism, findings)
-    check_equation_count(mechanism, _counts_place(deck), findings)
-    _refuse_if_faulty(deck, findings)
-    return mechanism, findings.faults
+    counted = Findings()
+    check_equation_count(mechanism, deck.one("counts").place, counted)
+    _refuse_if_faulty(deck, findings, counted)
+    return mechanism, findings.in_order
 
 
-def _refuse_if_faulty(deck, findings):
-    if findings.errors:
-        raise ModelError((*deck.warnings, *with_slip_named(findings.faults, deck.slips)))
-
-
-def _counts_place(deck):
-    return deck.one("counts").place
+def _refuse_if_faulty(deck, findings, counted=None):
+    # The counts stand first in the deck, and the notes that follow their fault stay with it.
+    faults = [*(counted.faults if counted else ()), *findings.in_order]
+    if any(fault.severity == "error" for fault in faults):
+        raise ModelError((*deck.warnings, *with_slip_named(faults, deck.slips)))
 
 
 def _joints_in_order(parts):

@@ -6,6 +6,7 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 from ..errors import Place
@@ -28,10 +29,10 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
     equations = sum(count for count, *_ in links)
     coordinates = _PER_BODY * len(mechanism.bodies)
     groups = _groups(mechanism, links)
-    off = [group for group in groups if group.equations != _PER_BODY * len(group.bodies)]
+    off = [group for group in groups if group.excess]
     if equations != coordinates:
         findings.error("counts", _total(equations, coordinates, len(mechanism.bodies)), place)
-    elif any(group.equations < _PER_BODY * len(group.bodies) for group in off):
+    elif any(group.excess < 0 for group in off):
         message = "the equations are as many as the coordinates, but in the wrong places"
         findings.error("counts", message, place)
     else:
@@ -46,7 +47,7 @@ def _total(equations, coordinates, bodies):
     many = "few" if equations < coordinates else "many"
     return (
         f"{bodies} {'body has' if bodies == 1 else 'bodies have'} {coordinates} coordinates, but the "
-        f"constraints and drivers give {equations} equations, {abs(equations - coordinates)} too {many}"
+        f"constraints and drivers give {_many(equations)}, {abs(equations - coordinates)} too {many}"
     )
 
 
@@ -62,26 +63,44 @@ def _links(mechanism) -> Iterator[tuple[int, tuple[int, ...]]]:
         yield _PER_BODY, (ground.body,)
 
 
+@dataclass
 class _Group:
-    """Bodies that joints connect, the equations on them, and each body's share."""
+    """Bodies that joints connect, and the equations on them with the bodies that bear each."""
 
-    def __init__(self):
-        self.bodies = []
-        self.equations = 0
-        self.shares = defaultdict(float)
+    bodies: list[int] = field(default_factory=list)
+    borne: list[tuple[int, list[int]]] = field(default_factory=list)
 
     @property
-    def sentence(self):
+    def excess(self) -> int:
+        """Equations more than coordinates, negative for too few."""
+        return self.equations - _PER_BODY * len(self.bodies)
+
+    @property
+    def equations(self) -> int:
+        """All equations on the group."""
+        return sum(equations for equations, _ in self.borne)
+
+    @property
+    def sentence(self) -> str:
         """The group's balance for a note."""
+        balance = f"{abs(self.excess)} too {'many' if self.excess > 0 else 'few'}"
         coordinates = _PER_BODY * len(self.bodies)
-        excess = self.equations - coordinates
-        balance = f"{abs(excess)} too {'many' if excess > 0 else 'few'}"
-        text = f"{_named(self.bodies)}: {coordinates} coordinates, {self.equations} equations, {balance}"
-        if len(self.bodies) == 1:
-            return text
-        shares = ", ".join(f"body {b + 1}: {self.shares[b]:g}" for b in self.bodies[:SHOWN_BODIES])
+        text = f"{_named(self.bodies)}: {coordinates} coordinates, {_many(self.equations)}, {balance}"
+        return text if len(self.bodies) == 1 else f"{text} ({self._shares})"
+
+    @property
+    def _shares(self):
+        share = dict.fromkeys(self.bodies, 0.0)
+        for equations, bodies in self.borne:
+            for body in bodies:
+                share[body] += equations / len(bodies)
+        shown = ", ".join(f"body {body + 1}: {share[body]:g}" for body in self.bodies[:SHOWN_BODIES])
         more = ", …" if len(self.bodies) > SHOWN_BODIES else ""
-        return f"{text} (a joint's equations shared between its bodies, {shares}{more}; 6 each are needed)"
+        return f"a joint's equations shared between its bodies, {shown}{more}; 6 each are needed"
+
+
+def _many(equations):
+    return "1 equation" if equations == 1 else f"{equations} equations"
 
 
 def _named(bodies):
@@ -105,11 +124,8 @@ def _groups(mechanism, links):
     for body in range(len(root)):
         groups[_root(root, body)].bodies.append(body)
     for equations, touched in links:
-        bearing = [body for body in touched if body not in fixed] or touched[:1]
-        group = groups[_root(root, bearing[0])]
-        group.equations += equations
-        for body in bearing:
-            group.shares[body] += equations / len(bearing)
+        bearing = [body for body in touched if body not in fixed] or list(touched[:1])
+        groups[_root(root, bearing[0])].borne.append((equations, bearing))
     return list(groups.values())
 
 

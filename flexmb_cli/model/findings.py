@@ -12,9 +12,9 @@ class Findings:
     faults: list[Fault] = field(default_factory=list)
 
     @property
-    def errors(self) -> list[Fault]:
-        """The faults that forbid a model."""
-        return [fault for fault in self.faults if fault.severity == "error"]
+    def in_order(self) -> list[Fault]:
+        """The faults in the deck's order, those without a place first."""
+        return sorted(self.faults, key=lambda fault: fault.place or (0, 0))
 
     def error(self, subject: str, message: str, place: Place | None) -> None:
         """Add a fault that forbids a model."""

@@ -152,7 +152,7 @@ def _check_attitude(holds, findings):
     angles = [hold for hold in holds if hold.direction > 3 and not hold.driver]
     total = sum({hold.direction: hold.imposed**2 for hold in angles}.values())
     if total > 1.0 + NO_ATTITUDE:
-        last = angles[-1]
+        last = [hold for hold in angles if hold.imposed][-1]
         message = (
             f"no attitude of body {last.body + 1} has these angles: the squares of sin(angle/2) "
             f"add up to {total:.6g}, more than 1"

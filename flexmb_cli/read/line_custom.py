@@ -12,17 +12,22 @@ from itertools import accumulate, islice
 from ..errors import Fault, Place
 from .card import LONGEST_CARET, Word
 
+KEPT_PER_SLIP = 2
 
-def slips(read_words: Sequence[Word], records: Sequence[tuple[str, int]]) -> tuple[Fault, ...]:
+
+def slips(
+    read_words: Sequence[Word], records: Sequence[tuple[str, int]], kept_per_slip: int = KEPT_PER_SLIP
+) -> tuple[Fault, ...]:
     """Warnings for the lines that seem to have lost or gained numbers.
 
     `records` are (subject, numbers needed) in the deck's order.  Lines and records are walked side by
     side.  A line that fits no record is a slip when the line after it fits the next record again and
-    the custom is kept more often than broken; a deck wrapped at some width satisfies neither.
+    at least `kept_per_slip` lines keep the custom for each that does not; a deck wrapped at some
+    width seldom satisfies either.
     """
     lines = list(Counter(word.line for word in read_words).items())
-    slipped, fitting = _walk([held for _, held in lines], [needed for _, needed in records])
-    if not slipped or len(slipped) > fitting:
+    slipped = _walk([held for _, held in lines], [needed for _, needed in records], kept_per_slip)
+    if not slipped:
         return ()
     spans = _spans(read_words)
     return tuple(_warning(spans, *lines[line], *records[record]) for line, record in slipped)
@@ -44,34 +49,32 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
     return named
 
 
-def _walk(held, needed):
-    """Pairs (line, record) that do not fit, all but those at the very end, and how many records do."""
-    line = record = fitting = 0
+def _walk(held, needed, kept_per_slip):
+    """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
+    line = record = kept = 0
     slipped, unconfirmed = [], []
     while line < len(held) and record < len(needed):
-        step = _step(held, needed, line, record)
-        if step:
+        lines, records = _step(held, needed, line, record)
+        if lines:
             slipped, unconfirmed = slipped + unconfirmed, []
-            fitting += step[1]
+            kept += lines == records == 1
         else:
             unconfirmed.append((line, record))
-            if len(slipped) + len(unconfirmed) > fitting + 1:
-                return [], 0
-        lines, records = step or (1, 1)
+            lines = records = 1
         line, record = line + lines, record + records
-    return slipped, fitting
+    return slipped if kept_per_slip * len(slipped + unconfirmed) <= kept else []
 
 
 def _step(held, needed, line, record):
-    """How many (lines, records) go together from here: one and one, or one broken, or several joined."""
+    """How many (lines, records) go together from here: one and one, one broken, several joined; or 0, 0."""
     here, wanted = held[line], needed[record]
     if here == wanted or (here > wanted and record == len(needed) - 1):
         return 1, 1
     if here < wanted:
         lines = _reach(held, line, wanted)
-        return lines and (lines, 1)
+        return (lines, 1) if lines else (0, 0)
     records = _reach(needed, record, here)
-    return records and (1, records)
+    return (1, records) if records else (0, 0)
 
 
 def _reach(sizes, start, total):

@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import lru_cache
 
 LONGEST = 100
 MOST_DIGITS = 15
@@ -32,6 +33,7 @@ class Misspelt(ValueError):
     """The word is not the wanted number; the text says what was read and what may be meant."""
 
 
+@lru_cache(maxsize=4096)
 def real(word: str) -> tuple[float, str]:
     """The finite double that `word` spells, and a doubt, "" for none.
 
@@ -48,6 +50,7 @@ def real(word: str) -> tuple[float, str]:
     return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
 
 
+@lru_cache(maxsize=4096)
 def integer(word: str) -> tuple[int, str]:
     """The integer that `word` spells, and a doubt, "" for none: `2.0` is taken for 2 with a doubt."""
     if _PLAIN_INTEGER.fullmatch(word) and len(word) <= MOST_DIGITS:
@@ -56,7 +59,9 @@ def integer(word: str) -> tuple[int, str]:
         value, _ = real(word)
     except Misspelt as fault:
         raise Misspelt(str(fault).replace("a number", "an integer", 1)) from None
-    if not value.is_integer() or abs(value) >= 10**MOST_DIGITS:
+    if not value.is_integer():
+        raise Misspelt(f"must be an integer; read {shown(word)}")
+    if abs(value) >= 10**MOST_DIGITS:
         raise Misspelt(f"must be an integer of at most {MOST_DIGITS} digits; read {shown(word)}")
     return int(value), f"should be an integer; {shown(word)} is taken for {int(value)}"
 

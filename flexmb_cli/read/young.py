@@ -6,7 +6,7 @@ never looked at, as in the historic program.
 
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 from ..errors import DeckError, Fault
@@ -17,6 +17,8 @@ from .line_custom import slips, with_slip_named
 from .young_sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
 DIALECT = "young"
+MOST_ERRORS = 1000
+LONGEST_RECORD = max(len(section.columns) for section in YOUNG_SECTIONS)
 
 
 def read_young(source: DeckText) -> Deck:
@@ -29,7 +31,7 @@ def read_young(source: DeckText) -> Deck:
     records = [counts, *_read_sections(reading, counts)]
     slipped = _slips_of(reading, counts)
     faults = _in_order([*reading.faults, *slipped])
-    if reading.failed:
+    if reading.errors:
         raise DeckError(with_slip_named(faults, slipped))
     return Deck(DIALECT, source, tuple(records), tuple(faults), slipped)
 
@@ -41,7 +43,7 @@ class _Reading:
     source: DeckText
     taken: list[Word] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
-    failed: bool = False
+    errors: int = 0
 
     def __post_init__(self):
         self.words = words(self.source.lines)
@@ -55,7 +57,7 @@ class _Reading:
         return found
 
     def error(self, word: Word, subject: str, message: str):
-        self.failed = True
+        self.errors += 1
         self.faults.append(Fault("error", message, word.place, subject))
 
     def warn(self, word: Word, subject: str, message: str):
@@ -65,7 +67,7 @@ class _Reading:
         # An unclosed comment swallows the rest of the deck: its own fault says enough.
         if any("never closed" in fault.message for fault in self.faults):
             return
-        self.failed = True
+        self.errors += 1
         self.faults.append(Fault("error", message, end_of(self.source.lines), subject))
 
 
@@ -79,7 +81,7 @@ def _read_counts(reading):
         least = 1 if count.key == "NBODY" else 0
         if count.value is not None and count.value < least:
             reading.error(word, "counts", f"{count.key} must be at least {least}; read {count.value}")
-    if reading.failed:
+    if reading.errors:
         raise DeckError(with_slip_named(reading.faults, _slip_of_counts(reading, record)))
     return record
 
@@ -98,14 +100,17 @@ def _read_sections(reading, counts):
         size = len(section.columns)
         chunk = found[position : position + size]
         position += size
+        if reading.errors > MOST_ERRORS:
+            break  # no deck at all, such as a text that begins with twelve integers
         if chunk:
             records.append(_record(reading, section, number_of_record, chunk))
         if len(chunk) < size:
-            reading.early_end(
-                _subject(section, number_of_record),
-                f"the deck ends after {len(chunk)} of its {size} numbers; "
-                f"by its counts the deck needs {wanted + 12} numbers, it has {len(reading.taken)}",
+            where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
+            message = (
+                f"the deck ends {where}; by its counts the deck needs "
+                f"{wanted + len(COUNTS.columns)} numbers, it has {len(reading.taken)}"
             )
+            reading.early_end(_subject(section, number_of_record), message)
             break
     return records
 
@@ -126,22 +131,25 @@ def _blocks(counts):
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
 
 
+def labelled(record: Record) -> Record:
+    """`record` with the meanings and units that its present direction gives the values behind it."""
+    section = next(section for section in YOUNG_SECTIONS if section.name == record.section)
+    turning = any(n.key == "direction" and n.value in (4, 5, 6) for n in record.numbers)
+    numbers = tuple(
+        replace(number, meaning=column.label(turning)[0], unit=column.label(turning)[1])
+        for column, number in zip(section.columns, record.numbers, strict=True)
+    )
+    return replace(record, numbers=numbers)
+
+
 def _record(reading, section, number_of_record, found):
     subject = _subject(section, number_of_record)
-    values = [
-        _value(reading, subject, column, word) for column, word in zip(section.columns, found, strict=False)
-    ]
+    pairs = list(zip(section.columns, found, strict=False))
+    values = [_value(reading, subject, column, word) for column, word in pairs]
     turning = _turns(section, values)
     numbers = tuple(
-        Number(
-            column.key,
-            value,
-            column.turning_meaning if turning and column.turning_meaning else column.meaning,
-            column.turning_unit if turning and column.turning_unit is not None else column.unit,
-            word.place,
-            word.text,
-        )
-        for column, value, word in zip(section.columns, values, found, strict=False)
+        Number(column.key, value, *column.label(turning), word.place, word.text)
+        for (column, word), value in zip(pairs, values, strict=True)
     )
     return Record(section.name, number_of_record, subject, numbers)
 
@@ -161,8 +169,8 @@ def _value(reading, subject, column, word):
 
 def _turns(section, values):
     """Whether the record's direction is a rotation, so that its values are angles."""
-    keys = [column.key for column in section.columns[: len(values)]]
-    return "direction" in keys and values[keys.index("direction")] in (4, 5, 6)
+    where = section.direction
+    return where is not None and where < len(values) and values[where] in (4, 5, 6)
 
 
 def _subject(section, number_of_record):
@@ -170,10 +178,25 @@ def _subject(section, number_of_record):
 
 
 def _slips_of(reading, counts):
+    """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
+    wanted = sum(size for _, size in _blocks(counts)) + len(COUNTS.columns)
+    behind = _words_behind(reading)
+    if len(reading.taken) == wanted and not behind:
+        return ()
     # No record is empty, so the words taken bound the number of records worth listing.
     expected = islice(_expected(counts), len(reading.taken))
     sizes = [(_subject(section, k), len(section.columns)) for section, k in expected]
-    return slips(reading.taken, [(COUNTS.subject, len(COUNTS.columns)), *sizes])
+    return slips([*reading.taken, *behind], [(COUNTS.subject, len(COUNTS.columns)), *sizes])
+
+
+def _words_behind(reading):
+    """The rest of the last number's line and the next line; nothing when the number ends its line."""
+    behind = list(islice(reading.words, 2 * LONGEST_RECORD))
+    last = reading.taken[-1].line
+    if not behind or behind[0].line != last:
+        return []
+    next_line = next((word.line for word in behind if word.line != last), last)
+    return [word for word in behind if word.line in (last, next_line)]
 
 
 def _slip_of_counts(reading, record):
@@ -182,8 +205,8 @@ def _slip_of_counts(reading, record):
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
     first_lines = sorted({word.line for word in reading.taken})[:2]
     near = [word for word in reading.taken if word.line in first_lines]
-    return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies])
+    return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
 def _in_order(faults):
-    return sorted(faults, key=lambda fault: (fault.place.line, fault.place.column))
+    return sorted(faults, key=lambda fault: fault.place)

@@ -5,6 +5,7 @@ in m, angles in rad, times in s; points in the axes of their body.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -18,8 +19,14 @@ class Column:
     meaning: str
     unit: str = ""
     is_integer: bool = False
-    turning_unit: str | None = None
-    turning_meaning: str | None = None
+    turning_unit: str = ""
+    turning_meaning: str = ""
+
+    def label(self, turning: bool) -> tuple[str, str]:
+        """Meaning and unit, in a record whose direction is a rotation (`turning`) or not."""
+        if turning and self.turning_meaning:
+            return self.turning_meaning, self.turning_unit
+        return self.meaning, self.unit
 
 
 @dataclass(frozen=True)
@@ -34,6 +41,12 @@ class Section:
     subject: str
     columns: tuple[Column, ...]
 
+    @cached_property
+    def direction(self) -> int | None:
+        """Where among the columns the direction stands, None when the records have none."""
+        keys = [column.key for column in self.columns]
+        return keys.index("direction") if "direction" in keys else None
+
 
 def _whole(key, meaning):
     return Column(key, meaning, is_integer=True)
@@ -44,16 +57,18 @@ def _joint(name, count, points, *more):
     for point in points:
         body = point[-1].upper()
         columns += [
-            Column(f"{point}.{axis}", f"{axis} of {_POINTS[point[0]]} on body {body}, body axes", "m")
+            Column(
+                f"{point}.{axis}", f"{axis} of {point[0]} on body {body}, body axes{_ROLES[point[0]]}", "m"
+            )
             for axis in "xyz"
         ]
     return Section(name, count, f"{name} joint", (*columns, *more))
 
 
-_POINTS = {
-    "P": "the joint point P",
-    "Q": "Q, the end of the vector s = Q - P along the axis",
-    "H": "H, the end of the vector h = H - P across the axis",
+_ROLES = {
+    "P": ": the joint point",
+    "Q": ": s = Q - P points along the axis",
+    "H": ": h = H - P points across the axis",
 }
 _BODY = _whole("body", "number of the body")
 _DIRECTION = _whole("direction", "1 2 3: along x y z; 4 5 6: about x y z")

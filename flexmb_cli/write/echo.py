@@ -1,0 +1,35 @@
+"""The echo of a deck: every number as it was understood, for `--echo`."""
+
+from ..read.deck import Deck
+from ..read.dialects import DIALECTS
+
+HEADINGS = ("line", "name", "value", "unit", "meaning")
+_ALIGN_RIGHT = (True, False, True, False, False)
+
+
+def echo(deck: Deck) -> str:
+    """A table of all numbers of `deck`, one a line, columns aligned, ending with a line end.
+
+    Line of the deck (`--set` for a number set there), readable name, value as typed, unit, meaning.
+    """
+    rows = [HEADINGS, *(_row(name, number) for name, number in deck.numbers())]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "".join(f"{line}\n" for line in (_title(deck), *(_aligned(row, widths) for row in rows)))
+
+
+def _title(deck):
+    begins = DIALECTS[deck.dialect].begins
+    return f"{deck.source.name}: read as a {deck.dialect.upper()} deck, which begins with {begins}"
+
+
+def _row(name, number):
+    line = str(number.place.line) if number.place else "--set"
+    return line, name, number.text or str(number.value), number.unit or "-", number.meaning
+
+
+def _aligned(row, widths):
+    cells = [
+        cell.rjust(width) if right else cell.ljust(width)
+        for cell, width, right in zip(row, widths, _ALIGN_RIGHT, strict=True)
+    ]
+    return "  ".join(cells).rstrip()
