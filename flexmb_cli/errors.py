@@ -121,9 +121,9 @@ def _most_serious(faults):
 
 def _one_fault(deck_name, fault, lines):
     if fault.place is None:
-        return f"{deck_name}: {fault.severity}: {fault.sentence}"
+        return f"{deck_name}: {fault.severity}: {_masked(fault.sentence)}"
     place = fault.place
-    head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {fault.sentence}"
+    head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {_masked(fault.sentence)}"
     if not 1 <= place.line <= len(lines):
         return head
     before, line = _excerpt(lines[place.line - 1], place.column - 1)
@@ -135,10 +135,15 @@ def _one_fault(deck_name, fault, lines):
 
 
 def _excerpt(line, before):
-    """The line and how much stands before the caret; long lines cut, unprintable characters masked."""
+    """The line and how much stands before the caret; long lines cut."""
     if len(line) > SHOWN_LINE:
         start = max(0, before - SHOWN_LINE // 2)
         cut = "…" if start else ""
         more = "…" if len(line) > start + SHOWN_LINE else ""
         line, before = f"{cut}{line[start : start + SHOWN_LINE]}{more}", before - start + len(cut)
-    return before, "".join(char if char.isprintable() or char == "\t" else "�" for char in line)
+    return before, _masked(line)
+
+
+def _masked(text):
+    """Decks may hold anything; a terminal must not obey it."""
+    return "".join(char if char.isprintable() or char == "\t" else "�" for char in text)
