@@ -24,7 +24,7 @@ UNTURNED: Attitude = (1.0, 0.0, 0.0, 0.0)
 
 ROTATION, TRANSLATION, ELASTIC = "rotation", "translation", "elastic"
 
-METHODS = ("dop853", "rodas", "lsoda")
+METHODS = ("dop853", "radau", "lsoda")
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,11 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Integration:
-    """How to integrate: one of METHODS, relative and absolute tolerance of a step."""
+    """How to integrate: one of METHODS, relative and absolute tolerance of a step.
+
+    dop853 is explicit and compiled; radau is implicit and damps stiff elastic modes; lsoda is of the
+    family the thesis used (DGEAR).
+    """
 
     method: str = "dop853"
     rtol: float = 1e-9

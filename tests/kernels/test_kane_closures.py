@@ -20,8 +20,16 @@ def gap(particles, closure, q, turned):
     frames = particles.frames(q, turned)
     p, S = frames[closure.a]
     origin, T = (np.zeros(3), np.eye(3)) if closure.b == INERTIAL else frames[closure.b]
-    apart = p + S @ np.array(closure.a_point) - origin - T @ np.array(closure.b_point)
+    a = end(particles, closure.a, closure.a_node, closure.a_point, q)
+    apart = p + S @ a - origin - T @ end(particles, closure.b, closure.b_node, closure.b_point, q)
     return (T.T @ apart)[[axis - 1 for axis in closure.directions]]
+
+
+def end(particles, body, node, point, q):
+    """Point of a body in its axes: a displaced node, or a fixed point."""
+    if node is None:
+        return np.array(point)
+    return particles.tree.bodies[body].elastic.positions[node] + particles.displacement(body, node, q)
 
 
 def closure_equations(tree, attitudes):

@@ -211,7 +211,7 @@ CASES = [
             ("END \n", "METH\n    4\nEND \n"),
         ),
         [
-            "39:5: error: METH: METH = 4 is no integrator: 1 dop853, 2 rodas, 3 lsoda",
+            "39:5: error: METH: METH = 4 is no integrator: 1 dop853, 2 radau, 3 lsoda",
         ],
         id="an integrator that does not exist",
     ),

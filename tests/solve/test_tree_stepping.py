@@ -4,12 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, solve_ivp
 
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.kernels import dop853_table as table
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import TRANSLATION, Body, BodyTorque, Hinge, Spring, Table, Tree, pulse
+from flexmb_cli.model.tree import (
+    TRANSLATION,
+    Body,
+    BodyTorque,
+    Elasticity,
+    Hinge,
+    Integration,
+    Spring,
+    Table,
+    Tree,
+    pulse,
+)
 from flexmb_cli.solve import tree_dynamics
 from flexmb_cli.solve.tree_dynamics import TreeAnalysis
 from tests.naive.random_trees import random_tree
@@ -131,3 +142,37 @@ def test_motion_without_bound_keeps_the_rows_before_and_names_time_and_coordinat
         kept.extend(TreeAnalysis(tree).rows())
     assert 0.6 < caught.value.time < 0.8
     assert joined(kept).time[-1] == pytest.approx(0.7, abs=0.11)
+
+
+@pytest.mark.parametrize(("method", "allowed"), [("radau", 1e-7), ("lsoda", 1e-6)])
+def test_other_integrators_give_the_motion_of_the_default_one(method, allowed):
+    """Shaft and beam with the jumps of its pulse; tips move by 0.015 m."""
+    tree = deck_tree("shaft_beam_n2", 1e-10)
+    other = replace(tree, integration=Integration(method, 1e-8, 1e-8))
+    found, expected = run(other), run(tree)
+    assert np.array_equal(found.time, expected.time)
+    assert np.max(np.abs(found.q - expected.q)) < allowed
+
+
+def test_implicit_integrator_walks_over_vibrations_that_its_tolerance_does_not_ask_for():
+    """A node of 1 kg on a spring of 1e10 N/m, at rest but for gravity: 16 kHz that nothing excites."""
+    elastic = Elasticity(
+        np.array([[0.0, 1.0, 0.0]]), np.array([1.0]), (2,), np.array([[1e10]]), np.zeros((1, 3))
+    )
+    body = Body("rod", 1.0, np.diag([1.1, 0.1, 1.1]), elastic=elastic)
+    tree = Tree(
+        (body,),
+        (Hinge(-1, rotations=(1,)),),
+        np.array([1.0, 0.0]),
+        np.zeros(2),
+        TimeGrid(0.0, 0.2, 0.1),
+        integration=Integration("radau", 1e-6, 1e-6),
+    )
+    stiff = TreeAnalysis(tree)
+    rows = joined(list(stiff.rows()))
+    assert stiff.clock["evaluations"][0] < 3000
+    # A rigid pendulum: 1.1 y' = -9.8 sin q.
+    exact = solve_ivp(
+        lambda t, z: [z[1], -9.8 / 1.1 * np.sin(z[0])], (0, 0.2), [1.0, 0.0], rtol=1e-10, atol=1e-10
+    ).y[0, -1]
+    assert rows.q[-1, 0] == pytest.approx(exact, abs=1e-6)
