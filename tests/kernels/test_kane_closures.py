@@ -8,7 +8,7 @@ from scipy.linalg import null_space
 
 from flexmb_cli.model.tree import INERTIAL, Closure
 from tests.kernels.test_kane_forward_dynamics import Recursion, close
-from tests.naive.particle_tree import CIRCLE, RADIUS, Particles
+from tests.naive.particle_tree import Particles, second_derivative
 from tests.naive.random_trees import random_tree
 
 # A closure may hold a point along some axes only; its gap along the others is then not small.
@@ -39,8 +39,7 @@ def closure_equations(tree, attitudes):
     steps = 1e-30j * np.eye(n)
     gaps = lambda q, turned: np.concatenate([gap(particles, c, q, turned) for c in tree.closures])  # noqa: E731
     J = np.stack([gaps(q + step, step).imag * 1e30 for step in steps], axis=1)
-    circle = RADIUS * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
-    return J, 2 * sum(gaps(q + t * y, t * y) / t**2 for t in circle).real / CIRCLE
+    return J, second_derivative(lambda t: gaps(q + t * y, t * y), y)
 
 
 def looped_tree(seed, directions=(1, 2, 3), b=1):

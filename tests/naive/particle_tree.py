@@ -13,11 +13,19 @@ from flexmb_cli.model.tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION
 from flexmb_cli.model.tree_arrays import rotation_matrix
 
 CIRCLE = 32
-RADIUS = 0.25
+
+
+def about(axis, angle):
+    """Rotation about axis 1, 2 or 3 by a complex angle."""
+    a, b = axis % 3, (axis + 1) % 3
+    R = np.eye(3, dtype=complex)
+    R[a, a] = R[b, b] = np.cos(angle)
+    R[a, b], R[b, a] = -np.sin(angle), np.sin(angle)
+    return R
 
 
 def turn(vector):
-    """exp of the skew matrix of a complex vector, by its series."""
+    """exp of the skew matrix of a complex vector of a length of one or so, by its series."""
     x, y, z = vector
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     total = term = np.eye(3, dtype=complex)
@@ -72,7 +80,7 @@ class Particles:
             first = self.index[hinge.parent, ELASTIC, self.tree.bodies[hinge.parent].elastic.axes[0], 0]
             angles = hinge.elastic_rotation @ q[first : first + hinge.elastic_rotation.shape[1]]
             for axis in range(3):
-                R = R @ turn(angles[axis] * np.eye(3)[axis])
+                R = R @ about(axis + 1, angles[axis])
         return R
 
     def _turn(self, k, q, turned):
@@ -85,7 +93,7 @@ class Particles:
             return rotation_matrix(hinge.attitude)
         R = np.eye(3)
         for axis, angle in zip(hinge.rotations, angles, strict=True):
-            R = R @ turn(angle * np.eye(3)[axis - 1])
+            R = R @ about(axis, angle)
         return R
 
     def positions(self, q, turned):
@@ -128,15 +136,18 @@ def equations(tree, q, y, attitudes):
         for k, (_, turned) in enumerate(particles.frames(q + step, step)):
             skew = (turned.imag * 1e30) @ S[k].real.T
             turns[m, k] = [skew[2, 1], skew[0, 2], skew[1, 0]]
-    remainder = second_derivative(lambda t: particles.positions(q + t * y, t * y))
+    remainder = second_derivative(lambda t: particles.positions(q + t * y, t * y), y)
     weighted = J * particles.weights[:, None]
     b = np.einsum("mik,nik->mn", weighted, J)
     return b, np.einsum("mik,ik->m", weighted, remainder), applied(tree, particles, q, y, J, turns)
 
 
-def second_derivative(f):
-    """Second derivative at 0 of an analytic function, by Cauchy's integral on a circle."""
-    z = RADIUS * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+def second_derivative(f, y):
+    """Second derivative at 0 of an analytic function of t that turns with speeds y, by Cauchy's integral.
+
+    On a circle that turns nothing by much more than a radian 32 points are enough for round-off.
+    """
+    z = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE) / (1 + np.max(np.abs(y)))
     return 2 * sum(f(t) / t**2 for t in z).real / CIRCLE
 
 
