@@ -9,6 +9,10 @@ import click
 from ..errors import DONE, FlexmbError
 from .deck_options import DECK, deck_options, show_faults
 
+_BEGINNING = 10_000  # characters of a deck that tell its dialect
+
+TOLERANCE = click.FloatRange(0, 1, min_open=True, max_open=True)
+
 
 @click.command()
 @DECK
@@ -25,7 +29,12 @@ from .deck_options import DECK, deck_options, show_faults
 @click.option("--feps", type=click.FloatRange(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=click.FloatRange(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
-def run(decks, changes, echo, as_json, quiet, verbose, jobs, feps, epslu, nrmax, **options):
+@click.option("--rtol", type=TOLERANCE, help="DAFMS: relative tolerance of a step (1e-9).")
+@click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (1e-9).")
+@click.option("--method", type=click.Choice(["dop853", "rodas", "lsoda"]),
+              help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
+@click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
+def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     """Solve every DECK and write its OUT table and HDF5 result.
 
     \b
@@ -34,9 +43,9 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, feps, epslu, nrmax,
     """
     from ..run.outcome import RunOptions
 
-    solver = {"tolerance": feps, "smallest_pivot": epslu, "most_iterations": nrmax}
-    solver = {name: value for name, value in solver.items() if value is not None}
-    choices = RunOptions(changes=changes, solver=solver, **options)
+    solver = _given(options, tolerance="feps", smallest_pivot="epslu", most_iterations="nrmax")
+    integration = _given(options, rtol="rtol", atol="atol", method="method")
+    choices = RunOptions(changes=changes, solver=solver, integration=integration, **options)
     _refuse_shared_files(decks, choices)
     _stop_on_sigterm()
     codes = []
@@ -48,6 +57,12 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, feps, epslu, nrmax,
         if outcome.exit_code > 128:
             break
     sys.exit(max(codes))
+
+
+def _given(options, **names):
+    """Takes the options called as the values of `names` out of `options`; those given, by the keys."""
+    values = {key: options.pop(name) for key, name in names.items()}
+    return {key: value for key, value in values.items() if value is not None}
 
 
 def _outcomes(decks, options, jobs, quiet, echo):
@@ -116,15 +131,24 @@ def _refuse_shared_files(decks, options):
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise click.UsageError("--out and --h5 name one file: give one deck, or use --output-dir")
     names = [(deck, PurePath(deck).name if deck != "-" else deck) for deck in decks]
-    guess = "young" if options.dialect == "auto" else options.dialect
-    paths = [
-        (
-            deck,
-            result_paths(name, guess, options.folder, options.out, options.h5, options.no_out, options.no_h5),
-        )
-        for deck, name in names
-    ]
-    refuse_shared(paths)
+    places = options.folder, options.out, options.h5, options.no_out, options.no_h5
+    refuse_shared([(deck, result_paths(name, _dialect(deck, options), *places)) for deck, name in names])
+
+
+def _dialect(deck, options):
+    """Dialect of a deck by its beginning; the faults of one without any are reported by its run."""
+    from pathlib import Path
+
+    from ..read.dialects import recognise
+
+    # What is no regular file can be read only once.
+    if options.dialect != "auto" or not Path(deck).is_file():
+        return options.dialect
+    try:
+        with Path(deck).open(encoding="latin-1") as stream:
+            return recognise(stream.read(_BEGINNING).splitlines())
+    except (OSError, FlexmbError):
+        return options.dialect
 
 
 def _stop_on_sigterm():
@@ -139,7 +163,8 @@ def _stop_on_sigterm():
 def _report_outcome(outcome, quiet, verbose):
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
-        click.echo(f"{outcome.deck}: interrupted; {_kept(outcome)}", err=True)
+        hint = "; --resume goes on with it" if outcome.resumable else ""
+        click.echo(f"{outcome.deck}: interrupted; {_kept(outcome)}{hint}", err=True)
     elif outcome.exit_code == 1 and not quiet:
         click.echo(f"{outcome.deck}: {_kept(outcome)}", err=True)
     elif outcome.exit_code == DONE and not quiet:

@@ -6,10 +6,11 @@ from ..read.dialects import read_deck
 from ..read.settings import apply_settings
 from ..read.text import read_text
 from ..write.file_names import result_paths
+from .dafms import run_dafms
 from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
 from .young import run_young
 
-RUNNERS = {"young": run_young}
+RUNNERS = {"young": run_young, "dafms": run_dafms}
 
 
 def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout=None) -> Outcome:

@@ -12,6 +12,8 @@ from contextlib import contextmanager
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
 
+_PREFIX, _SUFFIX = ".flexmb-", ".tmp"
+
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -56,6 +58,11 @@ class ReplacedText:
         """Write `text`."""
         with self._discarding():
             return self._stream.write(text)
+
+    @property
+    def temporary(self) -> str:
+        """Where the text is until `commit`."""
+        return self._replacement.temporary
 
     def flush(self) -> None:
         """Hand what is buffered to the system."""
@@ -104,6 +111,12 @@ def output_error(path: str, error: OSError) -> OutputError:
     return OutputError(f"{path}: cannot be written: {_reason(number, error)}", BAD_INPUT)
 
 
+def is_unfinished(path: str) -> bool:
+    """Whether a file has the name of a result in the making, such as a killed run leaves behind."""
+    name = os.path.basename(path)
+    return name.startswith(_PREFIX) and name.endswith(_SUFFIX)
+
+
 def make_folder(folder) -> None:
     """Make the output folder and its parents if missing."""
     folder = os.fspath(folder)
@@ -140,7 +153,7 @@ def _reserve(target, shown):
         if len(os.fsencode(os.path.basename(target))) > 255:
             raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
         while True:
-            name = os.path.join(os.path.dirname(target), f".flexmb-{secrets.token_hex(6)}.tmp")
+            name = os.path.join(os.path.dirname(target), f"{_PREFIX}{secrets.token_hex(6)}{_SUFFIX}")
             try:
                 os.close(os.open(name, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
             except FileExistsError:

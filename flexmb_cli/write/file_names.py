@@ -25,6 +25,12 @@ class ResultPaths:
         wanted = (self.out, self.h5, *self.series)
         return tuple(path for path in wanted if path is not None and path != STANDARD_OUTPUT)
 
+    @property
+    def resume(self) -> str | None:
+        """<stem>.resume beside the results, for what a stopped run leaves; None when no result is a file."""
+        beside = self.h5 or next(iter(self.series), None)
+        return None if beside is None else _stem(beside) + ".resume"
+
 
 def out_name(deck_name: str, dialect: str) -> str:
     """OUT<rest> for a YOUNG deck IN<rest>, else <stem>.OUT; `deck_name` has no folder."""

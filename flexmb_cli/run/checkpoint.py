@@ -1,0 +1,169 @@
+"""What a stopped run leaves to go on from: the rows so far and the state after them, in `<stem>.resume`.
+
+The file is a journal: one line that says of which run it is, then one entry for each block of rows
+with the checkpoint behind it, each with its length and checksum.  A kill tears at most the last
+entry, which then does not count.  Result files are written anew from the entries.
+"""
+
+import io
+import json
+import os
+import struct
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from ..errors import Fault, ModelError, OutputError
+from ..write.atomic import is_unfinished, located
+
+_HEAD = struct.Struct("<QI")
+_STATE = "checkpoint/"
+_UNFINISHED = "unfinished"
+
+
+class Journal:
+    """The journal at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's types.
+
+    `find` the journal of a stopped run if there may be one; then `begin`, take the `stored` entries,
+    and `append` further ones.
+    """
+
+    def __init__(self, path: str | None, identity: dict):
+        self.path = path
+        self.identity = identity
+        self._file = None
+        self._first = self._end = 0
+
+    def find(self) -> None:
+        """Look for the journal of a stopped run, and remove the files that it left unfinished.
+
+        Raises ModelError when the journal is of another run.
+        """
+        if self.path is None or not os.path.exists(self.path):
+            return
+        with self._opened() as file:
+            head = file.readline()
+            if not head.endswith(b"\n"):
+                return
+            self._check_identity(head)
+            self._first = self._end = file.tell()
+            for entry in _entries(file):
+                self._end = file.tell()
+                _remove_unfinished(_arrays(entry, (_UNFINISHED,)))
+
+    def begin(self, unfinished: Sequence[str]) -> None:
+        """Start the journal, or go on with the one found; a kill would leave the files `unfinished`."""
+        if self.path is None:
+            return
+        with located(self.path):
+            self._open()
+            self._write({_UNFINISHED: np.array(unfinished, str)})
+
+    def stored(self) -> Iterator[tuple[dict, dict]]:
+        """Pairs (values, checkpoint) of the journal that was found, oldest first."""
+        if self._end == self._first:
+            return
+        with self._opened() as file:
+            file.seek(self._first)
+            for entry in _entries(file):
+                arrays = _arrays(entry)
+                if _UNFINISHED not in arrays:
+                    yield _parted(arrays)
+                if file.tell() >= self._end:
+                    return
+
+    def append(self, values: Mapping, checkpoint: Mapping) -> None:
+        """Keep a block of rows and the state after it; the arrays of both are named by texts."""
+        if self.path is None:
+            return
+        named = {_STATE + name: array for name, array in checkpoint.items()}
+        with located(self.path):
+            self._write({**values, **named})
+
+    @property
+    def begun(self) -> bool:
+        """Whether this run has left anything to resume."""
+        return self._file is not None
+
+    def close(self) -> None:
+        """Leave the journal for `--resume`."""
+        if self._file:
+            self._file.close()
+
+    def remove(self) -> None:
+        """The run is over and leaves nothing to resume; a journal that was not begun stays."""
+        if self._file:
+            self._file.close()
+            os.unlink(self.path)
+
+    def _opened(self):
+        try:
+            return open(self.path, "rb")
+        except OSError as error:
+            raise OutputError(f"{self.path}: cannot be read: {error.strerror}") from error
+
+    def _open(self):
+        if self._end:
+            self._file = open(self.path, "r+b")  # noqa: SIM115
+            self._file.truncate(self._end)
+            self._file.seek(self._end)
+        else:
+            self._file = open(self.path, "wb")  # noqa: SIM115
+            self._file.write(json.dumps(self.identity).encode() + b"\n")
+
+    def _write(self, arrays):
+        stream = io.BytesIO()
+        np.savez(stream, **arrays)
+        entry = stream.getvalue()
+        self._file.write(_HEAD.pack(len(entry), zlib.crc32(entry)) + entry)
+        self._file.flush()
+
+    def _check_identity(self, head):
+        try:
+            found = dict(json.loads(head))
+        except (ValueError, TypeError) as fault:
+            message = f"--resume: {self.path} is not the file of a stopped run; remove it"
+            raise ModelError([Fault("error", message)]) from fault
+        other = [name for name in self.identity if found.get(name) != self.identity[name]]
+        if other:
+            raise ModelError([Fault("error", self._refusal(found, other))])
+
+    def _refusal(self, found, names):
+        changes = "; ".join(
+            f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
+        )
+        return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
+
+
+def _entries(file):
+    """Whole entries up to the end or the first torn one."""
+    while len(head := file.read(_HEAD.size)) == _HEAD.size:
+        length, checksum = _HEAD.unpack(head)
+        entry = file.read(length)
+        if len(entry) < length or zlib.crc32(entry) != checksum:
+            return
+        yield entry
+
+
+def _arrays(entry, names=None):
+    """The arrays of an entry, or those of them that are called `names`."""
+    with np.load(io.BytesIO(entry), allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in arrays.files if names is None or name in names}
+
+
+def _parted(arrays):
+    state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
+    return {name: array for name, array in arrays.items() if not name.startswith(_STATE)}, state
+
+
+def _remove_unfinished(arrays):
+    for paths in arrays.values():
+        for path in paths.tolist():
+            if is_unfinished(path) and os.path.exists(path):
+                os.unlink(path)
+
+
+def _shown(value):
+    text = value if isinstance(value, str) else json.dumps(value)
+    return text if len(text) <= 20 else f"{text[:12]}…"

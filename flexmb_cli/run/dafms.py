@@ -1,0 +1,225 @@
+"""A DAFMS deck from its records to FMBD.OUT echo, series of units 2 and 3, and HDF5 result."""
+
+import numpy as np
+
+from .. import __version__
+from ..errors import AnalysisError, OutputError
+from ..model.tree import Tree
+from ..read.deck import Deck
+from ..write.file_names import STANDARD_OUTPUT, ResultPaths
+from .checkpoint import Journal
+from .compiling import tell_of_compiling
+from .dafms_tree import tree_of
+from .outcome import Outcome, RunOptions
+
+
+def run_dafms(
+    deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outcome, listener, stdout
+) -> None:
+    """Integrate the tree of `deck` and write its results; `outcome` records how it went.
+
+    Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
+    """
+    tree = tree_of(deck, options, outcome)
+    journal = Journal(paths.resume, identity_of(deck, tree, options))
+    if options.resume:
+        journal.find()
+    files = _ResultFiles(deck, tree, paths, options, stdout)
+    march = _March(tree, journal, listener)
+    try:
+        listener.begin(tree.time.rows)
+        journal.begin(files.unfinished)
+        for values in march.blocks(options.resume):
+            files.rows(values)
+            outcome.rows += len(values["time"])
+            outcome.statistics = march.statistics
+            listener.advance(len(values["time"]))
+    except AnalysisError as failure:
+        outcome.files = files.close_failed(failure.args[0], march.stopped_at)
+        journal.remove()
+        raise
+    except OutputError:
+        files.discard()
+        journal.close()
+        raise
+    except Exception:
+        files.discard()
+        journal.remove()
+        raise
+    except BaseException:
+        outcome.files = files.close_failed("interrupted")
+        journal.close()
+        outcome.resumable = journal.begun
+        raise
+    outcome.files = files.close()
+    journal.remove()
+
+
+def identity_of(deck: Deck, tree: Tree, options: RunOptions) -> dict:
+    """All that the numbers of a run depend on: only the same run can be resumed."""
+    return {
+        "flexmb": __version__,
+        "deck": deck.source.name,
+        "text of the deck": deck.source.sha256,
+        "--set": list(options.changes),
+        "method": tree.integration.method,
+        "rtol": tree.integration.rtol,
+        "atol": tree.integration.atol,
+    }
+
+
+class _March:
+    """The blocks of one run: those of a stopped one first, then what the analysis adds."""
+
+    def __init__(self, tree, journal, listener):
+        self.tree = tree
+        self.journal = journal
+        self.listener = listener
+        self.analysis = None
+        self.drift = _EnergyDrift()
+
+    def blocks(self, resume):
+        """Yield report rows by the paths of their datasets; those computed are in the journal before."""
+        state = None
+        for values, state in self.journal.stored():  # noqa: B007
+            self.drift.add(values)
+            yield values
+        if resume and state is None:
+            self.listener.notice("nothing to resume; the run starts at its beginning")
+        if state is None or state["row"] < self.tree.time.rows:
+            yield from self._computed(state)
+
+    def _computed(self, state):
+        from ..solve.tree_dynamics import Checkpoint, TreeAnalysis
+        from ..solve.tree_points import point_motion
+        from ..write.hdf5_tree import tree_values
+
+        tell_of_compiling(self.listener, "tree_march.call")
+        checkpoint = None if state is None else Checkpoint(**state | {"row": int(state["row"])})
+        self.analysis = TreeAnalysis(self.tree, checkpoint)
+        for rows in self.analysis.rows():
+            values = tree_values(self.tree, rows, point_motion(self.tree, rows))
+            self.journal.append(values, vars(self.analysis.checkpoint))
+            self.drift.add(values)
+            yield values
+
+    @property
+    def statistics(self):
+        """What -v prints."""
+        parts = []
+        if self.analysis:
+            clock = self.analysis.clock[0]
+            parts.append(f"{clock['evaluations']} evaluations, {clock['rejections']} rejected steps")
+        if not self.tree.one_way:
+            parts.append(str(self.drift))
+        return "; ".join(parts)
+
+    @property
+    def stopped_at(self):
+        """What unit 3 is told of a failure: tolerance, time aimed at, step, time, speeds and coordinates."""
+        clock, grid = self.analysis.clock[0], self.tree.time
+        aim = grid.time(min(self.analysis.row, grid.rows - 1))
+        state = self.analysis.state[: 2 * len(self.tree.coordinates)]
+        return float(clock["rtol"]), aim, float(clock["step"]), float(clock["t"]), state
+
+
+class _EnergyDrift:
+    """How far the total energy has moved from its first value, and what it may be measured against."""
+
+    def __init__(self):
+        self.first = None
+        self.largest = self.scale = 0.0
+
+    def add(self, values):
+        total = values["energy/total"]
+        self.first = total[0] if self.first is None else self.first
+        self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
+        moved = values["energy/kinetic"] + values["energy/strain"]
+        self.scale = max(self.scale, float(np.max(moved)))
+
+    def __str__(self):
+        return (
+            f"total energy drifts by {self.largest:.1e} J, kinetic and strain energy reach {self.scale:.2g} J"
+        )
+
+
+class _ResultFiles:
+    """Echo, series and HDF5 file of a run; each appears whole or not at all."""
+
+    def __init__(self, deck, tree, paths: ResultPaths, options, stdout):
+        from ..write.atomic import make_folder
+
+        self.deck, self.options, self.paths, self.stdout = deck, options, paths, stdout
+        self.texts, self.result, self.series = [], None, None
+        self.echoed = False
+        if paths.files:
+            make_folder(options.folder)
+        try:
+            self._open(tree)
+        except Exception:
+            self.discard()
+            raise
+
+    def _open(self, tree):
+        from ..write.atomic import ReplacedText
+        from ..write.dafms import Series
+
+        names = [] if self.paths.out in (None, STANDARD_OUTPUT) else [self.paths.out]
+        for name in (*names, *self.paths.series):
+            self.texts.append(ReplacedText(name))
+        if self.paths.series:
+            self.series = Series(*self.texts[-2:], len(tree.coordinates), self.options.layout)
+        if self.paths.h5 is not None:
+            self._open_result(tree)
+
+    def _open_result(self, tree):
+        from ..solve.tree_points import point_names
+        from ..write.hdf5_tree import tree_layout
+        from ..write.result_file import ResultFile
+
+        self.result = ResultFile(self.paths.h5, self.deck, tree_layout(tree, point_names(tree)))
+
+    @property
+    def unfinished(self):
+        """Where the files are until they are complete."""
+        return tuple(file.temporary for file in self._all())
+
+    def _all(self):
+        return (*self.texts, self.result) if self.result else tuple(self.texts)
+
+    def _echo(self):
+        from ..write.dafms import echo_text
+
+        if self.echoed or self.paths.out is None:
+            return
+        self.echoed = True
+        stream = self.stdout if self.paths.out == STANDARD_OUTPUT else self.texts[0]
+        stream.write(echo_text(self.deck, self.options.layout))
+
+    def rows(self, values):
+        self._echo()
+        if self.series:
+            self.series.rows(values["time"], values["coordinate/q"], values["coordinate/u"])
+        if self.result:
+            self.result.rows(values)
+
+    def close(self):
+        for text in self.texts:
+            text.commit()
+        if self.result:
+            self.result.close()
+        return self.paths.files
+
+    def close_failed(self, message, stopped_at=None):
+        self._echo()
+        if self.series and stopped_at:
+            self.series.failed(*stopped_at)
+        for text in self.texts:
+            text.commit()
+        if self.result:
+            self.result.close("failed", message)
+        return self.paths.files
+
+    def discard(self):
+        for file in self._all():
+            file.discard()
