@@ -31,10 +31,11 @@ def factorise(matrix, order, pattern, smallest, rank):
 
     pattern (n, n + 1) receives the nonzero places of every row: where those left of the diagonal
     end, where those right of it end, then the places.  The columns from `rank` on depend on those
-    before: their unknowns become 0.  Returns 0, or the 1-based column before `rank` in which no
-    pivot exceeds `smallest` (also for NaN).
+    before: their unknowns become 0.  Returns the sign of the determinant of the first `rank` pivots,
+    0 where a column has no pivot above `smallest` (also for NaN).
     """
     n = matrix.shape[0]
+    sign = 1
     for row in range(n):
         pattern[row, 0] = 2
     for k in range(rank):
@@ -43,7 +44,9 @@ def factorise(matrix, order, pattern, smallest, rank):
         order[pivot] = order[k]
         order[k] = row
         if not abs(matrix[row, k]) > smallest:
-            return k + 1
+            return 0
+        if (pivot != k) != (matrix[row, k] < 0.0):
+            sign = -sign
         note_right(matrix, pattern, row, k)
         for i in range(k + 1, n):
             if matrix[order[i], k] != 0.0:
@@ -52,7 +55,7 @@ def factorise(matrix, order, pattern, smallest, rank):
         row = order[k]
         matrix[row, k] = HUGE
         pattern[row, 1] = pattern[row, 0]
-    return 0
+    return sign
 
 
 @kernel

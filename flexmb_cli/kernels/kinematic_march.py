@@ -19,7 +19,8 @@ SMOOTH_PART = 0.1
 TINY_WAY = 1e-9
 ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
 LARGEST_TURN = 1.1  # rad that a driver may turn in one step
-SMALLEST_STEP = 2.0**-30  # of the distance between report times
+SMALLEST_STEP = 2.0**-30  # of the way between report times
+CROSSING_STEP = 2.0**-23  # the same
 NO_LIMIT = 1e3
 STEP_ITERATIONS = 20
 ASSEMBLY_LIMIT = 0.5
@@ -27,7 +28,7 @@ ASSEMBLY_LIMIT = 0.5
 # Rows of `state` and of `out`.
 POSITION, VELOCITY, ACCELERATION = 0, 1, 2
 # Places in `clock`.
-TIME, STEP = 0, 1
+TIME, STEP, SIGN, WAY = 0, 1, 2, 3
 
 
 @kernel
@@ -78,18 +79,19 @@ def predict(state, h, q):
 
 @kernel
 def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
-    """Solve at t_new from what `state` at t predicts; returns (defect, iterations, velocity residual).
+    """Solve at t_new from what `state` at t predicts; returns (defect, sign of det Φ_q, iterations, gap).
 
-    limit and most bound Newton's corrections and their number; a defect is infinite where it failed.
+    limit and most bound Newton's corrections and their number; the defect is infinite where it failed;
+    the gap is the largest |dΦ/dt|.
     """
     h = t_new - t
     predict(state, h, new[POSITION])
     screws_expected(motion, h, near)
-    code, iterations = newton(system, work, new[POSITION], t_new, near, limit, most)
+    code, iterations, sign = newton(system, work, new[POSITION], t_new, near, limit, most)
     if code != CONVERGED:
-        return np.inf, iterations, np.inf
+        return np.inf, sign, iterations, np.inf
     gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
-    return defect(system, state, new, h), iterations, gap
+    return defect(system, state, new, h), sign, iterations, gap
 
 
 @kernel
@@ -115,7 +117,22 @@ def step_to(clock, target):
 
 
 @kernel
-def after_success(clock, t_new, off):
+def acceptable(clock, t_new, off, sign):
+    """Whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
+
+    The ways of assembling a mechanism are parted by positions at which det Φ_q is zero.  Where two
+    of them come close, the other can look smoother than the true one; the sign tells them apart.  A
+    sign that changes within a step too small for a narrow pass to hide in is a true crossing.
+    """
+    if clock[STEP] == 0.0:
+        return off < np.inf
+    if off > 1.0:
+        return False
+    return sign == clock[SIGN] or t_new - clock[TIME] <= CROSSING_STEP * clock[WAY]
+
+
+@kernel
+def after_success(clock, t_new, off, sign):
     """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
     h = t_new - clock[TIME]
     if clock[STEP] == 0.0:
@@ -123,16 +140,17 @@ def after_success(clock, t_new, off):
     elif h >= clock[STEP] and off <= ROOM_TO_GROW:
         clock[STEP] = 2.0 * h
     clock[TIME] = t_new
+    clock[SIGN] = sign
 
 
 @kernel
 def advance(system, work, state, motion, clock, target, new, near):
-    """Carry `state` from clock[TIME] to `target`; returns (arrived, iterations, velocity residual).
+    """Carry `state` from clock[TIME] to `target`; returns (arrived, iterations, largest |dΦ/dt|).
 
     clock[STEP] remembers the step that went well.  A clock[STEP] of 0 says that `state` holds
     estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
     """
-    smallest = SMALLEST_STEP * (target - clock[TIME])
+    clock[WAY] = target - clock[TIME]
     assembling = clock[STEP] == 0.0
     limit, most = (
         (ASSEMBLY_LIMIT, int(system.limits[ITERATIONS])) if assembling else (NO_LIMIT, STEP_ITERATIONS)
@@ -140,19 +158,18 @@ def advance(system, work, state, motion, clock, target, new, near):
     total, gap = 0, 0.0
     while clock[TIME] < target or clock[STEP] == 0.0:
         t_new = step_to(clock, target)
-        h = t_new - clock[TIME]
-        off = np.inf
+        off, sign = np.inf, 0
         if not turns_too_far(system.constraints, clock[TIME], t_new):
-            off, iterations, gap = attempt(
+            off, sign, iterations, gap = attempt(
                 system, work, state, motion, clock[TIME], t_new, limit, most, new, near
             )
             total += iterations
-        if off <= 1.0 or (assembling and off < np.inf):
+        if acceptable(clock, t_new, off, sign):
             accept(system, work, new, near, state, motion)
-            after_success(clock, t_new, off)
+            after_success(clock, t_new, off, sign)
         else:
-            clock[STEP] = 0.5 * h
-            if clock[STEP] <= smallest:
+            clock[STEP] = 0.5 * (t_new - clock[TIME])
+            if clock[STEP] <= SMALLEST_STEP * clock[WAY]:
                 return False, total, gap
     return True, total, gap
 

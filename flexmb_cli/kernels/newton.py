@@ -119,7 +119,7 @@ def evaluate_position(system, work, q, t, near):
 
 @kernel
 def factorise_at(system, work, q):
-    """Factors of Φ_q at q, where A belongs to q; 0, or the column that has no pivot."""
+    """Factors of Φ_q at q, where A belongs to q; returns the sign of det Φ_q, 0 where it is singular."""
     equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
     fill_matrix(system, work)
     for row in range(work.order.size):
@@ -132,29 +132,41 @@ def newton(system, work, q, t, near, limit, most):
     """Improve q until only round-off is left; the factors of the last iteration stay in work.
 
     `limit` bounds the scaled correction of one iteration, `most` their number.  Returns (code,
-    iterations).  A and Φ of `work` belong to the q returned.
+    iterations, sign of det Φ_q).  A and Φ of `work` belong to the q returned.
     """
     correction = work.vectors[CORRECTION]
+    sign = 0
     previous = np.inf
     for iteration in range(1, most + 1):
         gap = evaluate_position(system, work, q, t, near)
         if not gap < np.inf:
-            return STALLED, iteration
+            return STALLED, iteration, sign
         if gap <= system.limits[EARLY_END] and iteration > 1:
-            return CONVERGED, iteration - 1
-        if factorise_at(system, work, q) != 0:
-            return SINGULAR, iteration
+            return CONVERGED, iteration - 1, sign
+        sign = factorise_at(system, work, q)
+        if sign == 0:
+            return SINGULAR, iteration, sign
         size = solve_linear(system, work, work.vectors[PHI], correction)
         shrink = 1.0 if size <= limit else limit / size
         for k in range(q.size):
             q[k] -= shrink * correction[k]
-        if size <= LAST_CORRECTION:
+        reach = reach_of(system, q)
+        if size <= LAST_CORRECTION * reach:
             gap = evaluate_position(system, work, q, t, near)
-            return (CONVERGED if gap <= ROUND_OFF else STALLED), iteration
+            return (CONVERGED if gap <= ROUND_OFF * reach else STALLED), iteration, sign
         if iteration > 3 and shrink == 1.0 and size > previous:
-            return STALLED, iteration
+            return STALLED, iteration, sign
         previous = size
-    return STALLED, most
+    return STALLED, most, sign
+
+
+@kernel
+def reach_of(system, q):
+    """Largest scaled coordinate, at least 1: round-off grows with it when a mechanism travels far."""
+    found = 1.0
+    for k in range(q.size):
+        found = max(found, abs(q[k]) / system.units[OF_COORDINATE, k])
+    return found
 
 
 @kernel

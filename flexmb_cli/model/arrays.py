@@ -15,6 +15,7 @@ from .joint_types import BY_NAME, DISTANCE, DRIVER, NORMALISATION, SIMPLIFIED
 from .mechanism import Driver, Joint, Mechanism
 from .vectors import cross, dot, rotated, rotation_matrix, unit
 
+COINCIDENT = 1e-9  # of the length scale
 COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
 
 CONSTRAINT = np.dtype(
@@ -165,6 +166,8 @@ def _screw_values(mechanism, joint: Joint, s_i):
     A_i, A_j = rotation_matrix(body_i.p), rotation_matrix(body_j.p)
     d = np.add(body_j.r, rotated(A_j, joint.P_j)) - np.add(body_i.r, rotated(A_i, joint.P_i))
     slide = dot(rotated(A_i, s_i), d)
+    # Points that coincide in the estimates leave a slide of round-off, which has no sign to follow.
+    sense = -1.0 if slide < -COINCIDENT * length_scale(mechanism) else 1.0
     axis_j = rotated(A_j, h_j)
     theta = math.atan2(dot(rotated(A_i, g), axis_j), dot(rotated(A_i, f), axis_j))
     return {
@@ -172,8 +175,8 @@ def _screw_values(mechanism, joint: Joint, s_i):
         "g_i": g,
         "h_j": h_j,
         "pitch": joint.pitch,
-        "sense": -1.0 if slide < 0.0 else 1.0,
-        "offset": abs(slide) - joint.pitch * theta,
+        "sense": sense,
+        "offset": sense * slide - joint.pitch * theta,
         "theta": theta,
     }
 

@@ -7,6 +7,8 @@ import numpy as np
 from .mechanism import Ground, Mechanism, Simplified
 from .vectors import length, unit
 
+ROUND_OFF = 1e-15
+
 
 def held_coordinate(direction: int, value: float) -> tuple[int, float]:
     """Coordinate (0-6) and value that a simplified constraint of `direction` 1-6 holds."""
@@ -30,8 +32,12 @@ class Attitudes:
 
     def e0(self, body) -> float:
         """e0 of a body whose e1, e2, e3 are all held; its sign is the estimate's."""
-        rest = max(0.0, 1.0 - sum(value * value for value in self.held[body].values()))
-        return math.copysign(math.sqrt(rest), self.bodies[body].p[0])
+        return math.copysign(math.sqrt(self._rest(body)), self.bodies[body].p[0])
+
+    def _rest(self, body):
+        """What the held components leave of |p|² = 1; its root would make much of round-off."""
+        rest = 1.0 - sum(value * value for value in self.held[body].values())
+        return rest if rest > ROUND_OFF else 0.0
 
     def estimates(self):
         """Estimates q, with |p| = 1 and the held components of each attitude in their places.
@@ -53,7 +59,7 @@ class Attitudes:
         for direction, value in held.items():
             p[direction - 3] = value
         free = [k for k in range(4) if k + 3 not in held]
-        rest = max(0.0, 1.0 - sum(value * value for value in held.values()))
+        rest = self._rest(body)
         size = length(p[free])
         p[free] = p[free] * math.sqrt(rest) / size if size > 0.0 else 0.0
         if size == 0.0:

@@ -7,6 +7,7 @@ from .diagnosis import Mobility, motion_text, nearest_position, worst_gaps
 from .position import Evaluator
 
 POLISHED = 1e-13
+NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
 
 
 def assemble_by_search(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
@@ -18,7 +19,7 @@ def assemble_by_search(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np
     q, gap = nearest_position(evaluator, q, t, near)
     scale = evaluator.arrays.column_scale
     for _ in range(20):
-        if evaluator.is_large or np.max(np.abs(gap)) <= POLISHED:
+        if evaluator.is_large or not POLISHED < np.max(np.abs(gap)) < NEARLY_CLOSED:
             break
         better = q - scale * np.linalg.lstsq(evaluator.matrix(q), gap, rcond=1e-9)[0]
         better_gap = evaluator.residual(better, t, near)

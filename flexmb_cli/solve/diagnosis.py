@@ -13,6 +13,7 @@ RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
 CLOSED = 1e-9  # scaled residual that counts as met
 NAMED = 1e-6  # of the largest component of a null vector
 PRESCRIBED_WEIGHT = 1e4
+EXACT_LIMIT = 100  # equations; above, singular values of every trial take too long
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
 
 
@@ -54,6 +55,7 @@ def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.n
     from scipy.sparse import diags
 
     scale = evaluator.arrays.column_scale
+    many = q.size > EXACT_LIMIT
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
 
     def residual(x):
@@ -61,11 +63,11 @@ def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.n
 
     def jacobian(x):
         evaluator.residual(x * scale, t, near)
-        if evaluator.is_large:
+        if many:
             return diags(weights) @ evaluator.sparse_matrix(x * scale)
         return weights[:, None] * evaluator.matrix(x * scale)
 
-    solver = "lsmr" if evaluator.is_large else "exact"
+    solver = "lsmr" if many else "exact"
     result = least_squares(
         residual, q / scale, jacobian, tr_solver=solver, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
     )

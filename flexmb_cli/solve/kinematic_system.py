@@ -24,10 +24,14 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     column = np.empty(arrays.q.size, dtype=np.int64)
     for position, body in enumerate(np.argsort(-held, kind="stable")):
         column[7 * body : 7 * body + 7] = np.arange(7 * position, 7 * position + 7)
+    # Fewer equations than coordinates can be evaluated, though not solved: the table is padded.
+    places, units = np.zeros((arrays.q.size, 4), dtype=np.int64), np.ones((2, arrays.q.size))
+    places[: len(order), :2], places[: len(order), 2], places[:, COLUMN] = arrays.bodies_of, order, column
+    units[0, : len(order)], units[1] = 1.0 / arrays.row_scale, arrays.column_scale
     return System(
         constraints,
-        np.column_stack([arrays.bodies_of, order, column]).astype(np.int64),
-        np.stack([1.0 / arrays.row_scale, arrays.column_scale]),
+        places,
+        units,
         np.array([settings.tolerance, settings.smallest_pivot, settings.most_iterations, arrays.q.size]),
     )
 

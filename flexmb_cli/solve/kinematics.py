@@ -15,7 +15,7 @@ from .lockup import step_failure
 from .position import Evaluator
 from .rows import Rows
 from .settings import KinematicSettings
-from .tilt import keeps_axis, refuse_tilted_drive
+from .tilt import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
 
 BLOCK_WORK = 2_000_000  # rows x equations² handed to the kernel at a time: an interrupt waits for it
 LARGEST_BLOCK = 1024  # rows
@@ -30,7 +30,8 @@ class KinematicAnalysis:
     def __init__(self, mechanism: Mechanism, settings: KinematicSettings | None = None):
         self.mechanism = mechanism
         self.arrays: KinematicArrays = kinematic_arrays(mechanism)
-        self.system = kinematic_system(self.arrays, settings or KinematicSettings())
+        self.settings = settings or KinematicSettings()
+        self.system = kinematic_system(self.arrays, self.settings)
         self.warnings: list[Fault] = []
         self._restart(self.arrays.q)
 
@@ -40,7 +41,7 @@ class KinematicAnalysis:
         self.state[0] = q
         self.motion = np.zeros((self.arrays.screw_angles.size, 3))
         self.motion[:, 0] = self.arrays.screw_angles
-        self.clock = np.array([self.mechanism.time.time(0), 0.0])
+        self.clock = np.array([self.mechanism.time.time(0), 0.0, 0.0, 0.0])  # see kinematic_march
 
     @property
     def evaluator(self) -> Evaluator:
@@ -96,6 +97,7 @@ class KinematicAnalysis:
         near = self.arrays.screw_angles
         q, gap = assemble_by_search(evaluator, self.arrays.q, t, near)
         if np.max(np.abs(gap)) > CLOSED:
+            refuse_contradicted_drive(self.mechanism, self.settings)
             raise assembly_failure(evaluator, gap, t)
         found = mobility(evaluator, q, t, near)
         for motion in found.motions:

@@ -39,12 +39,12 @@ class Evaluator:
     def residual(self, q, t, near) -> np.ndarray:
         """Scaled residual (equations,) at q; near (screws,) are the angles expected."""
         evaluate_position(self.system, self.work, q, t, near)
-        return self.work.vectors[0] / self.arrays.row_scale
+        return self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
 
     def rows(self, q) -> np.ndarray:
         """Jacobian rows phi_q (equations, 14), unscaled, at the q of the last `residual`."""
         equations.jacobian(self.system.constraints, q, self.work.rotations[A], self.work.phi_q)
-        return self.work.phi_q
+        return self.work.phi_q[: self.arrays.row_scale.size]
 
     def entries(self, q):
         """Rows, columns and scaled values of the Jacobian's entries, halves of one body added up."""

@@ -6,11 +6,22 @@ fixed pattern, with the fill-reducing order of the columns found once.
 
 import numpy as np
 from scipy.sparse import csc_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from ..kernels import constraints as equations
 from ..kernels import kinematic_march as dense
-from ..kernels.newton import CONVERGED, LAST_CORRECTION, REFINED, ROUND_OFF, SINGULAR, STALLED
+from ..kernels.newton import (
+    CONVERGED,
+    ITERATIONS,
+    LAST_CORRECTION,
+    PIVOT,
+    REFINED,
+    ROUND_OFF,
+    SINGULAR,
+    STALLED,
+    reach_of,
+)
 from ..kernels.rotation import rotation_rates
 from .position import Evaluator
 
@@ -34,8 +45,8 @@ class SparseFactors:
         self.kept = np.flatnonzero(values.ravel())
         self.rows, self.columns = rows.ravel()[self.kept], columns.ravel()[self.kept]
 
-    def factorise(self, q) -> bool:
-        """Factors at the q of the evaluator's last residual; False where it is singular."""
+    def factorise(self, q) -> int:
+        """Factors at the q of the evaluator's last residual; sign of the determinant, 0 if singular."""
         values = self.evaluator.entries(q)[2].ravel()[self.kept]
         shape = (q.size, q.size)
         columns = self.columns if self.order is None else self.order[self.columns]
@@ -43,16 +54,27 @@ class SparseFactors:
         try:
             self.lu = splu(matrix, permc_spec="COLAMD" if self.order is None else "NATURAL")
         except RuntimeError:  # SuperLU: "Factor is exactly singular"
-            return False
+            return 0
         if self.order is None:
             self.order = self.lu.perm_c.copy()
             return self.factorise(q)
-        pivots = np.abs(self.lu.U.diagonal())
-        return bool(pivots.min() > self.evaluator.system.limits[1])
+        pivots = self.lu.U.diagonal()
+        if not np.abs(pivots).min() > self.evaluator.system.limits[PIVOT]:
+            return 0
+        turned = np.count_nonzero(pivots < 0.0) + odd(self.lu.perm_r) + odd(self.lu.perm_c)
+        return -1 if turned % 2 else 1
 
     def solve(self, right_side) -> np.ndarray:
         """Scaled unknowns for a scaled right-hand side."""
         return self.lu.solve(right_side)[self.order]
+
+
+def odd(permutation) -> bool:
+    """Whether a permutation is made of an odd number of exchanges: n less its cycles."""
+    cycles = connected_components(
+        csc_matrix((np.ones(permutation.size), (range(permutation.size), permutation)))
+    )[0]
+    return bool((permutation.size - cycles) % 2)
 
 
 class SparseMarch:
@@ -65,25 +87,27 @@ class SparseMarch:
         self.factors = SparseFactors(evaluator)
 
     def newton(self, q, t, near, limit, most):
-        """Improve q in place until only round-off is left; returns (code, iterations)."""
-        previous = np.inf
+        """Improve q in place until only round-off is left; returns (code, iterations, sign)."""
+        previous, sign = np.inf, 0
         for iteration in range(1, most + 1):
             gap = self.evaluator.residual(q, t, near)
             if not np.all(np.isfinite(gap)):
-                return STALLED, iteration
-            if not self.factors.factorise(q):
-                return SINGULAR, iteration
+                return STALLED, iteration, sign
+            sign = self.factors.factorise(q)
+            if not sign:
+                return SINGULAR, iteration, sign
             correction = self.factors.solve(gap)
             size = np.max(np.abs(correction))
             shrink = min(1.0, limit / size) if size > 0.0 else 1.0
             q -= shrink * correction * self.arrays.column_scale
-            if size <= LAST_CORRECTION:
+            reach = reach_of(self.system, q)
+            if size <= LAST_CORRECTION * reach:
                 left = np.max(np.abs(self.evaluator.residual(q, t, near)))
-                return (CONVERGED if left <= ROUND_OFF else STALLED), iteration
+                return (CONVERGED if left <= ROUND_OFF * reach else STALLED), iteration, sign
             if iteration > 3 and shrink == 1.0 and size > previous:
-                return STALLED, iteration
+                return STALLED, iteration, sign
             previous = size
-        return STALLED, most
+        return STALLED, most, sign
 
     def rates(self, q, t, qd, qdd):
         """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
@@ -109,35 +133,35 @@ class SparseMarch:
         return np.max(np.abs(rest * self.arrays.row_scale))
 
     def attempt(self, state, motion, t, t_new, limit, most, new, near):
-        """One step: (defect, iterations, velocity residual), as the kernel's `attempt`."""
+        """One step, as the kernel's `attempt`."""
         h = t_new - t
         dense.predict(state, h, new[0])
         dense.screws_expected(motion, h, near)
-        code, iterations = self.newton(new[0], t_new, near, limit, most)
+        code, iterations, sign = self.newton(new[0], t_new, near, limit, most)
         if code != CONVERGED:
-            return np.inf, iterations, np.inf
+            return np.inf, sign, iterations, np.inf
         gap = self.rates(new[0], t_new, new[1], new[2])
-        return dense.defect(self.system, state, new, h), iterations, gap
+        return dense.defect(self.system, state, new, h), sign, iterations, gap
 
     def advance(self, state, motion, clock, target, new, near):
         """Carry `state` to `target`, as the kernel's `advance`."""
-        smallest = dense.SMALLEST_STEP * (target - clock[dense.TIME])
+        clock[dense.WAY] = target - clock[dense.TIME]
         assembling = clock[dense.STEP] == 0.0
         limit = dense.ASSEMBLY_LIMIT if assembling else dense.NO_LIMIT
-        most = int(self.system.limits[2]) if assembling else dense.STEP_ITERATIONS
+        most = int(self.system.limits[ITERATIONS]) if assembling else dense.STEP_ITERATIONS
         total, gap = 0, 0.0
         while clock[dense.TIME] < target or clock[dense.STEP] == 0.0:
             t, t_new = clock[dense.TIME], dense.step_to(clock, target)
-            off = np.inf
+            off, sign = np.inf, 0
             if not dense.turns_too_far(self.system.constraints, t, t_new):
-                off, iterations, gap = self.attempt(state, motion, t, t_new, limit, most, new, near)
+                off, sign, iterations, gap = self.attempt(state, motion, t, t_new, limit, most, new, near)
                 total += iterations
-            if off <= 1.0 or (assembling and off < np.inf):
+            if dense.acceptable(clock, t_new, off, sign):
                 dense.accept(self.system, self.evaluator.work, new, near, state, motion)
-                dense.after_success(clock, t_new, off)
+                dense.after_success(clock, t_new, off, sign)
             else:
                 clock[dense.STEP] = 0.5 * (t_new - t)
-                if clock[dense.STEP] <= smallest:
+                if clock[dense.STEP] <= dense.SMALLEST_STEP * clock[dense.WAY]:
                     return False, total, gap
         return True, total, gap
 

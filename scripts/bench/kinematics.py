@@ -127,24 +127,27 @@ def compilation(repeats):
 
 def chains(repeats):
     """Cost per body and step of serial RSSR chains."""
-    from rssr_chain import rssr_chain
+    from rssr_chain import TIME, chain
 
     from flexmb_cli.solve.kinematics import KinematicAnalysis
 
-    print("RSSR chains, one step: bodies, us per body, of the run with the fewest bodies")
-    first = None
+    print(
+        "RSSR chains, 11 rows: bodies, us per body and row, ratio to the smallest chain and to the one before"
+    )
+    first = before = None
     for stages in (3, 10, 33, 100, 333, 666):
-        mechanism = rssr_chain(stages, rows=11)
-        list(KinematicAnalysis(rssr_chain(stages, rows=2)).rows())
+        mechanism = chain(stages, replace(TIME, end=0.5, step=0.05))
+        list(KinematicAnalysis(chain(stages, replace(TIME, end=0.05, step=0.05))).rows())
         seconds = []
         for _ in range(repeats):
             start = time.process_time()
             for _ in KinematicAnalysis(mechanism).rows():
                 pass
             seconds.append(time.process_time() - start)
-        cost = 1e6 * statistics.median(seconds) / 10 / len(mechanism.bodies)
-        first = first or cost
-        print(f"  {len(mechanism.bodies):5d}  {cost:8.1f}  {cost / first:5.2f}")
+        cost = 1e6 * statistics.median(seconds) / 11 / len(mechanism.bodies)
+        first, before = first or cost, before or cost
+        print(f"  {len(mechanism.bodies):5d}  {cost:8.1f}  {cost / first:5.2f}  {cost / before:5.2f}")
+        before = cost
 
 
 PARTS = {
