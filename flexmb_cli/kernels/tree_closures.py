@@ -110,25 +110,24 @@ def closing_forces(tree, work, coordinates):
 
 
 @kernel
-def push_rows(closures, work, only):
-    """Push with the force of every row, or with a unit force of row `only`."""
+def push_rows(closures, work):
+    """Push with the forces of all rows."""
     forget_pushes(work)
     for i in range(closures.shape[0]):
-        if only >= 0 and i != only:
-            continue
         row = closures[i]
-        size = row["force"] if only < 0 else 1.0
-        force = scaled(size, triple(row["direction"], 0))
+        force = scaled(row["force"], triple(row["direction"], 0))
         push(work[row["frame_a"]], triple(row["place"], 0), force)
         push(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
 
 
 @kernel
 def _set_response_matrix(tree, work, coordinates):
-    """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree."""
+    """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree, without forces."""
     closures, matrix = tree.closures, tree.closure_matrix
     for j in range(closures.shape[0]):
-        push_rows(closures, work, j)
+        closures[j]["force"] = 1.0
+        push_rows(closures, work)
+        closures[j]["force"] = 0.0
         respond(tree.frames, work, coordinates)
         for i in range(closures.shape[0]):
             row = closures[i]

@@ -42,7 +42,9 @@ def own_inertia(frame, s, lumps, gravity, coordinates, q, y):
 def _rigid_inertia(frame, s):
     """J = S J S', H = [s x], M = m U; no bias yet."""
     out = s["inertia"]
-    _set_rotated(s["axes"], symmetric(frame["inertia"], 0), out, J_)
+    first, second = _rotated(s["axes"], symmetric(frame["inertia"], 0))
+    store(first, out, J_)
+    store(second, out, J_ + 3)
     x, y, z = outward(s["axes"], triple(frame["moment"], 0))
     m = frame["mass"]
     store((0.0, -z, y), out, H_)
@@ -55,12 +57,11 @@ def _rigid_inertia(frame, s):
 
 
 @kernel
-def _set_rotated(A, J, out, first):
-    """out[first:first+6] = S J S' for the rows of a symmetric J."""
+def _rotated(A, J):
+    """The six numbers of S J S', in two triples, for the rows of a symmetric J."""
     a, b, c = triple(A, 0), triple(A, 3), triple(A, 6)
     x, y, z = symmetric_times(J, a), symmetric_times(J, b), symmetric_times(J, c)
-    store((dot(a, x), dot(b, x), dot(c, x)), out, first)
-    store((dot(b, y), dot(c, y), dot(c, z)), out, first + 3)
+    return (dot(a, x), dot(b, x), dot(c, x)), (dot(b, y), dot(c, y), dot(c, z))
 
 
 @kernel
@@ -154,8 +155,10 @@ def _add_carried(out, r, b0, b1, b2):
 def _turn_sums(s):
     """Turn the sums over lumps from the body's axes to inertial ones."""
     out, A = s["inertia"], s["axes"]
-    _set_rotated(A, symmetric(out, J_), out, J_)
-    _set_rotated(A, symmetric(out, M_), out, M_)
+    for block in range(J_, M_ + 1, M_ - J_):
+        first, second = _rotated(A, symmetric(out, block))
+        store(first, out, block)
+        store(second, out, block + 3)
     # S H S': columns first, then rows.
     a, b, c = outward(A, column(out, H_)), outward(A, column(out, H_ + 1)), outward(A, column(out, H_ + 2))
     for i in range(3):

@@ -60,7 +60,7 @@ def _respond_to_rows(tree, work, coordinates, z):
     """Responses of all coordinates to forces that take away what the rows hold as forces."""
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
-    push_rows(tree.closures, work, -1)
+    push_rows(tree.closures, work)
     respond(tree.frames, work, coordinates)
     respond_lumps(tree, work, coordinates, q)
 

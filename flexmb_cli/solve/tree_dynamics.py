@@ -25,7 +25,9 @@ LARGEST_BLOCK = 256  # rows
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """Where a stopped run goes on: the start of the step before its next report row.
+    """Where a stopped run goes on: the start of the last step, so that the same steps follow.
+
+    The integrators of scipy keep a memory of steps: with them it is the last breakpoint.
 
     `clock` is one record of `tree_march.CLOCK`, `state` (n,) the state at that time, `attitude`
     (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
