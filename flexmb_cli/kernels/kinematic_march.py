@@ -20,7 +20,9 @@ TINY_WAY = 1e-9
 ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
 LARGEST_TURN = 1.1  # rad that a driver may turn in one step
 SMALLEST_STEP = 2.0**-30  # of the way between report times
-CROSSING_STEP = 2.0**-23  # the same
+# Scaled way within which det Φ_q may change its sign: shorter ones come so near to the crossing that
+# round-off hides which curve is smooth.
+CROSSING_WAY = 1e-4
 NO_LIMIT = 1e3
 STEP_ITERATIONS = 20
 ASSEMBLY_LIMIT = 0.5
@@ -54,7 +56,8 @@ def turns_too_far(constraints, t, t_new):
 
 @kernel
 def defect(system, state, new, h):
-    """How far the new position is from the smooth curve through both ends, 1 where it is just allowed.
+    """How far the new position is from the smooth curve through both ends, 1 where it is just allowed,
+    and the way moved in the step.
 
     q1 - q0 = h (v0 + v1)/2 - h² (a1 - a0)/12, exact to the fourth power of h.
     """
@@ -67,7 +70,7 @@ def defect(system, state, new, h):
         if not part <= off:
             off = part if part > off else np.inf
         moved = max(moved, abs(way) / system.units[OF_COORDINATE, k])
-    return off / min(SMOOTH, SMOOTH_PART * moved + TINY_WAY)
+    return off / min(SMOOTH, SMOOTH_PART * moved + TINY_WAY), moved
 
 
 @kernel
@@ -79,19 +82,20 @@ def predict(state, h, q):
 
 @kernel
 def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
-    """Solve at t_new from what `state` at t predicts; returns (defect, sign of det Φ_q, iterations, gap).
+    """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
+    iterations, largest |dΦ/dt|); the defect is infinite where it failed.
 
-    limit and most bound Newton's corrections and their number; the defect is infinite where it failed;
-    the gap is the largest |dΦ/dt|.
+    limit and most bound Newton's corrections and their number.
     """
     h = t_new - t
     predict(state, h, new[POSITION])
     screws_expected(motion, h, near)
     code, iterations, sign = newton(system, work, new[POSITION], t_new, near, limit, most)
     if code != CONVERGED:
-        return np.inf, sign, iterations, np.inf
+        return np.inf, 0.0, sign, iterations, np.inf
     gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
-    return defect(system, state, new, h), sign, iterations, gap
+    off, moved = defect(system, state, new, h)
+    return off, moved, sign, iterations, gap
 
 
 @kernel
@@ -117,18 +121,18 @@ def step_to(clock, target):
 
 
 @kernel
-def acceptable(clock, t_new, off, sign):
+def acceptable(clock, off, moved, sign):
     """Whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
 
     The ways of assembling a mechanism are parted by positions at which det Φ_q is zero.  Where two
     of them come close, the other can look smoother than the true one; the sign tells them apart.  A
-    sign that changes within a step too small for a narrow pass to hide in is a true crossing.
+    sign that changes on a way too short for a narrow pass to hide in is a true crossing.
     """
     if clock[STEP] == 0.0:
         return off < np.inf
     if off > 1.0:
         return False
-    return sign == clock[SIGN] or t_new - clock[TIME] <= CROSSING_STEP * clock[WAY]
+    return sign == clock[SIGN] or moved <= CROSSING_WAY
 
 
 @kernel
@@ -158,13 +162,13 @@ def advance(system, work, state, motion, clock, target, new, near):
     total, gap = 0, 0.0
     while clock[TIME] < target or clock[STEP] == 0.0:
         t_new = step_to(clock, target)
-        off, sign = np.inf, 0
+        off, moved, sign = np.inf, 0.0, 0
         if not turns_too_far(system.constraints, clock[TIME], t_new):
-            off, sign, iterations, gap = attempt(
+            off, moved, sign, iterations, gap = attempt(
                 system, work, state, motion, clock[TIME], t_new, limit, most, new, near
             )
             total += iterations
-        if acceptable(clock, t_new, off, sign):
+        if acceptable(clock, off, moved, sign):
             accept(system, work, new, near, state, motion)
             after_success(clock, t_new, off, sign)
         else:

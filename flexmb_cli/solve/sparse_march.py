@@ -139,9 +139,9 @@ class SparseMarch:
         dense.screws_expected(motion, h, near)
         code, iterations, sign = self.newton(new[0], t_new, near, limit, most)
         if code != CONVERGED:
-            return np.inf, sign, iterations, np.inf
+            return np.inf, 0.0, sign, iterations, np.inf
         gap = self.rates(new[0], t_new, new[1], new[2])
-        return dense.defect(self.system, state, new, h), sign, iterations, gap
+        return *dense.defect(self.system, state, new, h), sign, iterations, gap
 
     def advance(self, state, motion, clock, target, new, near):
         """Carry `state` to `target`, as the kernel's `advance`."""
@@ -152,11 +152,13 @@ class SparseMarch:
         total, gap = 0, 0.0
         while clock[dense.TIME] < target or clock[dense.STEP] == 0.0:
             t, t_new = clock[dense.TIME], dense.step_to(clock, target)
-            off, sign = np.inf, 0
+            off, moved, sign = np.inf, 0.0, 0
             if not dense.turns_too_far(self.system.constraints, t, t_new):
-                off, sign, iterations, gap = self.attempt(state, motion, t, t_new, limit, most, new, near)
+                off, moved, sign, iterations, gap = self.attempt(
+                    state, motion, t, t_new, limit, most, new, near
+                )
                 total += iterations
-            if dense.acceptable(clock, t_new, off, sign):
+            if dense.acceptable(clock, off, moved, sign):
                 dense.accept(self.system, self.evaluator.work, new, near, state, motion)
                 dense.after_success(clock, t_new, off, sign)
             else:
