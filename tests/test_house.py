@@ -13,10 +13,11 @@ PACKAGE = Path(__file__).resolve().parents[1] / "flexmb_cli"
 MAY_IMPORT = {
     "read": {"read"},
     "model": {"read", "model"},
+    "fe": {"read", "model", "fe"},
     "kernels": {"kernels"},
-    "solve": {"read", "model", "kernels", "solve"},
+    "solve": {"read", "model", "fe", "kernels", "solve"},
     "write": {"read", "model", "solve", "write"},
-    "run": {"read", "model", "kernels", "solve", "write", "run"},
+    "run": {"read", "model", "fe", "kernels", "solve", "write", "run"},
 }
 # `write` may know the records that an analysis yields, but none of its machinery.
 RECORDS_OF_SOLVE = {"rows", "tree_rows"}
@@ -75,9 +76,11 @@ def test_no_file_has_a_name_that_says_nothing(path):
         ["--version"],
         ["run", "--help"],
         ["check", "decks/young/IN4-BAR.dat"],
+        ["check", "decks/dafms/fourbar_flex.DAT"],
+        ["beam", "--length", "1", "--nodes", "2", "--ei", "1", "--rho", "1"],
         ["diff", "README.md", "README.md"],
     ],
-    ids=lambda a: a[0],
+    ids=lambda a: " ".join(a[:2]),
 )
 def test_what_needs_no_solver_starts_without_numba_and_scipy(arguments):
     code = (

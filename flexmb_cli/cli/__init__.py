@@ -10,6 +10,7 @@ import click
 
 from .. import __version__
 from ..errors import BAD_INPUT, INTERNAL_FAULT, FlexmbError
+from .beam import beam
 from .check import check
 from .diff import diff
 from .run import run
@@ -35,7 +36,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, diff):
+for command in (run, check, diff, beam):
     cli.add_command(command)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import Fault, FlexmbError, ModelError
 from ..model.build_young import build_young
 from ..read.deck import Deck
+from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
 from .outcome import Outcome, RunOptions, refuse_warnings
 
@@ -22,7 +23,8 @@ class CheckReport:
     """What `check` found; `outcome` holds faults and the exit code.
 
     `gaps`: (owner, largest residual of the estimates, of the assembled position, unit) per owner.
-    `redundant`, `free`: groups of names; None where the rank was not looked at.
+    `redundant`, `free`: groups of names; None where the rank was not looked at.  `tree` is what was found
+    of a tree, which has none of these.
     """
 
     outcome: Outcome
@@ -32,6 +34,7 @@ class CheckReport:
     rank: int | None = None
     redundant: list | None = None
     free: list | None = None
+    tree: TreeFindings | None = None
     smallest: float | None = None
     gaps: list = field(default_factory=list)
     jacobian: "LabelledJacobian | None" = None
@@ -40,10 +43,11 @@ class CheckReport:
         """The record that `--json` prints."""
         record = self.outcome.as_dict()
         record.pop("files"), record.pop("rows")
+        record |= {"dialect": self.deck.dialect if self.deck else None, "counts": self.counts}
+        if self.tree is not None:
+            return record | self.tree.as_dict()
         names = ("owner", "estimate", "assembled", "unit")
         return record | {
-            "dialect": self.deck.dialect if self.deck else None,
-            "counts": self.counts,
             "rank": self.rank,
             "smallest_singular_value": self.smallest,
             "redundant": self.redundant,
@@ -63,18 +67,18 @@ class LabelledJacobian:
 
 
 def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> CheckReport:
-    """Read the deck at `path`, assemble it at its first time and analyse the rank of its Jacobian.
+    """Read the deck at `path`, assemble it at its first time and analyse what it can be solved for.
 
     `jacobian`: "estimate" or a time at which to give Φ_q.  Failures become the outcome's faults.
     """
     report = CheckReport(Outcome(path))
     try:
         report.deck = open_deck(path, options, report.outcome)
-        mechanism, warnings = build_young(report.deck)
-        report.outcome.faults += warnings
-        refuse_warnings(report.outcome, options)
-        _diagnose(report, mechanism, jacobian)
-        refuse_warnings(report.outcome, options)
+        if report.deck.dialect == "dafms":
+            _refuse_jacobian(jacobian)
+            check_tree(report, options)
+        else:
+            _check_mechanism(report, options, jacobian)
     except FlexmbError as failure:
         known = set(report.outcome.faults)
         report.outcome.faults += [fault for fault in failure.faults if fault not in known]
@@ -82,6 +86,20 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
         report.outcome.norms = getattr(failure, "norms", {})
         report.outcome.failed_at = getattr(failure, "time", None)
     return report
+
+
+def _refuse_jacobian(jacobian):
+    if jacobian is not None:
+        message = "--jacobian: a tree has relative coordinates and no constraint Jacobian"
+        raise ModelError([Fault("error", message)])
+
+
+def _check_mechanism(report, options, jacobian):
+    mechanism, warnings = build_young(report.deck)
+    report.outcome.faults += warnings
+    refuse_warnings(report.outcome, options)
+    _diagnose(report, mechanism, jacobian)
+    refuse_warnings(report.outcome, options)
 
 
 def _diagnose(report: CheckReport, mechanism, jacobian):

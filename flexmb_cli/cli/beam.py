@@ -1,0 +1,81 @@
+"""`flexmb beam`: a straight uniform beam as the finite-element block of a DAFMS deck."""
+
+import sys
+
+import click
+
+ABOVE_ZERO = click.FloatRange(0, min_open=True)
+
+
+@click.command()
+@click.option("--length", type=ABOVE_ZERO, required=True, help="Length, m.")
+@click.option("--nodes", type=click.IntRange(1), required=True, help="Elements, each with a node at its end.")
+@click.option(
+    "--ei", type=ABOVE_ZERO, required=True, help="Bending stiffness for deflection along axis 3, N m^2."
+)
+@click.option("--rho", type=ABOVE_ZERO, required=True, help="Mass per length, kg/m.")
+@click.option(
+    "--offset", type=float, default=0.0, show_default=True, help="Clamped end from O_k along axis 2, m."
+)
+@click.option("--ea", type=ABOVE_ZERO, help="Axial stiffness, N; adds displacement along axis 2.")
+@click.option(
+    "--ei1", type=ABOVE_ZERO, help="Bending stiffness for deflection along axis 1, N m^2; needs --ea."
+)
+@click.option("--tip-mass", type=click.FloatRange(0), default=0.0, help="Mass added to the last node, kg.")
+@click.option("--ndm", type=click.Choice(["2", "3"]), help="NDM of the deck; by default as the axes need.")
+@click.option(
+    "--deck", "whole", is_flag=True, help="A whole deck: the beam turning about axis 1 of its root."
+)
+@click.option("--title", default="uniform beam", help="Heading of the whole deck.")
+@click.option("--into", metavar="DECK", help="Write DECK with the beam as the block of body --body.")
+@click.option("--body", type=click.IntRange(1), help="Body of --into that becomes the beam.")
+def beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass, ndm, whole, title, into, body):
+    """Write the finite-element block of a beam to standard output.
+
+    The beam lies along axis 2 of its body, clamped at its first end: Hermite elements, rotations
+    condensed, lumped masses.
+
+    \b
+    Example:
+        flexmb beam --length 1 --nodes 4 --ei 1000 --rho 5 --into decks/dafms/two_link_n4.DAT --body 1
+    """
+    from ..model.beam import Beam
+
+    _check_choice(whole, into, body)
+    made = Beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass)
+    click.echo(_text(made, ndm, whole, title, into, body), nl=False)
+    click.echo(f"beam: its share of MASS {made.mass:.9g} kg, of INER {made.inertia:.9g} kg m^2", err=True)
+
+
+def _check_choice(whole, into, body):
+    if whole and into:
+        raise click.UsageError("--deck and --into exclude each other")
+    if (into is None) != (body is None):
+        raise click.UsageError("--into DECK and --body K go together")
+
+
+def _text(made, ndm, whole, title, into, body):
+    from ..write.beam_cards import beam_block, beam_deck
+
+    if whole:
+        return beam_deck(made, title)
+    if into is None:
+        return beam_block(made, int(ndm) if ndm else 3 if 1 in made.axes else 2)
+    return _deck_with(made, into, body)
+
+
+def _deck_with(made, path, body):
+    """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
+    from ..errors import FlexmbError, compiler_style
+    from ..read.dialects import read_deck
+    from ..read.text import read_text
+    from ..write.beam_cards import with_beam
+
+    lines = ()
+    try:
+        source = read_text(path)
+        lines = source.lines
+        return with_beam(read_deck(source, "dafms"), body, made)
+    except FlexmbError as failure:
+        click.echo(compiler_style(path, failure.faults, lines), err=True)
+        sys.exit(failure.exit_code)
