@@ -28,11 +28,12 @@ class Number:
     """One number of the deck.
 
     `key` names it within its record ("P_i.x"), `meaning` says what it is, `unit` is SI ("" for a
-    pure number), `place` where it stands, `text` how it is spelled there.
+    pure number), `place` where it stands, `text` how it is spelled there.  Where a deck has a word
+    or a file name, that is the value.
     """
 
     key: str
-    value: float | int
+    value: float | int | str
     meaning: str
     unit: str = ""
     place: Place | None = None

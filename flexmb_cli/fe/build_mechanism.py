@@ -1,0 +1,130 @@
+"""VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
+
+import math
+
+import numpy as np
+
+from ..errors import Fault, ModelError
+from ..model.flexible_mechanism import (
+    FlexibleMechanism,
+    FloatingBody,
+    NodePoint,
+    PointForce,
+    PointJoint,
+    PointPin,
+    PointSpring,
+)
+from ..model.vsdf_model import GROUND, End, VsdfBody, VsdfModel
+from .flexible_bodies import flexible_body
+
+
+def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleMechanism, list[Fault]]:
+    """The mechanism of `model`, and what was doubtful about its finite-element files.
+
+    Raises ModelError with the faults of all bodies.
+    """
+    bodies, faults = [], []
+    for body in model.bodies:
+        try:
+            built, doubts = _body(body, cached)
+            bodies.append(built)
+            faults += doubts
+        except ModelError as stopped:
+            faults += stopped.faults
+    if any(fault.severity == "error" for fault in faults):
+        raise ModelError(faults)
+    return _Points(model, bodies).mechanism(), faults
+
+
+def _body(given: VsdfBody, cached) -> tuple[FloatingBody, list[Fault]]:
+    motion = np.array(given.velocity), np.array(given.omega)
+    if given.flexible is None:
+        m, c = given.rigid.mass, np.array(given.rigid.centre)
+        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
+        pose = np.array(given.r), np.array(given.p)
+        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, place=given.place), []
+    found, doubts = flexible_body(given.flexible, cached)
+    r = np.array(given.r) + given.A @ found.origin
+    p = euler_parameters(given.A @ found.axes)
+    body = FloatingBody(
+        given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, given.place
+    )
+    return body, doubts
+
+
+def euler_parameters(A: np.ndarray) -> np.ndarray:
+    """Euler parameters (4,) of a rotation matrix, e0 not negative; from the largest of the four squares."""
+    trace = np.trace(A)
+    squares = np.array([1 + trace, *(1 + 2 * np.diag(A) - trace)]) / 4
+    k = int(np.argmax(squares))
+    skew = np.array([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
+    p = np.empty(4)
+    if k == 0:
+        p[0], p[1:] = 4 * squares[0], skew
+    else:
+        i = k - 1
+        p[0] = skew[i]
+        p[1:] = A[i] + A[:, i]
+        p[k] = 4 * squares[k]
+    p /= np.linalg.norm(p)
+    return -p if p[0] < 0 else p
+
+
+class _Points:
+    """The model's ends as points of the bodies built."""
+
+    def __init__(self, model: VsdfModel, bodies: list[FloatingBody]):
+        self.model = model
+        self.bodies = bodies
+
+    def mechanism(self) -> FlexibleMechanism:
+        """The mechanism, item by item."""
+        model = self.model
+        return FlexibleMechanism(
+            tuple(self.bodies),
+            model.time,
+            model.integrator,
+            model.gravity,
+            tuple(self._joint(joint) for joint in model.joints),
+            tuple(self._pin(pin) for pin in model.pins),
+            model.motions,
+            tuple(self._force(force) for force in model.forces),
+            model.torques,
+            tuple(self._spring(spring) for spring in model.springs),
+            model.joint_springs,
+            tuple(self.point(end) for end in model.outputs),
+        )
+
+    def point(self, end: End) -> NodePoint:
+        """The point of an end; that of a node set is the mean of its nodes."""
+        if end.body == GROUND:
+            return NodePoint(
+                f"ground node {end.node}", GROUND, self.model.global_position(end), np.zeros((3, 0))
+            )
+        body, given = self.bodies[end.body], self.model.bodies[end.body]
+        name = f"{body.name} node {end.node}"
+        if body.flexible is None:
+            return NodePoint(name, end.body, given.position(end.node), np.zeros((3, 0)))
+        members = given.members(end.node)
+        r0 = np.mean([body.flexible.position(node) for node in members], axis=0)
+        shape = np.mean([body.flexible.shape(node) for node in members], axis=0)
+        return NodePoint(name, end.body, r0, shape)
+
+    def _joint(self, joint):
+        a, b = (tuple(self.point(end) for end in side) for side in (joint.a, joint.b))
+        return PointJoint(joint.name, joint.kind, a, b, joint.size, joint.place)
+
+    def _pin(self, pin):
+        target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
+        return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place)
+
+    def _force(self, force):
+        return PointForce(
+            force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
+        )
+
+    def _spring(self, spring):
+        gap = self.model.global_position(spring.b) - self.model.global_position(spring.a)
+        length = float(np.linalg.norm(gap)) if math.isnan(spring.length) else spring.length
+        a, b = self.point(spring.a), self.point(spring.b)
+        return PointSpring(spring.name, a, b, spring.k, spring.c, length, spring.place)

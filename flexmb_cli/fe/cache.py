@@ -1,0 +1,119 @@
+"""Flexible bodies kept on disk under the hash of what they are made of: files, settings, layout.
+
+Files appear whole or not at all, hold plain arrays and text (no pickle), and one that cannot be read is
+made anew.
+"""
+
+import hashlib
+import json
+import os
+import tempfile
+import zipfile
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import Fault
+from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
+
+# To be raised when the arrays, or how they are computed, change.
+LAYOUT = 1
+_VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
+_ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped"))
+
+
+def cache_folder() -> Path | None:
+    """The folder of the cache, None when no variable of the environment names one that can be written."""
+    for variable, below in _VARIABLES:
+        base = os.environ.get(variable)
+        if not base:
+            continue
+        folder = Path(base) / below / "flexmb" / "bodies"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder
+    return None
+
+
+def key_of(given: FlexibleInput) -> str:
+    """Name of everything the body depends on.  Raises OSError when a file cannot be read."""
+    digest = hashlib.sha256(f"flexmb body {LAYOUT}".encode())
+    files = [given.mass, given.stiffness, given.mapping, *(load.file for load in given.unit_loads)]
+    for file in files:
+        digest.update(f"|{file.form}".encode() if file else b"|none")
+        if file:
+            digest.update(hashlib.sha256(file.path.read_bytes()).digest())
+    digest.update(np.ascontiguousarray(given.numbers, dtype="<i8").tobytes())
+    digest.update(np.ascontiguousarray(given.positions, dtype="<f8").tobytes())
+    digest.update(_settings(given).encode())
+    return digest.hexdigest()
+
+
+def _settings(given):
+    loads = [(load.i, load.j) for load in given.unit_loads]
+    return repr(
+        (
+            given.reference,
+            given.clamped,
+            given.attachment,
+            given.interface,
+            given.modes,
+            tuple(float(value).hex() for value in given.damping),
+            loads,
+        )
+    )
+
+
+def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
+    """The body and the doubts that were noted when it was made; None when it is not in the cache."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    try:
+        with np.load(folder / f"{key_of(given)}.npz", allow_pickle=False) as stored:
+            return _restored(given, {name: stored[name] for name in stored.files})
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        return None
+
+
+def _restored(given, stored):
+    notes = json.loads(str(stored["notes"]))
+    arrays = {name: stored[name] for name in _ARRAYS}
+    for name in ("m", "mass_deviation", "rigid_residual"):
+        arrays[name] = float(arrays[name])
+    body = FlexibleBody(given.name, **arrays, dropped=Dropped(**notes["dropped"]))
+    places = {"mass": given.mass.place, "stiffness": given.stiffness.place, "body": given.place}
+    faults = [Fault("warning", text, places[where], given.name) for where, text in notes["warnings"]]
+    return body, faults
+
+
+def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> None:
+    """Keep `body`; a disk that refuses it is passed over, for the cache only saves time."""
+    folder = cache_folder()
+    if folder is None:
+        return
+    where = {given.mass.place: "mass", given.stiffness.place: "stiffness", given.place: "body"}
+    notes = {
+        "warnings": [(where.get(fault.place, "body"), fault.message) for fault in warnings],
+        "dropped": vars(body.dropped),
+    }
+    arrays = {name: np.asarray(getattr(body, name)) for name in _ARRAYS}
+    try:
+        _write(folder / f"{key_of(given)}.npz", arrays | {"notes": np.array(json.dumps(notes))})
+    except OSError:
+        return
+
+
+def _write(path, arrays):
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            np.savez(stream, **arrays)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise

@@ -1,0 +1,131 @@
+"""Tests that matrices and node table must pass before a body is made of them.
+
+A failed test names its figure, the worst node and the likely causes.  The limits are relative.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from ..errors import Place
+from ..model.findings import Findings
+from ..model.flexible_body import FlexibleInput
+
+ISOTROPIC_DOUBT, ISOTROPIC_ERROR = 1e-8, 1e-3
+RIGID_DOUBT, RIGID_ERROR = 1e-7, 1e-4
+COLLINEAR = 1e-6
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Measured on the way: largest |S^ij - m_ij E| and |K R|, relative."""
+
+    mass_deviation: float
+    rigid_residual: float
+
+
+def check_matrices(given: FlexibleInput, S, K, findings: Findings) -> Figures:
+    """All tests of mass `S` and stiffness `K`, both sparse (3 n, 3 n); faults go to `findings`."""
+    check_holes(given, S, "mass", given.mass.place, findings)
+    check_holes(given, K, "stiffness", given.stiffness.place, findings)
+    return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, findings))
+
+
+def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, findings: Findings) -> None:
+    """Every freedom needs a mass and a stiffness above zero on the diagonal."""
+    diagonal = matrix.diagonal()
+    wrong = np.flatnonzero(~(diagonal > 0))
+    if wrong.size:
+        row = wrong[0]
+        node, axis = given.numbers[row // 3], "xyz"[row % 3]
+        hint = "is the node in no element?" if diagonal[row] == 0 else "a diagonal must be positive"
+        findings.error(
+            given.name,
+            f"the {what} of node {node} along {axis} is {diagonal[row]:.6g}; {hint} "
+            f"({wrong.size} of {len(diagonal)} such freedoms)",
+            place,
+        )
+
+
+def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
+    """S^ij must be multiples of E (24): the largest deviation, relative to the largest entry of S."""
+    scalar = scalar_mass(S)
+    difference = abs(S - sparse.kron(scalar, sparse.identity(3)).tocsc())
+    deviation = float(difference.max() / abs(S).max())
+    if deviation > ISOTROPIC_DOUBT:
+        row = int(difference.argmax()) // difference.shape[1]
+        severe = deviation > ISOTROPIC_ERROR
+        message = (
+            f"the mass of directions x, y, z differs by {deviation:.1e} of the largest entry, most at node "
+            f"{given.numbers[row // 3]}: the equations need equal masses in all directions and none between "
+            "them"
+        )
+        remedy = "; a condensed mass matrix, or internal freedoms in it? export the matrix of solid elements"
+        if severe:
+            findings.error(given.name, message + remedy, given.mass.place)
+        else:
+            findings.warn(given.name, message + "; their mean is taken", given.mass.place)
+    if not scalar.sum() > 0:
+        findings.error(
+            given.name, f"its mass is {scalar.sum():.6g} kg; it must be above zero", given.mass.place
+        )
+    return deviation
+
+
+def scalar_mass(S) -> sparse.csc_matrix:
+    """The n x n matrix m of S^ij = m_ij E, the mean of the three directions."""
+    return ((S[0::3, 0::3] + S[1::3, 1::3] + S[2::3, 2::3]) / 3).tocsc()
+
+
+def rigid_motions(r: np.ndarray) -> np.ndarray:
+    """Unit translations along, rotations about the axes through the origin, (3 n, 6), of nodes `r` (n, 3)."""
+    motions = np.zeros((len(r), 3, 6))
+    motions[:, :, :3] = np.eye(3)
+    x, y, z = r.T
+    motions[:, 1, 3], motions[:, 2, 3] = -z, y
+    motions[:, 2, 4], motions[:, 0, 4] = -x, z
+    motions[:, 0, 5], motions[:, 1, 5] = -y, x
+    return motions.reshape(-1, 6)
+
+
+def check_rigid_motions(given: FlexibleInput, K, findings: Findings) -> float:
+    """K must not resist rigid motion: the largest |K R| relative to the largest entry of K."""
+    centred = given.positions - given.positions.mean(axis=0)
+    size = np.abs(centred).max() or 1.0
+    forces = np.abs(K @ rigid_motions(centred / size)) / abs(K).max()
+    translation, rotation = forces[:, :3].max(), forces[:, 3:].max()
+    residual = float(max(translation, rotation))
+    if residual > RIGID_DOUBT:
+        node = given.numbers[int(forces.max(axis=1).argmax()) // 3]
+        report = findings.error if residual > RIGID_ERROR else findings.warn
+        report(given.name, _rigid_message(translation, rotation, node), given.stiffness.place)
+    return residual
+
+
+def _rigid_message(translation, rotation, node):
+    figure = f"{max(translation, rotation):.1e} of the largest entry, most at node {node}"
+    if max(translation, rotation) <= RIGID_ERROR:
+        return f"the stiffness resists rigid motion by {figure}; export it with more digits"
+    if translation > RIGID_ERROR:
+        return (
+            f"the stiffness resists a translation by {figure}; is the body supported, or joined to another? "
+            "export it free"
+        )
+    return (
+        f"the stiffness resists a rotation by {figure}, but no translation: the node table does not belong "
+        "to the matrix (order of the nodes, unit of length, rotated nodal axes)"
+    )
+
+
+def check_reference(given: FlexibleInput, positions: np.ndarray, findings: Findings) -> None:
+    """The three reference nodes, at `positions` (3, 3), must be distinct and not on one line."""
+    a, b = positions[1] - positions[0], positions[2] - positions[0]
+    product = np.linalg.norm(np.cross(a, b))
+    if product <= COLLINEAR * np.linalg.norm(a) * np.linalg.norm(b):
+        nodes = ", ".join(map(str, given.reference))
+        findings.error(
+            given.name,
+            f"the reference nodes {nodes} lie on one line; three that span a plane are needed",
+            given.place,
+        )

@@ -1,0 +1,54 @@
+"""Inertia invariants of a modal basis, from products with the n x n matrix of scalar masses.
+
+With S^ij = m_ij E every product of skew-symmetric stacks is one of G = P' m Q (3 x 3):
+P~' S Q~ = tr(G) E - G', and (P~' S q)_a = -eps_abc G_bc.
+"""
+
+import numpy as np
+
+EPSILON = np.zeros((3, 3, 3))
+EPSILON[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
+EPSILON[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
+
+
+def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass) -> dict[str, np.ndarray]:
+    """The invariants m, s0, S1, J0, J1, J2, C0, C1, Mff of nodes `r0` (n, 3) and modes `Phi` (3 n, N).
+
+    `mass` is the sparse matrix m (n, n); names and shapes as in `FlexibleBody`.
+    """
+    n, N = len(r0), Phi.shape[1]
+    U = np.hstack([r0, Phi.reshape(n, 3, N).transpose(0, 2, 1).reshape(n, 3 * N)])
+    weighted = mass @ U
+    # Block (k, l) of the products is G of shapes k and l; shape 0 is r0.
+    G = (U.T @ weighted).reshape(N + 1, 3, N + 1, 3).transpose(0, 2, 1, 3)
+    sums = weighted.sum(axis=0).reshape(N + 1, 3)
+    J, C = _inertia(G), _moments(G)
+    return {
+        "m": float(mass.sum()),
+        "s0": sums[0],
+        "S1": sums[1:].T.copy(),
+        "J0": J[0, 0],
+        "J1": J[1:, 0] + J[0, 1:],
+        "J2": J[1:, 1:].copy(),
+        "C0": C[0, 1:].T.copy(),
+        "C1": C[1:, 1:].transpose(0, 2, 1).copy(),
+        "Mff": np.einsum("klaa->kl", G[1:, 1:]),
+    }
+
+
+def _inertia(G):
+    """P_k~' S P_l~ for all pairs, (…, 3, 3)."""
+    return np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
+
+
+def _moments(G):
+    """P_k~' S phi_l for all pairs, (…, 3)."""
+    return -np.einsum("abc,klbc->kla", EPSILON, G)
+
+
+def effective_masses(S1: np.ndarray, C0: np.ndarray) -> np.ndarray:
+    """Mass that each mode of unit modal mass moves along, and inertia about, the body's axes, (N, 6).
+
+    Translation along e_a takes 1' S phi, rotation about it (e_a~ r0)' S phi = -(R0' S phi)_a.
+    """
+    return np.vstack([S1, C0]).T ** 2

@@ -1,0 +1,225 @@
+"""Shapes of a body in its frame: eigenmodes of (104), attachment modes, Craig-Bampton.
+
+Eigenmodes: Vlasenko and Kasper (2008), (104).  Interface and fixed-interface modes: Craig and Bampton, AIAA
+Journal 6 (1968), 1313-1319.  All shapes are (3 n, k), x y z node by node, body axes.
+"""
+
+import numpy as np
+from scipy import linalg
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+from .input_tests import rigid_motions
+from .reference_frame import Frame
+
+# Up to this size all eigenvalues at once are found faster than a few by iteration.
+DENSE = 900
+# Shapes whose part independent of the others has less than this share of their square are dropped.
+DEPENDENT = 1e-10
+# A shape whose strain energy is less than this share of its terms' sum is free of strain.
+NO_STRAIN = 2e-15
+
+
+class FreeMotion(Exception):
+    """The body can move without strain although its frame holds it; `shape` (3 n,) shows how."""
+
+    def __init__(self, shape: np.ndarray):
+        super().__init__("free motion")
+        self.shape = shape
+
+
+class IndefiniteMass(Exception):
+    """The mass matrix is not positive definite."""
+
+
+def eigenmodes(K, S, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The `count` lowest eigenvalues (rad²/s²) and modes of unit modal mass that the frame allows.
+
+    Raises FreeMotion and IndefiniteMass.
+    """
+    if frame.mean:
+        return _mean_axis_modes(K, S, frame, count)
+    free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
+    values, full = _modes_of(K, S, free, count)
+    return values, signed(full)
+
+
+def _modes_of(K, S, free, count):
+    """Modes of the freedoms `free` with all others at rest, as shapes of the whole body."""
+    full = np.zeros((K.shape[0], min(count, len(free))))
+    if not full.size:
+        return np.zeros(0), full
+    values, full[free] = _lowest(K[free][:, free].tocsc(), S[free][:, free].tocsc(), full.shape[1])
+    _check_strain(K, full[:, 0])
+    return values, full
+
+
+def _check_strain(K, shape):
+    """Whether the lowest mode has a strain energy, measured against that of its terms one by one."""
+    terms = np.abs(shape) @ (abs(K) @ np.abs(shape))
+    if not shape @ (K @ shape) > NO_STRAIN * terms:
+        raise FreeMotion(shape)
+
+
+def _lowest(K, S, count):
+    """Lowest eigenvalues and S-orthonormal vectors.
+
+    Slender bodies have frequencies far apart: the lowest are found as the largest of the inverse problem.
+    """
+    size = K.shape[0]
+    if size <= DENSE or count > size // 3:
+        return _lowest_at_once(K.toarray(), S.toarray(), count)
+    try:
+        inverse = _Inverse(size, splu(K).solve)
+    except RuntimeError:
+        raise FreeMotion(np.zeros(size)) from None
+    return eigsh(K, count, S, sigma=0.0, OPinv=inverse, v0=np.ones(size))
+
+
+def _lowest_at_once(K, S, count):
+    _factor_of_mass(S)
+    size = len(K)
+    try:
+        if 2 * count > size:
+            return linalg.eigh(K, S, subset_by_index=(0, count - 1))
+        inverse, vectors = linalg.eigh(S, K, subset_by_index=(size - count, size - 1))
+    except linalg.LinAlgError:
+        raise FreeMotion(linalg.eigh(K, S, subset_by_index=(0, 0))[1][:, 0]) from None
+    return 1.0 / inverse[::-1], (vectors / np.sqrt(inverse))[:, ::-1]
+
+
+def _factor_of_mass(S):
+    try:
+        return linalg.cholesky(S, lower=True)
+    except linalg.LinAlgError:
+        raise IndefiniteMass from None
+
+
+class _Inverse(LinearOperator):
+    """The solution of a linear system as the operator that eigsh wants."""
+
+    def __init__(self, size, solve):
+        super().__init__(np.float64, (size, size))
+        self._solve = solve
+
+    def _matvec(self, x):
+        return self._solve(np.ascontiguousarray(x).ravel())
+
+
+class _FreeBody:
+    """Static shapes of a body that nothing holds: forces are balanced by the acceleration they cause."""
+
+    def __init__(self, K, S, frame: Frame):
+        self.S, self.frame = S, frame
+        self._free = np.setdiff1d(np.arange(K.shape[0]), _supports(frame.r0))
+        self._factor = _factored(K, self._free)
+        self._rigid = rigid_motions(frame.r0)
+        self._weighted = S @ self._rigid
+        self._mass = self._rigid.T @ self._weighted
+
+    def shapes(self, forces: np.ndarray) -> np.ndarray:
+        """Displacements in mean axes under `forces`, both (3 n, k) or (3 n,)."""
+        balanced = forces - self._weighted @ np.linalg.solve(self._mass, self._rigid.T @ forces)
+        shapes = np.zeros(forces.shape)
+        shapes[self._free] = self._factor.solve(balanced[self._free])
+        return self.frame.shifted(shapes, self.S)
+
+
+def _mean_axis_modes(K, S, frame, count):
+    """Free modes without the six rigid ones, to which they are S-orthogonal, as mean axes ask."""
+    if not count:
+        return np.zeros(0), np.zeros((K.shape[0], 0))
+    size, body = K.shape[0], _FreeBody(K, S, frame)
+    if size <= DENSE or count > size // 3:
+        factor = _factor_of_mass(S.toarray())
+        flexibility = factor.T @ body.shapes(factor)
+        last = (size - count, size - 1)
+        inverse, vectors = linalg.eigh((flexibility + flexibility.T) / 2, subset_by_index=last)
+        values = 1.0 / inverse[::-1]
+        shapes = linalg.solve_triangular(factor.T, vectors[:, ::-1])
+    else:
+        start = body.shapes(np.arange(size, dtype=float))
+        values, shapes = eigsh(K, count, S, sigma=0.0, OPinv=_Inverse(size, body.shapes), v0=start)
+    _check_strain(K, shapes[:, 0])
+    shapes = frame.shifted(shapes, S)
+    return values, signed(shapes / np.sqrt(np.einsum("ij,ij->j", shapes, S @ shapes)))
+
+
+def attachment_modes(K, S, frame: Frame, rows: np.ndarray) -> np.ndarray:
+    """Static shapes under a unit force in each of the freedoms `rows`, (3 n, k).
+
+    In mean axes the body is free: the forces are balanced by those of the rigid acceleration they cause.
+    """
+    rows = np.setdiff1d(rows, frame.held)
+    forces = np.zeros((K.shape[0], len(rows)))
+    forces[rows, np.arange(len(rows))] = 1.0
+    if frame.mean:
+        return _FreeBody(K, S, frame).shapes(forces)
+    free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
+    shapes = np.zeros(forces.shape)
+    shapes[free] = _factored(K, free).solve(forces[free])
+    return shapes
+
+
+def _supports(r0):
+    """Six rows that hold the body: a node, one far from it, and one far from their line."""
+    first = int(np.argmax(np.linalg.norm(r0 - r0.mean(axis=0), axis=1)))
+    arms = r0 - r0[first]
+    second = int(np.argmax(np.linalg.norm(arms, axis=1)))
+    third = int(np.argmax(np.linalg.norm(np.cross(arms, arms[second]), axis=1)))
+    normal = np.cross(arms[second], arms[third])
+    along = int(np.argmax(np.abs(arms[second])))
+    others = [axis for axis in range(3) if axis != along]
+    last = max(others, key=lambda axis: abs(normal[axis]))
+    rows = [
+        3 * first,
+        3 * first + 1,
+        3 * first + 2,
+        *(3 * second + axis for axis in others),
+        3 * third + last,
+    ]
+    return np.array(rows)
+
+
+def _factored(K, free):
+    try:
+        return splu(K[free][:, free].tocsc())
+    except RuntimeError:
+        raise FreeMotion(np.zeros(K.shape[0])) from None
+
+
+def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> np.ndarray:
+    """Interface modes of the freedoms `rows` and `count` fixed-interface eigenmodes, in the body frame.
+
+    The rigid motion in the interface modes is taken out, which leaves six of them dependent.
+    """
+    clamped = frame.held if frame.clamped else np.arange(0)
+    interface = np.setdiff1d(rows, clamped)
+    inner = np.setdiff1d(np.arange(K.shape[0]), np.union1d(interface, clamped))
+    shapes = np.zeros((K.shape[0], len(interface)))
+    shapes[interface, np.arange(len(interface))] = 1.0
+    shapes[inner] = -_factored(K, inner).solve(K[inner][:, interface].toarray())
+    _, fixed = _modes_of(K, S, inner, count)
+    return frame.shifted(np.hstack([shapes, fixed]), S)
+
+
+def orthonormal(shapes: np.ndarray, K, S) -> tuple[np.ndarray, np.ndarray, int]:
+    """Eigenvalues and modes of unit mass that span `shapes`, and how many dependent shapes were dropped."""
+    mass = shapes.T @ (S @ shapes)
+    norms = np.sqrt(np.maximum(np.diag(mass), 0.0))
+    kept = norms > 1e-9 * norms.max(initial=0.0)
+    scaled = shapes[:, kept] / norms[kept]
+    sizes, directions = linalg.eigh(scaled.T @ (S @ scaled))
+    independent = sizes > DEPENDENT
+    basis = scaled @ (directions[:, independent] / np.sqrt(sizes[independent]))
+    values, mixed = linalg.eigh(basis.T @ (K @ basis), basis.T @ (S @ basis))
+    return values, signed(basis @ mixed), shapes.shape[1] - len(values)
+
+
+def signed(shapes: np.ndarray) -> np.ndarray:
+    """The shapes with the largest component of each positive, so that every machine has the same."""
+    if not shapes.size:
+        return shapes
+    # Components equal up to round-off must not decide by their last digits: the first of them does.
+    large = np.abs(shapes) >= (1 - 1e-6) * np.abs(shapes).max(axis=0)
+    first = np.argmax(large, axis=0)
+    return shapes * np.where(shapes[first, np.arange(shapes.shape[1])] < 0, -1.0, 1.0)

@@ -1,0 +1,130 @@
+"""A flexible body in its floating frame: nodes, modes, inertia invariants; nothing here has a time.
+
+Vlasenko and Kasper (2008), with the invariants of a modal basis: qf = Phi eta, r = r0 + qf, body axes.
+S is the mass matrix of the finite-element program; S^ij = m_ij E, so that the n x n matrix m of scalars
+is all that inertia needs.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import Place
+
+
+@dataclass(frozen=True)
+class FEFile:
+    """A file named by the deck: where it is, its format, and the place of its card."""
+
+    path: Path
+    form: str
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class UnitLoad:
+    """A geometric stiffness: that of the acceleration field e_i times coordinate j, i and j from 0."""
+
+    i: int
+    j: int
+    file: FEFile
+
+
+@dataclass(frozen=True)
+class FlexibleInput:
+    """What a deck says of a flexible body; nodes by their numbers in the table.
+
+    `reference`: the three nodes of (100)-(102), () for none.  With `clamped` nodes those are held in the
+    body frame instead of (103); with neither the frame is that of mean axes.  `modes`: how many, 0 for all.
+    `attachment`: nodes of static attachment modes; `interface`: nodes of a Craig-Bampton basis.
+    `damping`: alpha, 1/s, beta, s, and the ratio of every mode.
+    """
+
+    name: str
+    mass: FEFile
+    stiffness: FEFile
+    numbers: np.ndarray  # (n,) node numbers
+    positions: np.ndarray  # (n, 3) in the axes of the node table, m
+    mapping: FEFile | None = None
+    reference: tuple[int, ...] = ()
+    clamped: tuple[int, ...] = ()
+    attachment: tuple[int, ...] = ()
+    interface: tuple[int, ...] = ()
+    modes: int = 0
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    unit_loads: tuple[UnitLoad, ...] = ()
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """What the body's basis leaves out.
+
+    `internal`: freedoms inside elements, condensed; `dependent`: shapes that others made superfluous;
+    `modes`: eigenmodes of (104) that exist and are not kept; `next_frequency`: the first of these, Hz, nan
+    when it is not known.
+    """
+
+    internal: int = 0
+    dependent: int = 0
+    modes: int = 0
+    next_frequency: float = float("nan")
+
+
+@dataclass(frozen=True)
+class FlexibleBody:
+    """Frame, basis and invariants of a body with n nodes and N modes; SI units, body axes.
+
+    `origin`, `axes`: the body frame in the axes of the node table; the columns of `axes` are e1 e2 e3.
+    """
+
+    name: str
+    numbers: np.ndarray  # (n,) node numbers
+    r0: np.ndarray  # (n, 3) positions of the undeformed nodes
+    origin: np.ndarray  # (3,)
+    axes: np.ndarray  # (3, 3)
+    Phi: np.ndarray  # (3 n, N) modes, x y z of node 1 first
+    m: float  # mass, kg
+    s0: np.ndarray  # (3,) 1' S r0
+    S1: np.ndarray  # (3, N) 1' S Phi
+    J0: np.ndarray  # (3, 3) R0' S R0
+    J1: np.ndarray  # (N, 3, 3) P_k' S R0 + R0' S P_k
+    J2: np.ndarray  # (N, N, 3, 3) P_k' S P_l
+    C0: np.ndarray  # (3, N) R0' S Phi
+    C1: np.ndarray  # (N, 3, N) P_k' S Phi
+    Mff: np.ndarray  # (N, N) Phi' S Phi
+    Kr: np.ndarray  # (N, N) Phi' K Phi
+    Dr: np.ndarray  # (N, N) damping
+    KG: np.ndarray  # (3, 3, N, N) geometric stiffness per (w~ w~)_ij; (0, 0, N, N) when there is none
+    frequencies: np.ndarray  # (N,) Hz
+    effective_mass: np.ndarray  # (N, 6) kg along, kg m^2 about the body's axes at its origin
+    effective_limit: np.ndarray  # (6,) their sums over a complete basis
+    mass_deviation: float  # largest |S^ij - m_ij E| relative to the largest entry of S
+    rigid_residual: float  # largest |K R| of the six rigid motions relative to the largest entry of K
+    dropped: Dropped = field(default_factory=Dropped)
+
+    @property
+    def modes(self) -> int:
+        """N, the number of modal coordinates."""
+        return self.Phi.shape[1]
+
+    def position(self, node: int) -> np.ndarray:
+        """Undeformed position of a node (3,), by its number.  Raises KeyError."""
+        return self.r0[self._row(node)]
+
+    def shape(self, node: int) -> np.ndarray:
+        """Displacement of a node per unit of each modal coordinate, (3, N).  Raises KeyError."""
+        row = self._row(node)
+        return self.Phi[3 * row : 3 * row + 3]
+
+    def _row(self, node):
+        found = np.flatnonzero(self.numbers == node)
+        if not found.size:
+            raise KeyError(node)
+        return int(found[0])
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Centre of mass of the undeformed body (3,), m."""
+        return self.s0 / self.m

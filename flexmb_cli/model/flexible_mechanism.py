@@ -1,0 +1,117 @@
+"""A mechanism of rigid and flexible bodies in their own frames, as the equations of motion want it.
+
+A rigid body is one without modal coordinates: m, s0 and J0 mean the same for both.  Bodies are numbered
+from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import Place
+from .flexible_body import FlexibleBody
+from .mechanism import TimeGrid, Vector
+from .motion_law import Motion, MotionLaw
+from .vsdf_model import BodyTorque, Integrator, JointSpring
+
+
+@dataclass(frozen=True)
+class FloatingBody:
+    """A body: frame at t = 0 (`r` global, Euler parameters `p`), motion there, and inertia about its origin.
+
+    `velocity` of the origin in global axes, `omega` in body axes; the modal coordinates and their rates
+    start at zero.
+    """
+
+    name: str
+    r: np.ndarray  # (3,)
+    p: np.ndarray  # (4,)
+    velocity: np.ndarray  # (3,)
+    omega: np.ndarray  # (3,)
+    m: float
+    s0: np.ndarray  # (3,) mass times centre of mass, kg m
+    J0: np.ndarray  # (3, 3) about the origin, kg m²
+    flexible: FlexibleBody | None = None
+    stiffened: bool = False
+    place: Place | None = None
+
+    @property
+    def modes(self) -> int:
+        """N, the number of modal coordinates: 0 for a rigid body."""
+        return self.flexible.modes if self.flexible else 0
+
+
+@dataclass(frozen=True)
+class NodePoint:
+    """A point of a body at `r0 + shape @ eta`, body axes; on the ground (body -1) at r0, global axes."""
+
+    name: str
+    body: int
+    r0: np.ndarray  # (3,)
+    shape: np.ndarray  # (3, N)
+
+
+@dataclass(frozen=True)
+class PointJoint:
+    """A joint of `kind` between points P, Q, H as `NodeJoint` has them; `size` nan: as at t = 0."""
+
+    name: str
+    kind: str
+    a: tuple[NodePoint, ...]
+    b: tuple[NodePoint, ...]
+    size: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class PointPin:
+    """Global `directions` of a point held at `target` (3,)."""
+
+    name: str
+    point: NodePoint
+    directions: tuple[bool, bool, bool]
+    target: np.ndarray
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A force at a point, N: `force` in global axes, or in body axes when it follows, times `factor`."""
+
+    name: str
+    point: NodePoint
+    force: Vector
+    follows: bool
+    factor: MotionLaw | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class PointSpring:
+    """A spring, N/m, with damper, N s/m, between two points; `length` at rest, m."""
+
+    name: str
+    a: NodePoint
+    b: NodePoint
+    k: float
+    c: float
+    length: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class FlexibleMechanism:
+    """Everything that dynamics needs of a VSDF deck."""
+
+    bodies: tuple[FloatingBody, ...]
+    time: TimeGrid
+    integrator: Integrator
+    gravity: Vector
+    joints: tuple[PointJoint, ...] = ()
+    pins: tuple[PointPin, ...] = ()
+    motions: tuple[Motion, ...] = ()
+    forces: tuple[PointForce, ...] = ()
+    torques: tuple[BodyTorque, ...] = ()
+    springs: tuple[PointSpring, ...] = ()
+    joint_springs: tuple[JointSpring, ...] = ()
+    outputs: tuple[NodePoint, ...] = ()

@@ -1,0 +1,1 @@
+"""Files of finite-element programs: node tables, mass and stiffness matrices, one file a format."""

@@ -1,0 +1,55 @@
+"""Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE.
+
+Abaqus Analysis User's Guide, "Generating matrices".  The suffix .mtx is also Matrix Market's: the
+format is told by the deck.  Nodes with negative labels are internal freedoms of elements.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from .file_text import filled, line_fault, lines_of, table, whole
+from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
+
+# Abaqus puts 1e36 on the diagonal where a freedom is held.
+LARGEST_STIFFNESS = 1e30
+
+
+def read_abaqus(path: Path) -> MatrixFile:
+    """The matrix at `path`.  Raises FEFileFault."""
+    name, lines = path.name, lines_of(path)
+    if lines and lines[0].lower().startswith("%%matrixmarket"):
+        raise line_fault(name, 1, "this is a Matrix Market file: the format is MM")
+    body, numbers = filled(lines, comment="*")
+    if not body:
+        raise FEFileFault(f"{name} holds no entries")
+    width = body[0].count(",") + 1
+    if width not in (3, 5):
+        message = "row node, row direction, column node, column direction, value wanted, by commas"
+        raise line_fault(name, numbers[0], message)
+    meaning = "row, column, value" if width == 3 else "row node, direction, column node, direction, value"
+    entries = table(name, body, numbers, width, meaning, comma=True)
+    where = whole(name, entries[:, :-1], numbers, "nodes and directions")
+    return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
+
+
+def _by_rows(_name, where, values):
+    rows, columns = where.T - 1
+    size = int(where.max())
+    return MatrixFile(size, rows, columns, values, not has_both_triangles(rows, columns, size))
+
+
+def _by_nodes(name, where, values):
+    turning = (where[:, 1::2] > 3).any(axis=1)
+    if (values[turning] != 0.0).any():
+        node = where[turning, 0][0]
+        raise FEFileFault(f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements")
+    where, values = where[~turning], values[~turning]
+    held = np.flatnonzero(np.abs(values) > LARGEST_STIFFNESS)
+    if held.size:
+        node, direction = where[held[0], :2]
+        raise FEFileFault(
+            f"{name}: {values[held[0]]:.0e} at node {node}, direction {direction}, is a boundary condition; "
+            "generate the matrices without *BOUNDARY"
+        )
+    return labelled(where, values)

@@ -1,0 +1,52 @@
+"""Matrix storage of CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE): .sti, .mas and .dof.
+
+Dhondt, CalculiX CrunchiX manual, *FREQUENCY; layout as version 2.20 writes it: one triangle with zeros,
+and a line `node.direction` for every equation, which is text and no decimal fraction.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .file_text import check_range, filled, line_fault, lines_of, table, whole
+from .matrix_file import FEFileFault, MatrixFile
+
+_FREEDOM = re.compile(r"\s*(\d+)\.(\d)\s*")
+
+
+def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
+    """The matrix at `path` whose rows are `equations` (size, 2), node and direction."""
+    lines, numbers = filled(lines_of(path))
+    entries = table(path.name, lines, numbers, 3, "row, column and value")
+    where = whole(path.name, entries[:, :2], numbers, "row and column")
+    if not len(where):
+        raise FEFileFault(f"{path.name} is empty")
+    check_range(path.name, where, numbers, len(equations))
+    if where.max() < len(equations):
+        raise FEFileFault(
+            f"{path.name} has {where.max()} rows and its .dof file {len(equations)} equations; "
+            "they are of different models"
+        )
+    kept = entries[:, 2] != 0.0
+    rows, columns = where[kept].T - 1
+    one_triangle = not ((rows < columns).any() and (rows > columns).any())
+    return MatrixFile(len(equations), rows, columns, entries[kept, 2], one_triangle, equations)
+
+
+def read_freedoms(path: Path) -> np.ndarray:
+    """Node and direction (1 2 3) of every equation, (size, 2), from a .dof file."""
+    found = []
+    for number, line in enumerate(lines_of(path), start=1):
+        if not line.strip():
+            continue
+        match = _FREEDOM.fullmatch(line)
+        if match is None:
+            raise line_fault(path.name, number, f"node.direction wanted, such as 12.3; read '{line.strip()}'")
+        if match[2] not in "123":
+            message = f"direction {match[2]} of node {match[1]}: only 1, 2, 3 can be used, no rotations"
+            raise line_fault(path.name, number, message)
+        found.append((int(match[1]), int(match[2])))
+    if not found:
+        raise FEFileFault(f"{path.name} is empty")
+    return np.array(found, dtype=np.int64)

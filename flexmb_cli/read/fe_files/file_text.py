@@ -1,0 +1,105 @@
+"""Text of a file and tables of numbers in it; what cannot be read is told with its line."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .matrix_file import FEFileFault
+
+_SHOWN = 40
+
+
+def text_of(path: Path) -> str:
+    """The file's text.  Raises FEFileFault when there is none, or it is binary."""
+    try:
+        raw = path.read_bytes()
+    except FileNotFoundError:
+        raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}") from None
+    except OSError as fault:
+        raise FEFileFault(f"{path.name} cannot be read: {fault.strerror}") from None
+    if b"\0" in raw[:65536]:
+        raise FEFileFault(f"{path.name} is a binary file; let the program write it as text")
+    return raw.decode("latin-1")
+
+
+def lines_of(path: Path) -> list[str]:
+    """The file's lines."""
+    return text_of(path).splitlines()
+
+
+def table(
+    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma=False
+) -> np.ndarray:
+    """The numbers of `lines`, (len, columns) float64; D exponents are read as E.
+
+    `numbers` are those of the lines in the file `name`, `meaning` is what a line holds, for the messages
+    of FEFileFault.
+    """
+    if not lines:
+        return np.empty((0, columns))
+    delimiter = "," if comma else None
+    text = "\n".join(lines).replace("D", "E").replace("d", "e").split("\n")
+    try:
+        found = np.loadtxt(text, ndmin=2, comments=None, delimiter=delimiter)
+    except ValueError:
+        found = None
+    if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
+        _point_at_fault(name, text, numbers, columns, meaning, delimiter)
+    return found
+
+
+def _point_at_fault(name, lines, numbers, columns, meaning, delimiter):
+    for number, line in zip(numbers, lines, strict=False):
+        words = [word.strip() for word in line.split(delimiter)]
+        if len(words) != columns:
+            raise line_fault(name, number, f"{meaning} wanted, {columns} numbers; read '{_short(line)}'")
+        for word in words:
+            if not _is_finite(word):
+                raise line_fault(name, number, f"{meaning} wanted; '{_short(word)}' is no finite number")
+    raise FEFileFault(f"{name} cannot be read as {meaning}")
+
+
+def line_fault(name: str, number: int, message: str) -> FEFileFault:
+    """The fault of one line of the file `name`."""
+    return FEFileFault(f"{name}, line {number}: {message}")
+
+
+def _is_finite(word):
+    try:
+        return bool(np.isfinite(float(word)))
+    except ValueError:
+        return False
+
+
+def _short(text):
+    text = text.strip()
+    return text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "…"
+
+
+def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -> np.ndarray:
+    """`values` as int64; FEFileFault at the first line that has a fraction in them."""
+    result = values.astype(np.int64)
+    wrong = np.flatnonzero((result != values).reshape(len(values), -1).any(axis=1))
+    if wrong.size:
+        raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers")
+    return result
+
+
+def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: int) -> None:
+    """FEFileFault at the first line with an index outside 1..size."""
+    wrong = np.flatnonzero(((entries < 1) | (entries > size)).any(axis=1))
+    if wrong.size:
+        row, column = entries[wrong[0]]
+        message = f"entry ({row}, {column}) lies outside the matrix of {size} rows"
+        raise line_fault(name, numbers[int(wrong[0])], message)
+
+
+def filled(lines: list[str], comment: str = "") -> tuple[list[str], list[int]]:
+    """The lines that are neither blank nor begin with `comment`, and their numbers."""
+    kept = [
+        (line, number)
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not (comment and line.startswith(comment))
+    ]
+    return [line for line, _ in kept], [number for _, number in kept]

@@ -1,0 +1,137 @@
+"""Harwell-Boeing matrices as ANSYS HBMAT writes them, and the mapping file of their equations.
+
+Duff, Grimes, Lewis, Users' Guide for the Harwell-Boeing Sparse Matrix Collection (1992); ANSYS
+command HBMAT.  Fields are cut by the FORTRAN formats of line 4; they may touch.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .file_text import line_fault, lines_of
+from .matrix_file import FEFileFault, MatrixFile
+
+_FORMAT = re.compile(r"(\d*)\(?(?:[+-]?\d*P,?)?(\d*)([IDEFG])(\d+)(?:\.\d+)?", re.IGNORECASE)
+_EQUATION = re.compile(r"\s*(\d+)\s+(\d+)\s+([A-Za-z]\w*)\s*")
+_DIRECTIONS = {"UX": 1, "UY": 2, "UZ": 3}
+
+
+def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
+    """The matrix at `path` whose rows are `equations` (size, 2), node and direction.
+
+    Raises FEFileFault.
+    """
+    name, lines = path.name, lines_of(path)
+    if len(lines) < 4:
+        raise FEFileFault(f"{name} ends before the fourth line of a Harwell-Boeing heading")
+    _, pointers, indices, values, right_sides = _integers(name, lines[1], 2, 0, 5)
+    kind = lines[2][:3].upper()
+    size, columns, count, _ = _integers(name, lines[2], 3, 14, 4)
+    _check_kind(name, kind, size, columns, equations)
+    formats = [_format(name, lines[3], first, 16 if first < 32 else 20) for first in (0, 16, 32)]
+    start = 5 if right_sides else 4
+    sections = []
+    for lengths, form, wanted in zip(
+        (pointers, indices, values), formats, (size + 1, count, count), strict=True
+    ):
+        sections.append(_numbers(name, lines, start, lengths, form, wanted))
+        start += lengths
+    return _matrix(name, kind, size, *sections, equations)
+
+
+def read_mapping(path: Path) -> np.ndarray:
+    """Node and direction (1 2 3) of every equation, (size, 2), from a mapping file of HBMAT."""
+    found = {}
+    for number, line in enumerate(lines_of(path), start=1):
+        match = _EQUATION.fullmatch(line)
+        if match is None:
+            continue
+        label = match[3].upper()
+        if label not in _DIRECTIONS:
+            message = (
+                f"freedom {label} of node {match[2]}: only UX, UY, UZ can be used; mesh with solid elements"
+            )
+            raise line_fault(path.name, number, message)
+        found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
+    if not found:
+        raise FEFileFault(f"{path.name} holds no line 'equation node UX|UY|UZ'; is it the mapping file?")
+    if sorted(found) != list(range(1, len(found) + 1)):
+        gap = next(i for i in range(1, len(found) + 1) if i not in found)
+        raise FEFileFault(f"{path.name} maps {len(found)} equations, but not equation {gap}")
+    return np.array([found[i] for i in range(1, len(found) + 1)], dtype=np.int64)
+
+
+def _integers(name, line, number, first, count):
+    """`count` integers of 14 columns; blank ones are 0."""
+    cells = [line[first + 14 * i : first + 14 * (i + 1)].strip() or "0" for i in range(count)]
+    try:
+        return [int(cell) for cell in cells]
+    except ValueError:
+        raise line_fault(
+            name, number, "integers of 14 columns wanted; is it a Harwell-Boeing file?"
+        ) from None
+
+
+def _check_kind(name, kind, size, columns, equations):
+    if kind not in ("RSA", "RUA"):
+        message = f"the matrix is of type {kind}; RSA (symmetric) or RUA, assembled and real, wanted"
+        raise line_fault(name, 3, message)
+    if size != columns:
+        raise line_fault(name, 3, f"the matrix must be square; it has {size} rows, {columns} columns")
+    if size != len(equations):
+        raise FEFileFault(
+            f"{name} has {size} rows and its mapping file {len(equations)} equations; "
+            "they are of different models"
+        )
+
+
+def _format(name, line, first, width):
+    match = _FORMAT.search(line[first : first + width])
+    if match is None:
+        message = f"no FORTRAN format in '{line[first : first + width].strip()}'"
+        raise line_fault(name, 4, message)
+    repeat = int(match[2] or 1) * (int(match[1] or 1) if match[2] else 1)
+    return (int(match[1] or 1) if not match[2] else repeat), match[3].upper(), int(match[4])
+
+
+def _numbers(name, lines, start, count, form, wanted):
+    """`wanted` numbers from `count` lines cut by the width of their format."""
+    _, letter, width = form
+    section = lines[start : start + count]
+    if len(section) < count:
+        raise FEFileFault(f"{name} ends at line {len(lines)}, {count - len(section)} lines too early")
+    cells = [
+        (line[i : i + width], number)
+        for number, line in enumerate(section, start=start + 1)
+        for i in range(0, len(line.rstrip()), width)
+    ]
+    if len(cells) < wanted:
+        raise FEFileFault(
+            f"{name}, lines {start + 1}-{start + count}: {wanted} numbers wanted, {len(cells)} found"
+        )
+    read = int if letter == "I" else float
+    values = []
+    for cell, number in cells[:wanted]:
+        try:
+            values.append(read(cell.replace("D", "E").replace("d", "e")))
+        except ValueError:
+            raise line_fault(name, number, f"'{cell.strip()}' is no number") from None
+    return np.array(values)
+
+
+def _matrix(name, kind, size, pointers, rows, values, equations):
+    """ANSYS 9 declared RSA and wrote full columns with wrong pointers: those are not mirrored."""
+    full = len(values) == size * size
+    if full:
+        columns = np.repeat(np.arange(size), size)
+    else:
+        lengths = np.diff(pointers)
+        if pointers[0] != 1 or (lengths < 0).any() or lengths.sum() != len(values):
+            raise FEFileFault(f"{name}: the column pointers do not add up to {len(values)} entries")
+        columns = np.repeat(np.arange(size), lengths)
+    rows = rows - 1
+    if (rows < 0).any() or (rows >= size).any():
+        raise FEFileFault(f"{name}: a row index lies outside 1..{size}")
+    mirrored = kind == "RSA" and not full and not (rows < columns).any()
+    return MatrixFile(size, rows, columns, values, mirrored, equations)

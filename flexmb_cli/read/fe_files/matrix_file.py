@@ -1,0 +1,48 @@
+"""What a matrix file delivers, and the one exception of all file readers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+class FEFileFault(Exception):
+    """A file of a finite-element program cannot be used; the text names file, line, rule and remedy."""
+
+
+@dataclass(frozen=True)
+class MatrixFile:
+    """A square matrix as its file has it: k entries, counted from 0.
+
+    `one_triangle`: the entries off the diagonal stand for their mirror images too.  `equations`
+    (size, 2): node and direction (1 2 3) of every row; None: rows follow the node table, x y z of its
+    first node first.
+    """
+
+    size: int
+    rows: np.ndarray  # (k,) int64
+    columns: np.ndarray  # (k,) int64
+    values: np.ndarray  # (k,) float64
+    one_triangle: bool
+    equations: np.ndarray | None = None
+
+
+def labelled(entries: np.ndarray, values: np.ndarray, one_triangle: bool | None = None) -> MatrixFile:
+    """The matrix of entries given by node and direction, (k, 4) integers: row node, row direction, column ...
+
+    Rows are numbered by node and direction, ascending.  Whether one triangle is given is found out
+    from the entries when it is None.
+    """
+    pairs = entries.reshape(-1, 2)
+    equations, index = np.unique(pairs, axis=0, return_inverse=True)
+    rows, columns = index.reshape(-1, 2).T
+    if one_triangle is None:
+        one_triangle = not has_both_triangles(rows, columns, len(equations))
+    return MatrixFile(len(equations), rows, columns, values, one_triangle, equations)
+
+
+def has_both_triangles(rows, columns, size: int) -> bool:
+    """Whether any entry off the diagonal has its mirror image among the entries."""
+    off = rows != columns
+    forward = rows[off].astype(np.int64) * size + columns[off]
+    mirrored = columns[off].astype(np.int64) * size + rows[off]
+    return bool(np.isin(forward, mirrored, assume_unique=False).any())

@@ -1,0 +1,107 @@
+"""Nastran matrices as OP4 text (module OUTPUT4): dense, sparse and BIGMAT; rows follow the node table.
+
+Every line with a point holds values; a line of integers only heads a column, or a string of values in it.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from .file_text import line_fault, lines_of
+from .matrix_file import FEFileFault, MatrixFile
+from .nastran import chosen
+
+_REAL = (1, 2)
+# The first row of a string is packed with its length: row + 65536 (length + 1).
+_PACKED = 65536
+
+
+def read_op4(path: Path, letter: str) -> MatrixFile:
+    """The matrix at `path`; of several the one whose name begins with `letter` (M or K)."""
+    lines = lines_of(path)
+    at, found = 0, {}
+    while at < len(lines) and lines[at].strip():
+        name, matrix, at = _read_one(path.name, lines, at)
+        found[name] = matrix
+    if not found:
+        raise FEFileFault(f"{path.name} is empty")
+    return found[chosen(path, list(found), letter)]
+
+
+def _read_one(name, lines, at):
+    columns, label, width = _heading(name, lines, at)
+    parts = []
+    while True:
+        at += 1
+        column, row = _column(name, lines, at)
+        if column > columns:
+            # The column behind the last one closes the matrix with a value of no meaning.
+            return label, _matrix(columns, parts), at + 2
+        if row:
+            at = _read_string(name, lines, at, (row, column, width), parts)
+            continue
+        while at + 1 < len(lines) and len(lines[at + 1].split()) < 3 and "." not in lines[at + 1]:
+            at += 1
+            at = _read_string(name, lines, at, (_string_row(name, lines, at), column, width), parts)
+
+
+def _heading(name, lines, at):
+    """Columns, name, and width of a value."""
+    head = lines[at]
+    try:
+        columns, rows, _, kind = (int(head[8 * i : 8 * i + 8]) for i in range(4))
+        width = int(head[40:].upper().split("E")[-1].split(".")[0])
+    except ValueError:
+        message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
+        raise line_fault(name, at + 1, message) from None
+    if kind not in _REAL:
+        raise line_fault(name, at + 1, "the matrix is complex; real wanted")
+    if abs(rows) != columns:
+        message = f"the matrix must be square; it has {abs(rows)} rows, {columns} columns"
+        raise line_fault(name, at + 1, message)
+    return columns, head[32:40].strip().upper(), width
+
+
+def _column(name, lines, at):
+    """Number of a column and its first row, 0 when strings follow."""
+    try:
+        column, row, _ = map(int, lines[at].split())
+    except (ValueError, IndexError):
+        message = "column, first row and words wanted; was the file cut off?"
+        raise line_fault(name, at + 1, message) from None
+    return column, row
+
+
+def _string_row(name, lines, at):
+    try:
+        *length, row = map(int, lines[at].split())
+    except ValueError:
+        raise line_fault(name, at + 1, "the heading of a string of values wanted") from None
+    return row if length else row % _PACKED
+
+
+def _read_string(name, lines, at, layout, parts):
+    """Values of one string; the number of its last line."""
+    row, column, width = layout
+    values = []
+    while at + 1 < len(lines) and "." in lines[at + 1]:
+        at += 1
+        line = lines[at].rstrip()
+        for first in range(0, len(line), width):
+            cell = line[first : first + width]
+            try:
+                values.append(float(cell.replace("D", "E")))
+            except ValueError:
+                raise line_fault(name, at + 1, f"a value wanted; read '{cell.strip()}'") from None
+    parts.append((row - 1, column - 1, values))
+    return at
+
+
+def _matrix(size, parts):
+    rows = [np.arange(row, row + len(values)) for row, _, values in parts]
+    columns = [np.full(len(values), column) for _, column, values in parts]
+    if any(len(part) and part[-1] >= size for part in rows):
+        raise FEFileFault(f"an OP4 matrix of {size} rows has values beyond its last row")
+    values = np.array([value for _, _, part in parts for value in part])
+    where = [np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns)]
+    return MatrixFile(size, *where, values, False)
