@@ -49,6 +49,16 @@ def test_the_failure_names_the_worst_constraints_and_the_gap_that_remains():
 
 
 @pytest.mark.parametrize("step", [0.1, 2.0])
+def test_a_crank_asked_beyond_its_reach_and_back_between_two_rows_fails(step):
+    """φ = 0.3 + 2 t - t² passes the limit of 1.165 rad at 0.632 s and is back where it began at 2 s."""
+    linkage = FourBar(4.0, 2.0, 1.5, 2.2)
+    limit = np.arccos((16.0 + 4.0 - 3.7**2) / 16.0)
+    rows, failure = until_failure(linkage.mechanism((0.3, 2.0, -2.0), TimeGrid(0.0, 2.0, step)))
+    assert isinstance(failure, AnalysisError)
+    assert rows.time[-1] <= 1.0 - np.sqrt(1.0 - (limit - 0.3))
+
+
+@pytest.mark.parametrize("step", [0.1, 2.0])
 def test_a_slider_asked_beyond_its_reach_and_back_between_two_rows_fails(step):
     """x = 3.42 + 1.6 t - 0.8 t² exceeds crank + rod = 4 m at 0.476 s and is back where it began at 2 s."""
     linkage = SliderCrank(1.0, 3.0)
