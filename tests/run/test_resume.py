@@ -1,0 +1,221 @@
+"""Runs that are stopped, and go on to the same bytes."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+import flexmb_cli.run.dafms as dafms
+from flexmb_cli.errors import ModelError
+from flexmb_cli.run.checkpoint import Journal
+from flexmb_cli.run.outcome import Listener
+from flexmb_cli.solve import tree_dynamics
+from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, run, stop_after
+
+
+def same_bytes(one, other, name):
+    for ending in ENDINGS:
+        assert (one / f"{name}.{ending}").read_bytes() == (other / f"{name}.{ending}").read_bytes(), ending
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_run_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_one(tmp_path, monkeypatch, name):
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    run(name, whole)
+    monkeypatch.setattr(tree_dynamics, "LARGEST_BLOCK", 23)
+    first = run(name, stopped, stop_after(2))
+    assert (first.exit_code, first.rows, first.resumable) == (130, 46, True)
+    second = run(name, stopped, stop_after(3), resume=True)
+    # A torque that jumps ends a block early: 46 rows and 5 to the jump at 0.05 s, or 46 and 23.
+    assert (second.exit_code, second.rows) == (130, 51 if name.startswith("shaft") else 69)
+    last = run(name, stopped, resume=True)
+    assert (last.exit_code, last.status) == (0, "complete")
+    assert sorted(path.name for path in stopped.iterdir()) == sorted(f"{name}.{e}" for e in ENDINGS)
+    same_bytes(whole, stopped, name)
+
+
+def test_an_interrupted_run_is_marked_and_keeps_its_rows(tmp_path):
+    outcome = run("pendulum", tmp_path, stop_after(2))
+    assert outcome.status == "interrupted"
+    with h5py.File(tmp_path / "pendulum.h5") as file:
+        assert (file.attrs["status"], file.attrs["message"]) == ("failed", "interrupted")
+        assert file["coordinate/q"].shape == (512, 2)
+    assert len((tmp_path / "pendulum.T2").read_text().splitlines()) == 512
+    assert (tmp_path / "pendulum.resume").exists()
+
+
+def test_resuming_without_a_stopped_run_starts_at_the_beginning_and_says_so(tmp_path):
+    said = []
+    outcome = run("spatial_rigid", tmp_path, Listener(notice=said.append), resume=True)
+    assert (outcome.exit_code, outcome.rows) == (0, 201)
+    assert "nothing to resume; the run starts at its beginning" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "difference"),
+    [
+        ({"integration": {"rtol": 1e-8}}, "rtol was 1e-09, is 1e-08"),
+        ({"integration": {"atol": 1e-8}}, "atol was 1e-09, is 1e-08"),
+        ({"changes": ("time.IT=50",)}, '--set was [], is ["time.IT=50"]'),
+    ],
+)
+def test_a_run_with_other_options_is_not_resumed(tmp_path, options, difference):
+    run("pendulum", tmp_path, stop_after(1))
+    journal = (tmp_path / "pendulum.resume").read_bytes()
+    outcome = run("pendulum", tmp_path, resume=True, **options)
+    assert outcome.exit_code == 2
+    assert outcome.faults[-1].message == (
+        f"--resume: {tmp_path / 'pendulum.resume'} is of another run: {difference}; "
+        "run without --resume to start anew"
+    )
+    assert (tmp_path / "pendulum.resume").read_bytes() == journal
+
+
+def test_a_run_of_another_deck_or_version_is_not_resumed(tmp_path, monkeypatch):
+    deck = altered(tmp_path, "pendulum")
+    run(deck, tmp_path, stop_after(1))
+    altered(tmp_path, "pendulum", ("STOP", "STOP "))
+    outcome = run(deck, tmp_path, resume=True)
+    assert outcome.exit_code == 2
+    assert "text of the deck was " in outcome.faults[-1].message
+    altered(tmp_path, "pendulum")
+    monkeypatch.setattr(dafms, "__version__", "9.9.9")
+    outcome = run(deck, tmp_path, resume=True)
+    assert outcome.exit_code == 2
+    assert "is 9.9.9" in outcome.faults[-1].message
+
+
+def test_a_run_without_resume_starts_anew(tmp_path):
+    run("pendulum", tmp_path, stop_after(1))
+    outcome = run("pendulum", tmp_path, changes=("time.IT=50",))
+    assert (outcome.exit_code, outcome.rows) == (0, 51)
+    assert not (tmp_path / "pendulum.resume").exists()
+
+
+BLOCKS = [({"time": np.arange(3.0) + k}, {"row": np.array(3 * k)}) for k in range(4)]
+
+
+def kept(path):
+    """A journal of four blocks."""
+    journal = Journal(str(path), {"deck": "x"})
+    journal.begin([])
+    for values, checkpoint in BLOCKS:
+        journal.append(values, checkpoint)
+    journal.close()
+
+
+def rows_of(path):
+    journal = Journal(str(path), {"deck": "x"})
+    journal.find()
+    return [int(state["row"]) for _, state in journal.stored()]
+
+
+def test_a_journal_cut_anywhere_gives_its_whole_entries(tmp_path):
+    path = tmp_path / "x.resume"
+    kept(path)
+    content = path.read_bytes()
+    found = []
+    for length in range(0, len(content) + 1, 7):
+        path.write_bytes(content[:length])
+        found.append(len(rows_of(path)))
+    assert found == sorted(found)
+    assert {0, 1, 2, 3} <= set(found)
+    path.write_bytes(content)
+    assert rows_of(path) == [0, 3, 6, 9]
+
+
+def test_a_damaged_entry_ends_the_journal(tmp_path):
+    path = tmp_path / "x.resume"
+    kept(path)
+    content = bytearray(path.read_bytes())
+    content[-10] ^= 1
+    path.write_bytes(content)
+    assert rows_of(path) == [0, 3, 6]
+
+
+def test_a_journal_goes_on_behind_its_last_whole_entry(tmp_path):
+    path = tmp_path / "x.resume"
+    kept(path)
+    path.write_bytes(path.read_bytes()[:-10])
+    journal = Journal(str(path), {"deck": "x"})
+    journal.find()
+    journal.begin([])
+    journal.append(*BLOCKS[3])
+    journal.close()
+    assert rows_of(path) == [0, 3, 6, 9]
+
+
+def test_what_is_no_journal_is_refused(tmp_path):
+    path = tmp_path / "x.resume"
+    path.write_text("shopping list\n")
+    with pytest.raises(ModelError, match="is not the file of a stopped run"):
+        rows_of(path)
+
+
+def test_only_files_with_the_name_of_unfinished_results_are_removed(tmp_path):
+    path = tmp_path / "x.resume"
+    mine, leftover = tmp_path / "thesis.tex", tmp_path / ".flexmb-0123456789ab.tmp"
+    mine.touch(), leftover.touch()
+    journal = Journal(str(path), {"deck": "x"})
+    journal.begin([str(mine), str(leftover)])
+    journal.close()
+    rows_of(path)
+    assert mine.exists()
+    assert not leftover.exists()
+
+
+def command(folder, *more):
+    deck = str(DECKS / "pendulum.DAT")
+    return [sys.executable, "-m", "flexmb_cli", "run", deck, "-q", "-o", str(folder), *more]
+
+
+def kill_when_grown(arguments, journal, growth):
+    """Start a run and kill it when its journal has grown; False when it ended before."""
+    before = journal.stat().st_size if journal.exists() else 0
+    process = subprocess.Popen(arguments)
+    while process.poll() is None:
+        if journal.exists() and journal.stat().st_size > before + growth:
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            return True
+        time.sleep(0.002)
+    return False
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill is Unix's")
+def test_a_run_killed_ten_times_goes_on_to_the_same_bytes(tmp_path):
+    """Each kill comes after the journal has grown by a random amount, at whatever moment that is."""
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    longer = ("--set", "time.IT=60000")
+    subprocess.run(command(whole, *longer), check=True, timeout=300)
+    draw = random.Random(1992)
+    for _ in range(10):
+        growth = draw.randint(2_000, 1_200_000)
+        assert kill_when_grown(command(killed, "--resume", *longer), killed / "pendulum.resume", growth)
+    assert not (killed / "pendulum.h5").exists()
+    subprocess.run(command(killed, "--resume", *longer), check=True, timeout=300)
+    same_bytes(whole, killed, "pendulum")
+    assert sorted(os.listdir(killed)) == sorted(f"pendulum.{ending}" for ending in ENDINGS)
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
+    arguments = [part for part in command(tmp_path, "--set", "time.IT=1000000") if part != "-q"]
+    process = subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True)
+    journal = tmp_path / "pendulum.resume"
+    while process.poll() is None and not (journal.exists() and journal.stat().st_size > 300_000):
+        time.sleep(0.01)
+    process.send_signal(sent)
+    message = process.communicate(timeout=60)[1]
+    assert process.returncode == 128 + sent
+    assert message.splitlines()[-1].endswith("; --resume goes on with it")
+    with h5py.File(tmp_path / "pendulum.h5") as file:
+        assert (file.attrs["status"], file.attrs["message"]) == ("failed", "interrupted")
+        assert file["time"].shape[0] >= 256
+    assert journal.exists()
