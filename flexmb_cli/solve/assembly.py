@@ -3,19 +3,34 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
-from .diagnosis import Mobility, motion_text, nearest_position, worst_gaps
+from .diagnosis import CLOSED, Mobility, motion_text, nearest_position, worst_gaps
 from .position import Evaluator
 
 POLISHED = 1e-13
+TRIALS = 4
+NUDGE = 0.05  # of the length scale, and of Euler parameters
 NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
 
 
 def assemble_by_search(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
     """A position that meets the equations as well as can be, and its scaled residual.
 
-    Least squares from the estimates, then the shortest corrections, which also converge where
-    equations repeat each other.
+    Least squares from the estimates, then from estimates a little off: axes that are exactly
+    perpendicular where they should be parallel give no direction to turn.
     """
+    best = _search(evaluator, q, t, near)
+    for trial in range(1, 1 if evaluator.is_large else TRIALS):
+        if np.max(np.abs(best[1])) <= CLOSED:
+            break
+        shift = np.random.default_rng(trial).uniform(-NUDGE, NUDGE, q.size) * evaluator.arrays.column_scale
+        other = _search(evaluator, q + shift, t, near)
+        if np.max(np.abs(other[1])) < 0.5 * np.max(np.abs(best[1])):
+            best = other
+    return best
+
+
+def _search(evaluator, q, t, near):
+    """One search, polished by the shortest corrections, which also converge among redundant equations."""
     q, gap = nearest_position(evaluator, q, t, near)
     scale = evaluator.arrays.column_scale
     for _ in range(20):
