@@ -1,0 +1,118 @@
+"""Bodies kept on disk: found again, told apart, made anew when anything they depend on changes."""
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexmb_cli.fe import cache
+from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.model.flexible_body import FlexibleBody
+from tests.fe.trusses import files_input, truss, truss_input
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("FLEXMB_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path
+
+
+def kept():
+    return sorted(cache.cache_folder().iterdir())
+
+
+def test_a_body_comes_back_bit_for_bit(folder):
+    given = truss_input(folder, 1, reference=(11, 13, 16), modes=4, damping=(0.1, 0.2, 0.3))
+    made, _ = flexible_body(given)
+    found, _ = flexible_body(given)
+    assert len(kept()) == 1
+    for item in fields(FlexibleBody):
+        before, after = getattr(made, item.name), getattr(found, item.name)
+        if isinstance(before, np.ndarray):
+            assert before.tobytes() == after.tobytes()
+        else:
+            assert repr(before) == repr(after)
+
+
+def test_a_kept_body_is_not_computed_again(folder, monkeypatch):
+    given = truss_input(folder, 1, modes=2)
+    flexible_body(given)
+    monkeypatch.setattr("flexmb_cli.fe.flexible_bodies._built", None)
+    assert flexible_body(given)[0].modes == 2
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"modes": 3},
+        {"reference": (12, 13, 16)},
+        {"clamped": (11, 13, 16)},
+        {"attachment": (15,)},
+        {"damping": (0.0, 0.0, 0.01)},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_another_setting_makes_another_body(folder, change):
+    given = truss_input(folder, 1, reference=(11, 13, 16), modes=4)
+    flexible_body(given)
+    flexible_body(replace(given, **change))
+    assert len(kept()) == 2
+
+
+def test_a_changed_file_of_the_same_name_makes_another_body(folder):
+    first, _ = flexible_body(truss_input(folder, 1, modes=2))
+    r, _, M, K = truss(1)
+    second, _ = flexible_body(files_input(folder, r, M, 4 * K, modes=2))
+    assert second.frequencies == pytest.approx(2 * first.frequencies)
+    assert len(kept()) == 2
+
+
+def test_moved_nodes_make_another_body(folder):
+    given = truss_input(folder, 1, modes=2)
+    assert cache.key_of(given) != cache.key_of(replace(given, positions=given.positions + 1.0))
+
+
+def test_the_place_of_the_files_does_not_matter(folder):
+    given = truss_input(folder, 1, modes=2)
+    (folder / "elsewhere").mkdir()
+    moved = truss_input(folder / "elsewhere", 1, modes=2)
+    assert cache.key_of(given) == cache.key_of(moved)
+
+
+@pytest.mark.parametrize(
+    "spoil", [b"", b"not a zip file", b"PK\x03\x04 cut off"], ids=["empty", "text", "cut"]
+)
+def test_a_spoilt_file_is_made_anew(folder, spoil):
+    given = truss_input(folder, 1, modes=2)
+    made, _ = flexible_body(given)
+    kept()[0].write_bytes(spoil)
+    found, _ = flexible_body(given)
+    assert found.frequencies == pytest.approx(made.frequencies)
+    assert cache.load(given) is not None
+
+
+def test_doubts_are_told_again_from_the_cache(folder):
+    """A mass that differs by 1e-5 between the directions is doubtful, not wrong."""
+    r, _, M, K = truss(1)
+    M[0, 0] *= 1 + 1e-5
+    given = files_input(folder, r, M, K, modes=2)
+    _, first = flexible_body(given)
+    _, second = flexible_body(given)
+    assert len(first) == 1
+    assert first == second
+
+
+def test_a_folder_that_cannot_be_made_costs_only_time(folder, monkeypatch):
+    (folder / "file").write_text("")
+    monkeypatch.setenv("FLEXMB_CACHE_DIR", str(folder / "file"))
+    for name in ("XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    assert cache.cache_folder() is None
+    assert flexible_body(truss_input(folder, 1, modes=2))[0].modes == 2
+
+
+def test_nothing_but_whole_files_is_left_behind(folder):
+    flexible_body(truss_input(folder, 1, modes=2))
+    assert [path.suffix for path in kept()] == [".npz"]
+    assert Path(kept()[0]).stat().st_size > 1000
