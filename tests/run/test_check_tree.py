@@ -92,10 +92,11 @@ def test_a_jacobian_of_a_tree_is_refused():
     assert "a tree has relative coordinates" in report.outcome.faults[-1].message
 
 
-def test_an_integrator_that_is_not_offered_fails_the_check_as_it_fails_the_run(tmp_path):
-    deck = altered(tmp_path, "pendulum", ("END ", "METH\n    2\nEND "))
-    assert check(deck).outcome.exit_code == 2
-    assert check(deck, integration={"method": "dop853"}).outcome.exit_code == 0
+def test_what_the_run_refuses_the_check_refuses_too(tmp_path):
+    card = "NROT\n    1\n    1    2\n" + "         1.0          .0\n" + 2 * "          .0          .0\n"
+    report = check(altered(tmp_path, "two_link_n2", ("END ", f"{card}END ")))
+    assert report.outcome.exit_code == 2
+    assert "(card NROT)" in report.outcome.faults[-1].message
 
 
 def test_strict_makes_a_warning_of_the_model_an_error(tmp_path):

@@ -40,6 +40,16 @@ def test_a_run_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_one
     same_bytes(whole, stopped, name)
 
 
+@pytest.mark.parametrize("method", ["radau", "lsoda"])
+def test_other_integrators_resume_to_the_same_bytes(tmp_path, method):
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    settings = {"integration": {"method": method, "rtol": 1e-6, "atol": 1e-6}}
+    run("shaft_beam_n2", whole, **settings)
+    assert run("shaft_beam_n2", stopped, stop_after(40), **settings).exit_code == 130
+    assert run("shaft_beam_n2", stopped, resume=True, **settings).exit_code == 0
+    same_bytes(whole, stopped, "shaft_beam_n2")
+
+
 def test_an_interrupted_run_is_marked_and_keeps_its_rows(tmp_path):
     outcome = run("pendulum", tmp_path, stop_after(2))
     assert outcome.status == "interrupted"
