@@ -1,0 +1,100 @@
+"""Speeds of rigid bodies in place of coordinate rates: v of the origin, global axes, ω in body axes.
+
+Young (1996), chapter 3: ω = 2 L ṗ in body axes as 2 G ṗ (3.35) in global ones, so ṗ = ½ Lᵀ ω, and
+p̈ = ½ Lᵀ ω̇ - ¼ ω² p for |p| = 1.  A constraint row Φ_r, Φ_p on coordinate rates is Φ_r, ½ Φ_p Lᵀ on speeds.
+"""
+
+from ._jit import kernel
+
+
+@kernel
+def parameter_rates(p, at, w, out, to):
+    """out[to:to+4] = ½ Lᵀ w for the Euler parameters p[at:at+4] and w = (w0, w1, w2), body axes."""
+    e0, e1, e2, e3 = p[at], p[at + 1], p[at + 2], p[at + 3]
+    out[to] = -0.5 * (e1 * w[0] + e2 * w[1] + e3 * w[2])
+    out[to + 1] = 0.5 * (e0 * w[0] - e3 * w[1] + e2 * w[2])
+    out[to + 2] = 0.5 * (e3 * w[0] + e0 * w[1] - e1 * w[2])
+    out[to + 3] = 0.5 * (-e2 * w[0] + e1 * w[1] + e0 * w[2])
+
+
+@kernel
+def coordinate_rates(q, u, qd):
+    """Fill qd (7 bodies,) from coordinates q and speeds u (6 bodies,)."""
+    for body in range(q.shape[0] // 7):
+        k, s = 7 * body, 6 * body
+        for i in range(3):
+            qd[k + i] = u[s + i]
+        parameter_rates(q, k + 3, (u[s + 3], u[s + 4], u[s + 5]), qd, k + 3)
+
+
+@kernel
+def coordinate_accelerations(q, u, ud, qdd):
+    """Fill qdd (7 bodies,) from coordinates, speeds and their rates ud."""
+    for body in range(q.shape[0] // 7):
+        k, s = 7 * body, 6 * body
+        for i in range(3):
+            qdd[k + i] = ud[s + i]
+        parameter_rates(q, k + 3, (ud[s + 3], ud[s + 4], ud[s + 5]), qdd, k + 3)
+        square = u[s + 3] ** 2 + u[s + 4] ** 2 + u[s + 5] ** 2
+        for i in range(3, 7):
+            qdd[k + i] -= 0.25 * square * q[k + i]
+
+
+@kernel
+def speed_jacobian(bodies, q, phi_q, jacobian):
+    """Fill jacobian (m, 6 bodies) with the rows phi_q (m, 14) turned from coordinates to speeds.
+
+    bodies (m, 2): bodies of the two halves of each row.
+    """
+    for row in range(phi_q.shape[0]):
+        for k in range(jacobian.shape[1]):
+            jacobian[row, k] = 0.0
+        for half in range(2):
+            at, k = 7 * half, 7 * bodies[row, half] + 3
+            s = 6 * bodies[row, half]
+            for i in range(3):
+                jacobian[row, s + i] += phi_q[row, at + i]
+            a0, a1, a2, a3 = (phi_q[row, at + 3], phi_q[row, at + 4], phi_q[row, at + 5], phi_q[row, at + 6])
+            e0, e1, e2, e3 = q[k], q[k + 1], q[k + 2], q[k + 3]
+            jacobian[row, s + 3] += 0.5 * (-e1 * a0 + e0 * a1 + e3 * a2 - e2 * a3)
+            jacobian[row, s + 4] += 0.5 * (-e2 * a0 - e3 * a1 + e0 * a2 + e1 * a3)
+            jacobian[row, s + 5] += 0.5 * (-e3 * a0 + e2 * a1 - e1 * a2 + e0 * a3)
+
+
+@kernel
+def add_turning(bodies, q, u, phi_q, gamma):
+    """Add ¼ ω² Φ_p p to gamma (m,): what ½ Lᵀ ω̇ leaves of p̈."""
+    for row in range(phi_q.shape[0]):
+        for half in range(2):
+            at, body = 7 * half, bodies[row, half]
+            k, s = 7 * body + 3, 6 * body + 3
+            along = 0.0
+            for i in range(4):
+                along += phi_q[row, at + 3 + i] * q[k + i]
+            gamma[row] += 0.25 * (u[s] ** 2 + u[s + 1] ** 2 + u[s + 2] ** 2) * along
+
+
+@kernel
+def move(q, step):
+    """Move q by small displacements and turns `step` (6 bodies,), and give every p length 1."""
+    for body in range(q.shape[0] // 7):
+        k, s = 7 * body, 6 * body
+        for i in range(3):
+            q[k + i] += step[s + i]
+        w = (0.5 * step[s + 3], 0.5 * step[s + 4], 0.5 * step[s + 5])
+        e0, e1, e2, e3 = q[k + 3], q[k + 4], q[k + 5], q[k + 6]
+        q[k + 3] -= e1 * w[0] + e2 * w[1] + e3 * w[2]
+        q[k + 4] += e0 * w[0] - e3 * w[1] + e2 * w[2]
+        q[k + 5] += e3 * w[0] + e0 * w[1] - e1 * w[2]
+        q[k + 6] += -e2 * w[0] + e1 * w[1] + e0 * w[2]
+    normalise(q)
+
+
+@kernel
+def normalise(q):
+    """Give the Euler parameters of every body length 1."""
+    for body in range(q.shape[0] // 7):
+        k = 7 * body + 3
+        length = (q[k] ** 2 + q[k + 1] ** 2 + q[k + 2] ** 2 + q[k + 3] ** 2) ** 0.5
+        for i in range(4):
+            q[k + i] /= length

@@ -1,0 +1,110 @@
+"""What moves a mechanism besides its drivers: masses, forces, torques, springs, gravity, first velocities.
+
+SI units.  Bodies are numbered from 0, as in `mechanism`; points and vectors are in the axes of their
+body unless the text says global.  Every item keeps its readable name and its place in the deck.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..errors import Place
+from .mechanism import Mechanism, Vector
+
+INVERSE, FORWARD = "inverse", "forward"
+NOWHERE: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass (kg), centre of mass (m, body axes) and inertia about it (kg m², body axes) of a body.
+
+    `inertia`: the elements xx, yy, zz, xy, yz, zx of the tensor; xy is -∫ x y dm.
+    """
+
+    name: str
+    body: int
+    mass: float
+    centre: Vector = NOWHERE
+    inertia: tuple[float, float, float, float, float, float] = (0.0,) * 6
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A factor given at rising `times` (s), between them by a smooth cubic, before and after constant."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class AppliedForce:
+    """A force (N) on a `point` of a body, in global axes or, `following`, in the body's."""
+
+    name: str
+    body: int
+    force: Vector
+    point: Vector = NOWHERE
+    following: bool = False
+    table: Table | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class AppliedTorque:
+    """A torque (N m) on a body, in global axes or, `following`, in the body's."""
+
+    name: str
+    body: int
+    torque: Vector
+    following: bool = False
+    table: Table | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class SpringDamper:
+    """A spring and damper in line between point `P_i` of body i and `P_j` of body j.
+
+    It pulls with stiffness (N/m) times (length - free_length) plus damping (N s/m) times the rate.
+    """
+
+    name: str
+    i: int
+    j: int
+    P_i: Vector
+    P_j: Vector
+    stiffness: float = 0.0
+    free_length: float = 0.0
+    damping: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class InitialVelocity:
+    """Velocity (m/s) of a body's origin and angular velocity (rad/s) at the start, global axes."""
+
+    name: str
+    body: int
+    velocity: Vector
+    angular: Vector
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class DynamicModel:
+    """A mechanism with masses and loads.
+
+    `analysis`: "inverse" finds the reactions and efforts of the motion that the drivers prescribe,
+    "forward" the motion under the loads.  Bodies without `masses` are massless.
+    """
+
+    mechanism: Mechanism
+    analysis: Literal["inverse", "forward"] = FORWARD
+    masses: tuple[MassProperties, ...] = ()
+    forces: tuple[AppliedForce, ...] = ()
+    torques: tuple[AppliedTorque, ...] = ()
+    springs: tuple[SpringDamper, ...] = ()
+    gravity: Vector = NOWHERE
+    velocities: tuple[InitialVelocity, ...] = ()
+    tolerance: float = 1e-9

@@ -1,0 +1,114 @@
+"""Forward dynamics of a mechanism: report rows of its motion under loads and drivers, block by block."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..errors import AnalysisError, Fault
+from ..kernels import constrained_march
+from ..kernels.constrained_march import NEAR, NEW, OLD
+from ..kernels.constrained_system import NO_INERTIA, SINGULAR
+from ..model.dynamic_arrays import dynamic_arrays
+from ..model.dynamics import DynamicModel
+from .assembly import redundancy_warning
+from .constrained_start import assembled, inertia_failure, order_of_elimination, start_speeds
+from .constrained_system import AnyCountEvaluator, blank_report, constrained_system, new_work
+from .diagnosis import Gap
+from .dynamic_rows import DynamicRows, dynamic_rows
+
+CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
+LARGEST_BLOCK = 256  # rows
+
+
+class ForwardDynamics:
+    """One run over the report times of a dynamic model.
+
+    `warnings` fills while the run goes on.
+    """
+
+    def __init__(self, model: DynamicModel):
+        self.model = model
+        self.mechanism = model.mechanism
+        self.arrays = dynamic_arrays(model)
+        self.system = constrained_system(self.arrays)
+        self.work = new_work(self.arrays)
+        self.warnings: list[Fault] = []
+        bodies = len(self.mechanism.bodies)
+        self.march = constrained_march.new_march(bodies, self.arrays.kinematic.screw_angles.size)
+        self.march.units[: 7 * bodies] = self.arrays.kinematic.column_scale
+        self.march.units[7 * bodies : 13 * bodies] = self.arrays.speed_scale
+        self.clock = self.march.clock
+        self.clock["rtol"] = self.clock["atol"] = model.tolerance
+
+    @property
+    def evaluator(self) -> AnyCountEvaluator:
+        """Residuals and Jacobians in coordinates."""
+        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
+
+    def rows(self) -> Iterator[DynamicRows]:
+        """Yield the report rows in blocks.
+
+        Raises ModelError when the drivers contradict the joints, AnalysisError when the mechanism
+        cannot be assembled, reaches a singular position or has a motion without inertia; all rows
+        before have been yielded.
+        """
+        self._start()
+        grid, row = self.mechanism.time, 0
+        while row < grid.rows:
+            end = min(row + LARGEST_BLOCK, grid.rows)
+            report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
+            answer, filled = constrained_march.march_rows(
+                self.system, self.work, self.march, report, CALL_EVALUATIONS
+            )
+            if filled:
+                yield dynamic_rows(self.mechanism, report._replace(**_first(report, filled)))
+            row += filled
+            if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
+                raise self._failure(answer)
+
+    def _start(self):
+        """Assemble positions and speeds at the first time and choose the first step."""
+        grid, march = self.mechanism.time, self.march
+        bodies = len(self.mechanism.bodies)
+        q = assembled(self, grid.start)
+        march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
+        found = order_of_elimination(self, q, grid.start)
+        if found.redundant:
+            self.warnings.append(redundancy_warning(found))
+        march.z[: 7 * bodies] = q
+        march.z[7 * bodies : 13 * bodies] = start_speeds(self, q, grid.start)
+        self.clock["t"] = grid.start
+        self.clock["stop"] = grid.time(grid.rows - 1)
+        code = constrained_march.begin(self.system, self.work, march)
+        if code == NO_INERTIA:
+            raise inertia_failure(self, grid.start)
+        if code == SINGULAR:
+            raise self._failure(constrained_march.STEP_VANISHED)
+
+    def screw_angles(self, q):
+        """Angles of the screws at q, those nearest to the deck's estimates."""
+        return constrained_march.screw_angles(self.system, self.work, q, self.arrays.kinematic.screw_angles)
+
+    def _failure(self, answer) -> AnalysisError:
+        clock = self.clock[0]
+        t, step = float(clock["t"]), float(clock["step"])
+        norms = {"reached": t, "step": step}
+        if answer == constrained_march.CONTRADICTION:
+            worst = self.arrays.kinematic.equations[int(clock["worst"])]
+            gap = Gap(worst, float(self.work.rows[0, int(clock["worst"])]))
+            message = (
+                f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; a driver or "
+                "a joint asks for a motion that the others forbid"
+            )
+            return AnalysisError(Fault("error", message, worst.place), t, norms)
+        if clock["fault"] == NO_INERTIA:
+            return inertia_failure(self, t)
+        message = (
+            f"at t = {t:.6g} s the step length falls to {step:.1e} s: the mechanism reaches a singular "
+            "position (a dead centre or branching), or its forces grow beyond all bounds"
+        )
+        return AnalysisError(Fault("error", message), t, norms)
+
+
+def _first(report, filled):
+    return {name: array[:filled] for name, array in report._asdict().items()}

@@ -1,0 +1,151 @@
+"""The start of a forward run: an assembled position, independent equations, speeds that fit the joints."""
+
+import numpy as np
+
+from ..errors import AnalysisError, Fault, ModelError
+from ..kernels import constraints as equations
+from ..kernels.constrained_solve import choose_order, evaluate_jacobian
+from ..kernels.constrained_system import GAMMA, NO_INERTIA
+from ..kernels.constraint_projection import project_position
+from ..kernels.speeds import normalise
+from .assembly import assemble_by_search, assembly_failure
+from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
+from .dynamic_rows import body_axes, global_axes
+
+SINGULAR_VALUE = 1e-9  # of the largest
+FITS = 1e-6  # of the largest speed: what initial velocities may be changed without a warning
+
+
+def assembled(analysis, t: float) -> np.ndarray:
+    """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
+    arrays = analysis.arrays.kinematic
+    q, near = arrays.q.copy(), arrays.screw_angles
+    evaluator = analysis.evaluator
+    if len(arrays.equations):
+        q, gap = assemble_by_search(evaluator, q, t, near)
+        normalise(q)
+        gap = evaluator.residual(q, t, near)
+        if np.max(np.abs(gap)) > CLOSED:
+            q, gap = assemble_by_search(evaluator, q, t, near)
+            normalise(q)
+            gap = evaluator.residual(q, t, near)
+        if np.max(np.abs(gap)) > CLOSED:
+            raise assembly_failure(evaluator, gap, t)
+    normalise(q)
+    return q
+
+
+def order_of_elimination(analysis, q, t: float) -> Mobility:
+    """Choose the independent equations at q, and tell which repeat others.
+
+    Improves q to round-off on the way.
+    """
+    system, work, arrays = analysis.system, analysis.work, analysis.arrays
+    evaluate_jacobian(system, work, q)
+    left, values, right = np.linalg.svd(work.jacobian)
+    rank = int(np.sum(values > SINGULAR_VALUE * values[0])) if values.size else 0
+    found = choose_order(work, rank)
+    if project_position(system, work, q, t, analysis.march.turns[2]) == NO_INERTIA:
+        raise inertia_failure(analysis, t)
+    names = arrays.kinematic.equations
+    dependencies, _ = sparse_basis(left[:, rank:].T)
+    groups = [tuple(names[k] for k in involved(row)) for row in dependencies]
+    return Mobility(
+        equations=len(names),
+        coordinates=arrays.speeds,
+        rank=found,
+        smallest=float(values[-1] / values[0]) if values.size else 1.0,
+        redundant=tuple(group for group in groups if not _of_one_attitude(group)),
+        free=(),
+        motions=right[rank:],
+        pivots=(),
+    )
+
+
+def _of_one_attitude(group):
+    """Whether a dependency is that of the four Euler parameters of one body, which is no redundancy."""
+    parts = {equation.part for equation in group}
+    return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
+
+
+def start_speeds(analysis, q, t: float) -> np.ndarray:
+    """Speeds (6 bodies,) that fit the constraints: those given as nearly as can be, the others smallest.
+
+    Raises ModelError when the drivers ask for speeds that the joints forbid.
+    """
+    system, work, scale = analysis.system, analysis.work, analysis.arrays.speed_scale
+    evaluate_jacobian(system, work, q)
+    J = work.jacobian.copy()
+    nu = work.rows[GAMMA]
+    equations.velocity(system.constraints, t, nu)
+    nu = nu / analysis.arrays.row_scale
+    particular = np.linalg.lstsq(J, nu, rcond=SINGULAR_VALUE)[0] if len(nu) else np.zeros(scale.size)
+    _refuse_contradiction(analysis, J @ particular - nu, t)
+    given, wanted = _given_speeds(analysis, q)
+    motions = np.linalg.svd(J)[2][work.rank[0] :].T
+    rest = (wanted / scale - particular)[given]
+    free = np.linalg.lstsq(motions[given], rest, rcond=1e-12)[0]
+    u = (particular + motions @ free) * scale
+    _doubt_change(analysis, u, wanted, given)
+    return u
+
+
+def _given_speeds(analysis, q):
+    """Which speeds the deck gives (6 bodies,), and their values."""
+    bodies = len(analysis.mechanism.bodies)
+    given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
+    p = q.reshape(bodies, 7)[:, 3:]
+    for item in analysis.model.velocities:
+        given[item.body] = True
+        wanted[item.body, :3] = item.velocity
+        wanted[item.body, 3:] = body_axes(p[item.body], np.array(item.angular))
+    return given.ravel(), wanted.ravel()
+
+
+def _refuse_contradiction(analysis, rest, t):
+    if rest.size and np.max(np.abs(rest)) > CLOSED:
+        worst = analysis.arrays.kinematic.equations[int(np.argmax(np.abs(rest)))]
+        message = (
+            f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
+            "remove a driver or free a joint"
+        )
+        raise ModelError([Fault("error", message, worst.place)])
+
+
+def _doubt_change(analysis, u, wanted, given):
+    scale = analysis.arrays.speed_scale
+    change = np.abs(u - wanted) / scale * given
+    largest = max(np.max(np.abs(u) / scale, initial=0.0), np.max(np.abs(wanted) / scale, initial=0.0))
+    for item in analysis.model.velocities:
+        own = slice(6 * item.body, 6 * item.body + 6)
+        if np.max(change[own]) > FITS * max(largest, FITS):
+            message = f"does not fit the joints and is changed to {_shown(analysis, u[own], item)}"
+            analysis.warnings.append(Fault("warning", message, item.place, item.name))
+
+
+def _shown(analysis, u, item):
+    p = analysis.march.z[7 * item.body + 3 : 7 * item.body + 7]
+    angular = global_axes(p, u[3:])
+    return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
+        *(u[:3] + 0.0), *(angular + 0.0)
+    )
+
+
+def inertia_failure(analysis, t: float) -> AnalysisError:
+    """Some motion that the constraints leave free has no mass or inertia to resist it."""
+    work, scale = analysis.work, analysis.arrays.speed_scale
+    free = work.jacobian.shape[1] - int(work.rank[0])
+    Z = work.motions[:, :free] * scale[:, None]
+    bodies = len(scale) // 6
+    blocks = [work.mass[b] @ Z[6 * b : 6 * b + 6] for b in range(bodies)]
+    values, vectors = np.linalg.eigh(Z.T @ np.concatenate(blocks))
+    motion = (Z @ vectors[:, 0]).reshape(bodies, 6)
+    size = np.max(np.abs(motion), axis=1)
+    names = [
+        analysis.arrays.kinematic.body_names[b] for b in np.argsort(-size) if size[b] > NAMED * size.max()
+    ]
+    message = (
+        f"at t = {t:.6g} s {', '.join(names[:3])} can move without any mass or inertia resisting "
+        f"(smallest inertia {values[0]:.3g}); give masses and inertias to what can move"
+    )
+    return AnalysisError(Fault("error", message), t)
