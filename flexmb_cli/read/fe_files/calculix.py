@@ -18,10 +18,10 @@ _FREEDOM = re.compile(r"\s*(\d+)\.(\d)\s*")
 def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
     """The matrix at `path` whose rows are `equations` (size, 2), node and direction."""
     lines, numbers = filled(lines_of(path))
+    if not lines:
+        raise FEFileFault(f"{path.name} is empty")
     entries = table(path.name, lines, numbers, 3, "row, column and value")
     where = whole(path.name, entries[:, :2], numbers, "row and column")
-    if not len(where):
-        raise FEFileFault(f"{path.name} is empty")
     check_range(path.name, where, numbers, len(equations))
     if where.max() < len(equations):
         raise FEFileFault(
