@@ -11,6 +11,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -95,7 +96,8 @@ class Journal:
         """The run is over and leaves nothing to resume; a journal that was not begun stays."""
         if self._file:
             self._file.close()
-            os.unlink(self.path)
+            with suppress(FileNotFoundError):
+                os.unlink(self.path)
 
     def _opened(self):
         try:
@@ -104,20 +106,25 @@ class Journal:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}") from error
 
     def _open(self):
+        # Unbuffered: what a full disk refused must not be tried again when the file is closed.
         if self._end:
-            self._file = open(self.path, "r+b")  # noqa: SIM115
+            self._file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
             self._file.truncate(self._end)
             self._file.seek(self._end)
         else:
-            self._file = open(self.path, "wb")  # noqa: SIM115
-            self._file.write(json.dumps(self.identity).encode() + b"\n")
+            self._file = open(self.path, "wb", buffering=0)  # noqa: SIM115
+            self._put(json.dumps(self.identity).encode() + b"\n")
 
     def _write(self, arrays):
         stream = io.BytesIO()
         np.savez(stream, **arrays)
         entry = stream.getvalue()
-        self._file.write(_HEAD.pack(len(entry), zlib.crc32(entry)) + entry)
-        self._file.flush()
+        self._put(_HEAD.pack(len(entry), zlib.crc32(entry)) + entry)
+
+    def _put(self, data):
+        view = memoryview(data)
+        while view:
+            view = view[self._file.write(view) :]
 
     def _check_identity(self, head):
         try:

@@ -214,6 +214,23 @@ def test_a_run_killed_ten_times_goes_on_to_the_same_bytes(tmp_path):
     assert sorted(os.listdir(killed)) == sorted(f"pendulum.{ending}" for ending in ENDINGS)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of the file size are Unix's")
+def test_a_disk_that_fills_up_ends_the_run_which_goes_on_when_there_is_room(tmp_path):
+    """The limit of the file size stands for the full disk; the journal or a result meets it first."""
+    whole, full = tmp_path / "whole", tmp_path / "full"
+    run("pendulum", whole)
+    limited = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000)); "
+    code = f"{limited}from flexmb_cli.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, *command(full)[3:]], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 1
+    assert "no space left for the result" in done.stderr
+    assert os.listdir(full) == ["pendulum.resume"]
+    assert run("pendulum", full, resume=True).exit_code == 0
+    same_bytes(whole, full, "pendulum")
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
     arguments = [part for part in command(tmp_path, "--set", "time.IT=1000000") if part != "-q"]
