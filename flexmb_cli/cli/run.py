@@ -74,8 +74,10 @@ def _outcomes(decks, options, jobs, quiet, echo):
     for deck in decks:
         if echo:
             _print_echo(deck, options)
+        # The bar ends its line before anything is said of the outcome.
         with _Progress(quiet) as progress:
-            yield run_deck(deck, options, progress.listener, sys.stdout)
+            outcome = run_deck(deck, options, progress.listener, sys.stdout)
+        yield outcome
 
 
 def _outcomes_in_parallel(decks, options, jobs):
