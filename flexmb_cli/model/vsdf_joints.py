@@ -104,7 +104,10 @@ def _side(record, letter, count, bodies, ground, findings):
             message = f"{record['kind']} needs {count} nodes on {letter}; {node.key} is missing"
             findings.error(record.subject, message, node.place)
         else:
-            ends.append(find_end(bodies, ground, body, node, record.subject, findings))
+            end = find_end(bodies, ground, body, node, record.subject, findings)
+            if not 0 <= body.value <= len(bodies):
+                return ()
+            ends.append(end)
     return tuple(end for end in ends if end is not None)
 
 

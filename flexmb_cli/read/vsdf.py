@@ -34,6 +34,7 @@ class _Reader:
         self.records: list[Record] = []
         self.seen: dict[tuple[str, int], int] = {}
         self.counts: dict[str, int] = {}
+        self.begun = self.unknown = False
 
     def read(self) -> None:
         """Title, keyword blocks, END, STAR and STOP."""
@@ -47,7 +48,7 @@ class _Reader:
                     break
             elif card is not None:
                 self._read_record(card, line)
-            elif card is None and not ended and not self._unknown:
+            elif not ended and not self.unknown:
                 self._error("", "a data card stands before any keyword", Place(self.at, 1))
         self._check_end(ended)
 
@@ -59,8 +60,6 @@ class _Reader:
             if line and not line.startswith(_COMMENT):
                 return line
         return None
-
-    _unknown = False
 
     def _read_title(self):
         line = self._next() or ""
@@ -74,12 +73,12 @@ class _Reader:
     def _open(self, word: str, line: str, ended: dict) -> Card | None:
         """The card that `word` names; None for END, STAR, STOP and for words that no card has."""
         place = Place(self.at, 1, max(1, len(line[:4].rstrip())))
-        self._unknown = False
+        self.unknown = False
         if word in FINAL:
             ended.setdefault(word, place)
             return None
         if word not in BY_WORD:
-            self._unknown = True
+            self.unknown = True
             near = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
             hint = f"; is '{near[0]}' meant?" if near else ""
             self._error("", f"there is no card '{line[:4].rstrip()}'{hint}", place)
@@ -87,9 +86,9 @@ class _Reader:
         if END in ended:
             self._error("", f"card '{word}' stands behind END, where nothing is read", place)
             return None
-        if word != "BODY" and not self.counts.get("body"):
+        if word != "BODY" and not self.begun:
             self._error("", f"card '{word}' stands before BODY, which must come first", place)
-            self.counts["body"] = 1
+        self.begun = True
         return BY_WORD[word]
 
     def _check_end(self, ended):
