@@ -13,6 +13,7 @@ from .tree_closures import add_closure_forces, closing_forces, forget_closing_fo
 from .tree_inertia import own_inertia
 from .tree_kinematics import lump_place, place_frames
 from .tree_loads import add_body_torques, coordinate_efforts
+from .tree_riders import absorb_riders, release_riders
 from .tree_work import H_, J_, M_
 from .triples import (
     accumulate,
@@ -76,19 +77,25 @@ def solve_tree(tree, work, coordinates, t, q, y, attitudes):
     Expects the efforts along the coordinates; returns as `accelerations`.
     """
     frames = tree.frames
-    place_frames(frames, work, coordinates, q, y, attitudes)
+    place_frames(tree, work, coordinates, q, y, attitudes)
     for k in range(1, frames.shape[0]):
         own_inertia(frames[k], work[k], tree.lumps, tree.gravity, coordinates, q, y)
     add_body_torques(tree, t, work)
     add_closure_forces(tree.closures, work)
     for k in range(frames.shape[0] - 1, 0, -1):
+        if frames[k]["ridden"] >= 0:
+            absorb_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work, coordinates, q)
         fault = _eliminate_hinge(frames[k], work[k], coordinates, tree.inertia_scale)
         if fault != SOLVED:
             return fault
-        if frames[k]["parent"] > 0:
+        if frames[k]["parent"] > 0 and frames[k]["rider"] < 0:
             _hand_over(work[k], work[frames[k]["parent"]])
     for k in range(1, frames.shape[0]):
+        if frames[k]["rider"] >= 0:
+            continue
         _accelerate_frame(frames[k], work[frames[k]["parent"]], work[k], coordinates)
+        if frames[k]["ridden"] >= 0:
+            release_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work, coordinates)
         if frames[k]["lumps"] > 0:
             _accelerate_lumps(frames[k], work[k], tree.lumps, q, coordinates)
     return SOLVED

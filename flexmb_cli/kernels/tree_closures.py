@@ -128,7 +128,7 @@ def _set_response_matrix(tree, work, coordinates):
         closures[j]["force"] = 1.0
         push_rows(closures, work)
         closures[j]["force"] = 0.0
-        respond(tree.frames, work, coordinates)
+        respond(tree, work, coordinates)
         for i in range(closures.shape[0]):
             row = closures[i]
             a, b = work[row["frame_a"]], work[row["frame_b"]]

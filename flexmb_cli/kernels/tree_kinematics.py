@@ -15,14 +15,50 @@ from .triples import centripetal, column, cross, dot, outward, plus, scaled, sto
 
 
 @kernel
-def place_frames(frames, work, coordinates, q, y, attitudes):
+def place_frames(tree, work, coordinates, q, y, attitudes):
     """Fill the kinematic part of `work` from coordinates, speeds and Euler parameters (balls, 4)."""
-    for k in range(1, frames.shape[0]):
-        frame = frames[k]
+    for k in range(1, tree.frames.shape[0]):
+        frame = tree.frames[k]
         parent = work[frame["parent"]]
+        if frame["rider"] >= 0:
+            _place_rider(
+                frame, tree.riders.records[frame["rider"]], tree.riders.slopes, parent, work[k], q, y
+            )
+            continue
         _set_hinge_axes(frame, parent, work[k])
         _turn_frame(frame, parent, work[k], coordinates, q, y, attitudes)
         _move_frame(frame, parent, work[k], coordinates, q, y)
+
+
+@kernel
+def _place_rider(frame, rider, slopes, parent, s, q, y):
+    """A rider moves with its node and is turned by three successive rotations C w."""
+    _copy_axes(parent["axes"], s["axes"])
+    w = triple(parent["angular"], 0)
+    rest = (0.0, 0.0, 0.0)
+    for i in range(3):
+        axis = column(s["axes"], i)
+        store(axis, s["hinge_axes"], 3 * i)
+        start = rider["slope"] + i * rider["count"]
+        angle, rate = _slope(rider, slopes, start, q), _slope(rider, slopes, start, y)
+        spin = scaled(rate, axis)
+        rest = plus(rest, cross(w, spin))
+        w = plus(w, spin)
+        _turn_about(s["axes"], i, angle)
+    store(w, s["angular"], 0)
+    store(rest, s["remainder"], 0)
+    place = plus(triple(frame["point"], 0), _along_axes(rider["node"], q))
+    slide = outward(parent["axes"], _along_axes(rider["node"], y))
+    _set_motion(parent, s, outward(parent["axes"], place), slide)
+
+
+@kernel
+def _slope(rider, slopes, start, values):
+    """One row of C times the elastic coordinates or their speeds."""
+    total = 0.0
+    for m in range(rider["count"]):
+        total += slopes[start + m] * values[rider["first"] + m]
+    return total
 
 
 @kernel
@@ -118,7 +154,6 @@ def _set_attitude(s, attitudes, ball):
 @kernel
 def _move_frame(frame, parent, s, coordinates, q, y):
     """Set rho_k, p_k, v_k and the linear remainder."""
-    w = triple(parent["angular"], 0)
     offset = outward(parent["axes"], triple(frame["point"], 0))
     slide = (0.0, 0.0, 0.0)
     for i in range(frame["translations"]):
@@ -127,6 +162,13 @@ def _move_frame(frame, parent, s, coordinates, q, y):
         store(direction, coordinates[m]["direction"], 0)
         offset = plus(offset, scaled(q[m], direction))
         slide = plus(slide, scaled(y[m], direction))
+    _set_motion(parent, s, offset, slide)
+
+
+@kernel
+def _set_motion(parent, s, offset, slide):
+    """Motion of an origin at `offset` from the parent's, which moves against the parent with `slide`."""
+    w = triple(parent["angular"], 0)
     store(offset, s["offset"], 0)
     store(plus(triple(parent["position"], 0), offset), s["position"], 0)
     store(plus(triple(parent["velocity"], 0), plus(cross(w, offset), slide)), s["velocity"], 0)
@@ -142,7 +184,11 @@ def lump_place(lump, q):
 @kernel
 def lump_vector(lump, values):
     """Values of a lump's coordinates along axes 1, 2, 3; 0 where it is held."""
-    c = lump["coordinate"]
+    return _along_axes(lump["coordinate"], values)
+
+
+@kernel
+def _along_axes(c, values):
     return (
         values[c[0]] if c[0] >= 0 else 0.0,
         values[c[1]] if c[1] >= 0 else 0.0,

@@ -51,7 +51,7 @@ def project(tree, work, coordinates, z):
 @kernel
 def _measure(tree, work, coordinates, z):
     y, q, attitudes = parts(tree, z)
-    place_frames(tree.frames, work, coordinates, q, y, attitudes)
+    place_frames(tree, work, coordinates, q, y, attitudes)
     measure_closures(tree.closures, work)
 
 
@@ -61,7 +61,7 @@ def _respond_to_rows(tree, work, coordinates, z):
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
     push_rows(tree.closures, work)
-    respond(tree.frames, work, coordinates)
+    respond(tree, work, coordinates)
     respond_lumps(tree, work, coordinates, q)
 
 

@@ -6,6 +6,7 @@ force costs a fraction of a solution.
 
 from ._jit import kernel
 from .tree_kinematics import lump_place
+from .tree_riders import absorb_pushes, follow_riders, rider_share
 from .triples import accumulate, cross, dot, inward, minus, plus, scaled, store, triple
 
 
@@ -26,13 +27,22 @@ def push(s, place, force):
 
 
 @kernel
-def respond(frames, work, coordinates):
+def respond(tree, work, coordinates):
     """Set the responses of frames and hinge coordinates to the pushes; locked coordinates do not move."""
+    frames = tree.frames
     for k in range(frames.shape[0] - 1, 0, -1):
+        if frames[k]["rider"] >= 0:
+            continue
+        if frames[k]["ridden"] >= 0:
+            absorb_pushes(tree, tree.riders.bodies[frames[k]["ridden"]], work)
         _take_up(frames[k], work[k], coordinates)
         _pass_on(work[k], work[frames[k]["parent"]])
     for k in range(1, frames.shape[0]):
+        if frames[k]["rider"] >= 0:
+            continue
         _follow(frames[k], work[frames[k]["parent"]], work[k], coordinates)
+        if frames[k]["ridden"] >= 0:
+            follow_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work)
 
 
 @kernel
@@ -98,4 +108,6 @@ def respond_lumps(tree, work, coordinates, q):
             for axis in range(3):
                 m = lump["coordinate"][axis]
                 if m >= 0:
-                    coordinates[m]["response"] = 0.0 if coordinates[m]["locked"] != 0 else -carried[axis]
+                    passed_on = rider_share(tree, frame, m) / lump["mass"]
+                    free = coordinates[m]["locked"] == 0
+                    coordinates[m]["response"] = -carried[axis] - passed_on if free else 0.0

@@ -14,7 +14,7 @@ J_, H_, M_ = 0, 6, 15
 
 FRAME_WORK = np.dtype(
     [
-        ("hinge_axes", np.float64, 9),  # S_j TD_k, axes of P_k
+        ("hinge_axes", np.float64, 9),  # S_j TD_k, axes of P_k; of a rider the axes of its slopes, row by row
         ("axes", np.float64, 9),  # S_k, axes of O_k
         ("position", np.float64, 3),  # p_k, m
         ("offset", np.float64, 3),  # rho_k, from the parent's origin, m

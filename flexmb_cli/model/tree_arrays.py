@@ -4,14 +4,16 @@ A *frame* is a body or a node that carries a hinge or closure: such a node is a 
 translational hinges along the axes of its body, so that one recursion serves both.  The other nodes
 are *lumps*, which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's
 carrying nodes right behind it: a parent always comes before its children.  Frame 0 is the inertial
-frame.
+frame.  Hinges that turn with the slope of their node hang on *riders* instead, see `tree_riders`.
 """
 
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from .tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED, Tree
+from .tree_riders import Riders, empty_riders
 
 FRAME = np.dtype(
     [
@@ -36,6 +38,8 @@ FRAME = np.dtype(
         ("torque", np.float64, 3),  # inertial axes, N m
         ("first_lump", np.int64),
         ("lumps", np.int64),
+        ("rider", np.int64),  # number among the riders, -1 otherwise
+        ("ridden", np.int64),  # number among the ridden bodies, -1 otherwise
     ]
 )
 
@@ -110,33 +114,35 @@ class TreeArrays(NamedTuple):
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
     inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix counts as zero
+    riders: Riders
     one_way: bool
 
 
 def tree_arrays(tree: Tree) -> TreeArrays:
     """The arrays of a tree; laws get their values later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
-    frames, lumps, of_body, of_node = _frames(tree, index)
-    closures = _closure_rows(tree, of_body, of_node)
+    parts = _frames(tree, index)
+    closures = _closure_rows(tree, parts.of_body, parts.of_node)
     elastic_bodies, stiffness, damping = _elastic_bodies(tree, index)
     prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
     return TreeArrays(
-        frames=frames,
-        lumps=lumps,
+        frames=np.concatenate(parts.frames),
+        lumps=_records(LUMP, parts.lumps),
         elastic_bodies=elastic_bodies,
         stiffness=stiffness,
         damping=damping,
         springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
-        laws=_laws(tree, index, of_body),
+        laws=_laws(tree, index, parts.of_body),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
         gravity=np.array(tree.gravity, float),
         elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),
         given=given,
         inertia_scale=_inertia_scale(tree),
+        riders=empty_riders(parts.riders, parts.ridden, parts.slopes),
         one_way=tree.one_way,
     )
 
@@ -169,39 +175,93 @@ def _rigid(index, item):
     return index[item.body, item.motion, item.axis, None]
 
 
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    """Records on their way into arrays, and which frame is whose."""
+
+    frames: list
+    lumps: list = field(default_factory=list)
+    of_body: list = field(default_factory=list)
+    of_node: dict = field(default_factory=dict)  # (body, node, hinge that turns with the slope or None)
+    riders: list = field(default_factory=list)
+    ridden: list = field(default_factory=list)
+    slopes: list = field(default_factory=list)
+
+
 def _frames(tree, index):
-    """Frame records, lump records, and the frames of all bodies and of the nodes that have one."""
-    carriers = {(hinge.parent, hinge.node) for hinge in tree.hinges}
-    carriers |= {(c.a, c.a_node) for c in tree.closures} | {(c.b, c.b_node) for c in tree.closures}
-    frames, lumps, of_body, of_node = [_blank_frame(0, INERTIAL)], [], [], {}
+    """Frames, lumps and riders of all bodies."""
+    parts = _Parts([_blank_frame(0, INERTIAL)])
+    carriers = _carriers(tree)
     balls = 0
     for k, body in enumerate(tree.bodies):
-        frame = _body_frame(tree, k, index, of_body, of_node)
+        frame = _body_frame(tree, k, index, parts)
         if frame["rotations"] == 3:
             frame["ball"] = balls
             balls += 1
-        of_body.append(len(frames))
-        frames.append(frame)
-        frame["first_lump"] = len(lumps)
-        for node in range(len(body.elastic.masses) if body.elastic else 0):
-            if (k, node) in carriers:
-                of_node[k, node] = len(frames)
-                frames.append(_node_frame(body, k, node, of_body[k], index))
-            else:
-                lumps.append(_lump(body, k, node, index))
-        frame["lumps"] = len(lumps) - frame["first_lump"]
-    return np.concatenate(frames), _records(LUMP, lumps), of_body, of_node
+        parts.of_body.append(len(parts.frames))
+        parts.frames.append(frame)
+        own = [carrier for carrier in carriers if carrier[0] == k]
+        if any(hinge is not None for _, _, hinge in own):
+            _add_riders(tree, k, own, index, parts)
+            own = []
+        for _, node, _ in own:
+            parts.of_node[k, node, None] = len(parts.frames)
+            parts.frames.append(_node_frame(body, k, node, parts.of_body[k], index))
+        _add_lumps(body, k, {node for _, node, _ in own}, index, parts)
+    return parts
+
+
+def _add_riders(tree, k, carriers, index, parts):
+    """Riders at all carrying nodes of a body; they have no slope where nothing turns."""
+    elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
+    first, count = index[k, ELASTIC, elastic.axes[0], 0], elastic.coordinates
+    parts.frames[frame]["ridden"] = len(parts.ridden)
+    parts.ridden.append((frame, len(parts.riders), len(carriers), first, count))
+    for _, node, hinge in carriers:
+        rider = _blank_frame(frame, k)
+        rider["point"], rider["rider"] = elastic.positions[node], len(parts.riders)
+        parts.of_node[k, node, hinge] = len(parts.frames)
+        own = tuple(_node_coordinates(tree.bodies[k], k, node, index))
+        parts.riders.append((len(parts.frames), own, first, count, sum(map(np.size, parts.slopes))))
+        parts.frames.append(rider)
+        still = np.zeros((3, count))
+        parts.slopes.append(still if hinge is None else tree.hinges[hinge].elastic_rotation)
+
+
+def _add_lumps(body, k, carrying, index, parts):
+    """Lumps for the nodes that have no frame of their own."""
+    nodes = range(len(body.elastic.masses) if body.elastic else 0)
+    frame = parts.frames[parts.of_body[k]]
+    frame["first_lump"] = len(parts.lumps)
+    parts.lumps.extend(_lump(body, k, node, index) for node in nodes if node not in carrying)
+    frame["lumps"] = len(parts.lumps) - frame["first_lump"]
+
+
+def _carriers(tree):
+    """(body, node, hinge) of all nodes that carry something, the hinge when it turns with the slope."""
+    carriers = {
+        (hinge.parent, hinge.node, k if hinge.elastic_rotation is not None else None)
+        for k, hinge in enumerate(tree.hinges)
+        if hinge.node is not None
+    }
+    for c in tree.closures:
+        carriers |= {
+            (body, node, None) for body, node in ((c.a, c.a_node), (c.b, c.b_node)) if node is not None
+        }
+    return sorted(carriers, key=lambda carrier: (*carrier[:2], -1 if carrier[2] is None else carrier[2]))
 
 
 def _blank_frame(parent, body):
     frame = np.zeros(1, FRAME)
-    frame["parent"], frame["body"], frame["ball"] = parent, body, -1
+    frame["parent"], frame["body"] = parent, body
+    for number in ("ball", "rider", "ridden"):
+        frame[number] = -1
     return frame
 
 
-def _body_frame(tree, k, index, of_body, of_node):
+def _body_frame(tree, k, index, parts):
     body, hinge = tree.bodies[k], tree.hinges[k]
-    parent, point = _attachment(tree, hinge, of_body, of_node)
+    parent, point = _attachment(tree, k, parts)
     frame = _blank_frame(parent, k)
     frame["point"] = point
     _set_axes(frame, "rotation", hinge.rotations, index, k, ROTATION)
@@ -215,14 +275,16 @@ def _body_frame(tree, k, index, of_body, of_node):
     return frame
 
 
-def _attachment(tree, hinge, of_body, of_node):
-    """Parent frame of a hinge, and P_k in it: a carrying node has its origin at P_k."""
+def _attachment(tree, k, parts):
+    """Parent frame of hinge k, and P_k in it: a carrying node has its origin at P_k."""
+    hinge = tree.hinges[k]
     if hinge.parent == INERTIAL:
         return 0, hinge.point
     if hinge.node is None:
-        return of_body[hinge.parent], hinge.point
+        return parts.of_body[hinge.parent], hinge.point
     node = tree.bodies[hinge.parent].elastic.positions[hinge.node]
-    return of_node[hinge.parent, hinge.node], np.subtract(hinge.point, node)
+    turning = k if hinge.elastic_rotation is not None else None
+    return parts.of_node[hinge.parent, hinge.node, turning], np.subtract(hinge.point, node)
 
 
 def _set_axes(frame, kind, axes, index, body, motion):
@@ -296,8 +358,8 @@ def _laws(tree, index, of_body):
 def _closure_rows(tree, of_body, of_node):
     rows = []
     for c in tree.closures:
-        a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node]
-        b = 0 if c.b == INERTIAL else of_body[c.b] if c.b_node is None else of_node[c.b, c.b_node]
+        a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
+        b = 0 if c.b == INERTIAL else of_body[c.b] if c.b_node is None else of_node[c.b, c.b_node, None]
         # A node's own frame has its origin at the node.
         point_a = c.a_point if c.a_node is None else (0.0, 0.0, 0.0)
         point_b = c.b_point if c.b_node is None else (0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import AnalysisError, Fault, ModelError
+from ..errors import AnalysisError, Fault
 from ..kernels import tree_march
 from ..kernels.kane_tree import SOLVED
 from ..kernels.tree_work import FRAME_WORK, tree_work
@@ -43,7 +43,6 @@ class TreeAnalysis:
     """One run over the report times of a tree."""
 
     def __init__(self, tree: Tree, checkpoint: Checkpoint | None = None):
-        refuse_elastic_rotation(tree)
         self.tree = tree
         self.arrays: TreeArrays = tree_arrays(tree)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
@@ -170,23 +169,6 @@ class TreeAnalysis:
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
-
-
-def refuse_elastic_rotation(tree: Tree) -> None:
-    """Raise ModelError for hinges whose frame would turn with the slope of the parent's node."""
-    faults = [
-        Fault(
-            "error",
-            "the hinge's frame is to turn with the elastic rotation of its node, which the equations do "
-            "not carry yet; without it (card NROT) the frame keeps the attitude of the undeformed body",
-            hinge.place,
-            body.name,
-        )
-        for body, hinge in zip(tree.bodies, tree.hinges, strict=True)
-        if hinge.elastic_rotation is not None
-    ]
-    if faults:
-        raise ModelError(faults)
 
 
 def initial_state(tree: Tree) -> np.ndarray:

@@ -30,9 +30,9 @@ def settled(seed, **options):
     return replace(tree, springs=springs, bodies=tuple(map(unloaded, tree.bodies)), integration=settings)
 
 
-def floating(seed):
+def floating(seed, **options):
     """A tree that flies freely: its root has six freedoms, no gravity."""
-    tree = settled(seed, gravity=(0.0, 0.0, 0.0), springs=())
+    tree = settled(seed, gravity=(0.0, 0.0, 0.0), springs=(), **options)
     root = replace(tree.hinges[0], rotations=(1, 2, 3), translations=(1, 2, 3))
     hinges = (root, *tree.hinges[1:])
     rng = np.random.default_rng(seed)
@@ -50,9 +50,11 @@ def momenta(tree, state):
     return np.concatenate([velocity.sum(axis=0), np.cross(moved.real, velocity).sum(axis=0)])
 
 
+@pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("seed", range(4))
-def test_free_tree_keeps_momentum_moment_of_momentum_and_energy(seed):
-    tree = floating(seed)
+def test_free_tree_keeps_momentum_moment_of_momentum_and_energy(seed, tilted):
+    """`tilted`: hinges on nodes turn with the slope."""
+    tree = floating(seed, tilted=tilted)
     analysis = TreeAnalysis(tree)
     energy = np.concatenate([block.total for block in analysis.rows()])
     before, after = momenta(tree, initial_state(tree)), momenta(tree, analysis.state)

@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.errors import ModelError
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import ROTATION
 from flexmb_cli.model.tree_arrays import rotation_matrix
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
 from tests.kernels.test_kane_closures import closure_equations
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
@@ -80,9 +78,3 @@ def test_rows_hold_the_derivatives_of_positions_and_speeds():
         values, rates = getattr(rows, position), getattr(rows, velocity)
         change = (values[2:] - values[:-2]) / 2e-4
         assert np.max(np.abs(change - rates[1:-1])) <= 1e-5 * np.max(np.abs(rates))
-
-
-def test_hinge_that_turns_with_its_node_is_refused_by_name():
-    tree = random_tree(0, tilted=True)
-    with pytest.raises(ModelError, match="elastic rotation of its node"):
-        TreeAnalysis(tree)
