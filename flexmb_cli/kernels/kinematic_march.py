@@ -19,7 +19,8 @@ SMOOTH_PART = 0.1
 TINY_WAY = 1e-9
 ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
 LARGEST_TURN = 1.1  # rad that a driver may turn in one step
-SMALLEST_STEP = 2.0**-30  # of the way between report times
+SMALLEST_PART = 2.0**-26  # of the last step that went well: below, the way is barred
+CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
 # Scaled way within which det Φ_q may change its sign: shorter ones come so near to the crossing that
 # round-off hides which curve is smooth.
 CROSSING_WAY = 1e-4
@@ -29,8 +30,10 @@ ASSEMBLY_LIMIT = 0.5
 
 # Rows of `state` and of `out`.
 POSITION, VELOCITY, ACCELERATION = 0, 1, 2
-# Places in `clock`.
-TIME, STEP, SIGN, WAY = 0, 1, 2, 3
+# Places in `clock`: time reached, step to try (0: assemble first), sign of det Φ_q, last step taken,
+# attempts left before the caller is asked, iterations spent on the row so far.
+TIME, STEP, SIGN, LAST, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
+CLOCK_SIZE = 6
 
 
 @kernel
@@ -143,39 +146,50 @@ def after_success(clock, t_new, off, sign):
         clock[STEP] = np.inf
     elif h >= clock[STEP] and off <= ROOM_TO_GROW:
         clock[STEP] = 2.0 * h
+    if h > 0.0:
+        clock[LAST] = h
     clock[TIME] = t_new
     clock[SIGN] = sign
 
 
 @kernel
-def advance(system, work, state, motion, clock, target, new, near):
-    """Carry `state` from clock[TIME] to `target`; returns (arrived, iterations, largest |dΦ/dt|).
+def is_barred(clock, target):
+    """Whether the next step is too short to be worth a try."""
+    tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
+    return clock[STEP] <= max(SMALLEST_PART * clock[LAST], tick)
 
-    clock[STEP] remembers the step that went well.  A clock[STEP] of 0 says that `state` holds
-    estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
+
+@kernel
+def advance(system, work, state, motion, clock, target, new, near):
+    """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
+
+    Not arrived with clock[BUDGET] left: the way is barred.  A clock[STEP] of 0 says that `state`
+    holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
     """
-    clock[WAY] = target - clock[TIME]
     assembling = clock[STEP] == 0.0
     limit, most = (
         (ASSEMBLY_LIMIT, int(system.limits[ITERATIONS])) if assembling else (NO_LIMIT, STEP_ITERATIONS)
     )
-    total, gap = 0, 0.0
+    gap = 0.0
     while clock[TIME] < target or clock[STEP] == 0.0:
+        if clock[BUDGET] <= 0.0:
+            return False, gap
+        clock[BUDGET] -= 1.0
         t_new = step_to(clock, target)
         off, moved, sign = np.inf, 0.0, 0
         if not turns_too_far(system.constraints, clock[TIME], t_new):
             off, moved, sign, iterations, gap = attempt(
                 system, work, state, motion, clock[TIME], t_new, limit, most, new, near
             )
-            total += iterations
+            clock[SPENT] += iterations
         if acceptable(clock, off, moved, sign):
             accept(system, work, new, near, state, motion)
             after_success(clock, t_new, off, sign)
         else:
             clock[STEP] = 0.5 * (t_new - clock[TIME])
-            if clock[STEP] <= SMALLEST_STEP * clock[WAY]:
-                return False, total, gap
-    return True, total, gap
+            if is_barred(clock, target):
+                return False, gap
+    return True, gap
 
 
 @kernel
@@ -184,17 +198,19 @@ def march(system, state, motion, clock, times, out, audit):
 
     motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,
     velocities, accelerations.  audit (rows, 3): largest |Φ|, largest |dΦ/dt|, Newton iterations.
-    Returns the number of rows reached.
+    Returns the number of rows reached: fewer than asked for when the way is barred, or when
+    clock[BUDGET] is used up and a further call goes on.
     """
     work = make_work(state.shape[1])
     new = np.empty((3, state.shape[1]))
     near = np.empty(motion.shape[0])
     for row in range(times.size):
-        arrived, total, gap = advance(system, work, state, motion, clock, times[row], new, near)
+        arrived, gap = advance(system, work, state, motion, clock, times[row], new, near)
         if not arrived:
             return row
         copy(state, out[row])
         audit[row, 0] = largest(work.vectors[PHI])
         audit[row, 1] = gap
-        audit[row, 2] = total
+        audit[row, 2] = clock[SPENT]
+        clock[SPENT] = 0.0
     return times.size

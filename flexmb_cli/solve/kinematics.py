@@ -17,8 +17,9 @@ from .rows import Rows
 from .settings import KinematicSettings
 from .tilt import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
 
-BLOCK_WORK = 2_000_000  # rows x equations² handed to the kernel at a time: an interrupt waits for it
+CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 LARGEST_BLOCK = 1024  # rows
+MOST_STEPS = 5000
 
 
 class KinematicAnalysis:
@@ -41,7 +42,8 @@ class KinematicAnalysis:
         self.state[0] = q
         self.motion = np.zeros((self.arrays.screw_angles.size, 3))
         self.motion[:, 0] = self.arrays.screw_angles
-        self.clock = np.array([self.mechanism.time.time(0), 0.0, 0.0, 0.0])  # see kinematic_march
+        self.clock = np.zeros(kinematic_march.CLOCK_SIZE)
+        self.clock[kinematic_march.TIME] = self.mechanism.time.time(0)
 
     @property
     def evaluator(self) -> Evaluator:
@@ -59,7 +61,7 @@ class KinematicAnalysis:
             first = self._assemble_otherwise()
         refuse_tilted_drive(self.mechanism, first)
         yield first
-        grid, size = self.mechanism.time, self._block_size()
+        grid, size = self.mechanism.time, self._at_once(LARGEST_BLOCK)
         for start in range(1, grid.rows, size):
             end = min(start + size, grid.rows)
             block = self._block(start, end)
@@ -69,8 +71,9 @@ class KinematicAnalysis:
                 reached = start + (0 if block is None else block.time.size)
                 raise step_failure(self, grid.time(reached))
 
-    def _block_size(self):
-        return int(np.clip(BLOCK_WORK / self.arrays.q.size**2, 1, LARGEST_BLOCK))
+    def _at_once(self, most):
+        """How many steps or rows the kernel is given at a time: an interrupt waits for them."""
+        return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
 
     def _marcher(self) -> Callable:
         if not self.evaluator.is_large:
@@ -81,12 +84,23 @@ class KinematicAnalysis:
             self._sparse = SparseMarch(self.evaluator)
         return self._sparse.march
 
+    def _march(self, times, out, audit):
+        """Fill rows until all are reached or the way is barred; returns how many were."""
+        reached, march = 0, self._marcher()
+        while reached < times.size:
+            self.clock[kinematic_march.BUDGET] = self._at_once(MOST_STEPS)
+            rest = slice(reached, None)
+            reached += march(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
+            if self.clock[kinematic_march.BUDGET] > 0.0:
+                break
+        return reached
+
     def _block(self, start, end) -> Rows | None:
         """Report rows start … end - 1, fewer where one cannot be reached, None where none can."""
         times = np.array([self.mechanism.time.time(k) for k in range(start, end)])
         out = np.zeros((times.size, 3, self.arrays.q.size))
         audit = np.zeros((times.size, 3))
-        reached = self._marcher()(self.state, self.motion, self.clock, times, out, audit)
+        reached = self._march(times, out, audit)
         if not reached:
             return None
         return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])

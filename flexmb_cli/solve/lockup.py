@@ -5,6 +5,8 @@ import numpy as np
 from ..errors import AnalysisError, Fault
 from .diagnosis import CLOSED, mobility, nearest_position, worst_gaps
 
+ASIDE = 0.05  # of the length scale, and of Euler parameters
+
 
 def step_failure(analysis, t: float) -> AnalysisError:
     """The failure of `analysis` (a KinematicAnalysis) on its way to the report time t.
@@ -14,7 +16,7 @@ def step_failure(analysis, t: float) -> AnalysisError:
     """
     evaluator, reached = analysis.evaluator, analysis.clock[0]
     near = analysis.motion[:, 0]
-    gap = nearest_position(evaluator, analysis.state[0], t, near)[1]
+    gap = _least_gap(evaluator, analysis.state[0], t, near)
     worst = worst_gaps(evaluator, gap)
     norms = {
         "gap": float(np.max(np.abs(gap))),
@@ -31,10 +33,24 @@ def step_failure(analysis, t: float) -> AnalysisError:
     return AnalysisError(_singular(analysis, evaluator, reached, t), t, norms)
 
 
+def _least_gap(evaluator, q, t, near):
+    """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
+
+    From a dead centre the search does not leave the line of symmetry by itself.
+    """
+    gap = nearest_position(evaluator, q, t, near)[1]
+    if np.max(np.abs(gap)) <= CLOSED or evaluator.is_large:
+        return gap
+    evaluator.residual(q, t, near)
+    aside = ASIDE * np.linalg.svd(evaluator.matrix(q))[2][-1] * evaluator.arrays.column_scale
+    others = [nearest_position(evaluator, q + side * aside, t, near)[1] for side in (1.0, -1.0)]
+    return min([gap, *others], key=lambda found: np.max(np.abs(found)))
+
+
 def _singular(analysis, evaluator, reached, t):
     message = (
         f"at t = {t:.6g} s there is no smooth continuation (motion reached t = {reached:.6g} s): the "
-        "mechanism is at or next to a singular position"
+        "mechanism can be put together there, but is at or next to a singular position"
     )
     if evaluator.is_large:
         return Fault("error", message)

@@ -145,11 +145,10 @@ class SparseMarch:
 
     def advance(self, state, motion, clock, target, new, near):
         """Carry `state` to `target`, as the kernel's `advance`."""
-        clock[dense.WAY] = target - clock[dense.TIME]
         assembling = clock[dense.STEP] == 0.0
         limit = dense.ASSEMBLY_LIMIT if assembling else dense.NO_LIMIT
         most = int(self.system.limits[ITERATIONS]) if assembling else dense.STEP_ITERATIONS
-        total, gap = 0, 0.0
+        gap = 0.0
         while clock[dense.TIME] < target or clock[dense.STEP] == 0.0:
             t, t_new = clock[dense.TIME], dense.step_to(clock, target)
             off, moved, sign = np.inf, 0.0, 0
@@ -157,23 +156,24 @@ class SparseMarch:
                 off, moved, sign, iterations, gap = self.attempt(
                     state, motion, t, t_new, limit, most, new, near
                 )
-                total += iterations
+                clock[dense.SPENT] += iterations
             if dense.acceptable(clock, off, moved, sign):
                 dense.accept(self.system, self.evaluator.work, new, near, state, motion)
                 dense.after_success(clock, t_new, off, sign)
             else:
                 clock[dense.STEP] = 0.5 * (t_new - t)
-                if clock[dense.STEP] <= dense.SMALLEST_STEP * clock[dense.WAY]:
-                    return False, total, gap
-        return True, total, gap
+                if dense.is_barred(clock, target):
+                    return False, gap
+        return True, gap
 
     def march(self, state, motion, clock, times, out, audit):
         """Fill report rows; returns the number of rows reached."""
         new, near = np.empty_like(state), np.empty(len(motion))
         for row, target in enumerate(times):
-            arrived, total, gap = self.advance(state, motion, clock, target, new, near)
+            arrived, gap = self.advance(state, motion, clock, target, new, near)
             if not arrived:
                 return row
             out[row] = state
-            audit[row] = np.max(np.abs(self.evaluator.work.vectors[0])), gap, total
+            audit[row] = np.max(np.abs(self.evaluator.work.vectors[0])), gap, clock[dense.SPENT]
+            clock[dense.SPENT] = 0.0
         return len(times)
