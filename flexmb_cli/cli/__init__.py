@@ -13,6 +13,7 @@ from ..errors import BAD_INPUT, INTERNAL_FAULT, FlexmbError
 from .beam import beam
 from .check import check
 from .diff import diff
+from .modes import modes
 from .run import run
 
 
@@ -36,7 +37,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, diff, beam):
+for command in (run, check, modes, diff, beam):
     cli.add_command(command)
 
 

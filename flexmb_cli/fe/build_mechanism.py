@@ -17,6 +17,8 @@ from ..model.flexible_mechanism import (
 from ..model.vsdf_model import GROUND, End, VsdfBody, VsdfModel
 from .flexible_bodies import flexible_body
 
+STEPS_A_PERIOD = 20
+
 
 def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleMechanism, list[Fault]]:
     """The mechanism of `model`, and what was doubtful about its finite-element files.
@@ -33,7 +35,21 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
             faults += stopped.faults
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
+    faults += _step_doubts(model, bodies)
     return _Points(model, bodies).mechanism(), faults
+
+
+def _step_doubts(model, bodies):
+    """A step that is longer than a twentieth of the shortest period retained damps or distorts it."""
+    for body in bodies:
+        highest = body.flexible.frequencies.max(initial=0.0) if body.flexible else 0.0
+        if highest and model.integrator.step > 1 / (STEPS_A_PERIOD * highest):
+            message = (
+                f"a step of {model.integrator.step:g} s is longer than 1/{STEPS_A_PERIOD} of the period of "
+                f"the highest mode, {1 / highest:.3g} s; take a step of at most "
+                f"{1 / (STEPS_A_PERIOD * highest):.2g} s, or fewer modes"
+            )
+            yield Fault("warning", message, model.time.place, body.name)
 
 
 def _body(given: VsdfBody, cached) -> tuple[FloatingBody, list[Fault]]:

@@ -1,0 +1,61 @@
+"""Text about the flexible bodies of a deck: inertia, tests passed, frequencies, effective masses."""
+
+import math
+
+ROUND_OFF = 1e-12
+_SHARES = ("x", "y", "z", "about x", "about y", "about z")
+
+
+def body_text(report) -> str:
+    """What `flexmb modes` found (`run.body_modes.BodyModes`), body by body."""
+    lines = [
+        f"{report.outcome.deck}: {report.deck.dialect.upper()} deck, flexible bodies {len(report.bodies)}"
+    ]
+    for body in report.bodies:
+        lines += [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body)]
+    return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def _inertia_lines(body):
+    yield f"  {body.name}: nodes {len(body.numbers)}, modes {body.modes}, mass {body.m:.9g} kg"
+    size, J = abs(body.r0).max(), body.J0
+    yield f"    frame at {_vector(body.origin, size)} m of the node table, e1 {_vector(body.axes[:, 0], 1.0)}"
+    yield f"    centre of mass {_vector(body.centre, size)} m"
+    yield f"    inertia about the origin: xx yy zz {_vector(J.diagonal(), J.max())} kg m^2"
+    yield f"                              xy yz zx {_vector([J[0, 1], J[1, 2], J[2, 0]], J.max())} kg m^2"
+    yield (
+        f"    mass differs between directions by {body.mass_deviation:.1e}, "
+        f"stiffness resists rigid motion by {body.rigid_residual:.1e} of the largest entry"
+    )
+
+
+def _vector(values, scale):
+    """Components, those that are zero but for round-off as 0."""
+    return " ".join(f"{value:.6g}" if abs(value) > ROUND_OFF * scale else "0" for value in values)
+
+
+def _dropped_lines(body):
+    dropped = body.dropped
+    if dropped.internal:
+        yield f"    internal freedoms condensed: {dropped.internal}"
+    if dropped.dependent:
+        yield f"    shapes dropped that depend on others: {dropped.dependent}"
+    if dropped.modes:
+        following = dropped.next_frequency
+        first = "" if math.isnan(following) else f", the first at {following:.6g} Hz"
+        yield f"    modes left out: {dropped.modes}{first}"
+
+
+def _mode_lines(body):
+    """Frequencies, and the share that each mode has in motion along and about the body's axes."""
+    yield f"    {'mode':>4} {'rad/s':>13} {'Hz':>13}  share of effective mass, %: " + ", ".join(_SHARES)
+    limits = [limit if limit > 1e-12 * body.m else math.inf for limit in body.effective_limit]
+    for number, (frequency, masses) in enumerate(
+        zip(body.frequencies, body.effective_mass, strict=True), start=1
+    ):
+        yield f"    {number:4d} {frequency * math.tau:13.6f} {frequency:13.6f}  {_percent(masses, limits)}"
+    yield f"    {'sum':>4} {'':13} {'':13}  {_percent(body.effective_mass.sum(axis=0), limits)}"
+
+
+def _percent(masses, limits):
+    return " ".join(f"{100 * mass / limit:6.2f}" for mass, limit in zip(masses, limits, strict=True))
