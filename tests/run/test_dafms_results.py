@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import ANALYSIS_FAILED
+from flexmb_cli.model.beam import Beam
 from flexmb_cli.model.build_dafms import build_dafms
 from flexmb_cli.read.dafms import read_dafms
 from flexmb_cli.read.text import read_text
+from flexmb_cli.write.beam_cards import rotation_card
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, loaded, run
 
 PUBLISHED = Path(__file__).parents[1] / "published" / "dafms"
@@ -162,14 +164,24 @@ def test_no_files_are_written_when_none_are_wanted(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_hinge_that_should_turn_with_its_node_is_refused_not_run_without_it(tmp_path):
-    card = "NROT\n    1\n    1    2\n" + "         1.0          .0\n" + 2 * "          .0          .0\n"
-    outcome = run(altered(tmp_path, "two_link_n2", ("END ", f"{card}END ")), tmp_path / "results")
+def test_geometric_stiffening_is_refused_at_its_card_not_left_out(tmp_path):
+    deck = altered(tmp_path, "two_link_n2", ("END ", "GSTF\n    1    0\n    2    1\nEND "))
+    outcome = run(deck, tmp_path / "results")
     assert outcome.exit_code == 2
     (fault,) = (fault for fault in outcome.faults if fault.severity == "error")
-    assert "(card NROT)" in fault.message
+    assert fault.sentence.startswith("GSTF of body 2: IGS = 1")
     assert fault.place is not None
-    assert list((tmp_path / "results").iterdir()) == []
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_hinge_that_turns_with_its_node_keeps_the_energy(outcomes, tmp_path):
+    """Link 2 turned with the slope of link 1's tip: another motion, whose energy is kept as well."""
+    card = rotation_card(Beam(1.0, 2, 1000.0, 5.0), 1, 2)
+    assert run(altered(tmp_path, "two_link_n2", ("END ", f"{card}END ")), tmp_path).exit_code == 0
+    turned, straight = (loaded(folder, "two_link_n2") for folder in (tmp_path, outcomes[1]))
+    assert np.max(np.abs(turned["coordinate/q"] - straight["coordinate/q"])) > 1e-5
+    total = turned["energy/total"]
+    assert np.max(np.abs(total - total[0])) < 1e-7 * np.max(turned["energy/kinetic"])
 
 
 @pytest.mark.parametrize("method", ["radau", "lsoda"])
