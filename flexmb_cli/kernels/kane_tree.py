@@ -41,13 +41,14 @@ def accelerations(tree, work, coordinates, t, q, y, attitudes):
 
     q, y (NS,), attitudes (balls, 4).  The rate of a "held" coordinate is input.
     """
-    coordinate_efforts(tree, t, q, y, coordinates)
+    place_frames(tree, work, coordinates, q, y, attitudes)
+    coordinate_efforts(tree, work, t, q, y, coordinates)
     forget_closing_forces(tree.closures)
     # One call of the solution only: a second would be compiled a second time.
     for turn in range(2):
         if not _prepare_turn(tree, work, coordinates, turn):
             break
-        fault = solve_tree(tree, work, coordinates, t, q, y, attitudes)
+        fault = solve_tree(tree, work, coordinates, t, q, y)
         if fault != SOLVED:
             return fault
     return SOLVED
@@ -71,13 +72,12 @@ def _prepare_turn(tree, work, coordinates, turn):
 
 
 @kernel
-def solve_tree(tree, work, coordinates, t, q, y, attitudes):
+def solve_tree(tree, work, coordinates, t, q, y):
     """Rates of the free coordinates, and in "drive" the efforts that hold the locked ones to theirs.
 
-    Expects the efforts along the coordinates; returns as `accelerations`.
+    Expects placed frames and the efforts along the coordinates; returns as `accelerations`.
     """
     frames = tree.frames
-    place_frames(tree, work, coordinates, q, y, attitudes)
     for k in range(1, frames.shape[0]):
         own_inertia(frames[k], work[k], tree.lumps, tree.gravity, coordinates, q, y)
     add_body_torques(tree, t, work)

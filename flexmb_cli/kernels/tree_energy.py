@@ -2,6 +2,7 @@
 
 from ._jit import kernel
 from .tree_kinematics import lump_place, lump_vector
+from .tree_loads import pulls
 from .triples import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
 
 
@@ -53,24 +54,24 @@ def _strain(tree, q):
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
-        total += _quadratic(tree.stiffness, body["stiffness"], body, q)
+        total += _bilinear(tree.stiffness, body["stiffness"], body, q, q)
     return 0.5 * total
 
 
 @kernel
-def _quadratic(matrices, start, body, x):
-    """x . A x over one body's coordinates, A beginning at `start`."""
+def _bilinear(matrices, start, body, x, z):
+    """x . A z over one body's coordinates, A beginning at `start`."""
     first, count = body["first"], body["count"]
     total = 0.0
     for i in range(count):
         for j in range(count):
-            total += x[first + i] * matrices[start + i * count + j] * x[first + j]
+            total += x[first + i] * matrices[start + i * count + j] * z[first + j]
     return total
 
 
 @kernel
 def applied_power(tree, work, coordinates, t, q, y):
-    """Power of external forces and torques, motors, dampers and prescribed motion, W."""
+    """Power of external forces and torques, motors, dampers, stiffening and prescribed motion, W."""
     power = 0.0
     for k in range(1, tree.frames.shape[0]):
         frame, s = tree.frames[k], work[k]
@@ -86,7 +87,7 @@ def applied_power(tree, work, coordinates, t, q, y):
     for m in range(coordinates.shape[0]):
         if tree.given[m]:
             power += coordinates[m]["drive"] * y[m]
-    return power - _dissipated(tree, y)
+    return power + _stiffening_power(tree, work, q, y) - _dissipated(tree, y)
 
 
 @kernel
@@ -98,5 +99,19 @@ def _dissipated(tree, y):
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
         if body["damping"] >= 0:
-            total += _quadratic(tree.damping, body["damping"], body, y)
+            total += _bilinear(tree.damping, body["damping"], body, y, y)
+    return total
+
+
+@kernel
+def _stiffening_power(tree, work, q, y):
+    """Power of geometric stiffening, which counts as a load: nothing answers it on the rigid motion."""
+    total = 0.0
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        start = body["stiffening"]
+        if start >= 0:
+            turning, weight = pulls(tree, work, body)
+            total -= turning * _bilinear(tree.stiffening, start, body, y, q)
+            total -= weight * _bilinear(tree.stiffening, start + body["count"] ** 2, body, y, q)
     return total

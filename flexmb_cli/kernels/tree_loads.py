@@ -1,21 +1,30 @@
 """Forces along the coordinates: elastic bodies, springs and dampers, motors; prescribed motion.
 
+Geometric stiffening acts on the elastic coordinates only; its reaction on the body is of second
+order in the displacements and left out, as are pulls by the acceleration of the body's origin.
+
 `tree` is a `model.tree_arrays.TreeArrays`.
 """
 
 from ._jit import kernel
+from .triples import dot, outward, triple
 
 
 @kernel
-def coordinate_efforts(tree, t, q, y, coordinates):
-    """Set the effort along each coordinate: -K u - D u', springs and dampers, motors."""
+def coordinate_efforts(tree, work, t, q, y, coordinates):
+    """Set the effort along each coordinate, frames being placed: -K u - D u', springs, dampers, motors."""
     for m in range(coordinates.shape[0]):
         coordinates[m]["effort"] = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
-        _subtract_product(tree.stiffness, body["stiffness"], body, q, coordinates)
+        _subtract_product(1.0, tree.stiffness, body["stiffness"], body, q, coordinates)
         if body["damping"] >= 0:
-            _subtract_product(tree.damping, body["damping"], body, y, coordinates)
+            _subtract_product(1.0, tree.damping, body["damping"], body, y, coordinates)
+        if body["stiffening"] >= 0:
+            turning, weight = pulls(tree, work, body)
+            start = body["stiffening"]
+            _subtract_product(turning, tree.stiffening, start, body, q, coordinates)
+            _subtract_product(weight, tree.stiffening, start + body["count"] ** 2, body, q, coordinates)
     for i in range(tree.springs.shape[0]):
         s = tree.springs[i]
         m = s["coordinate"]
@@ -27,8 +36,16 @@ def coordinate_efforts(tree, t, q, y, coordinates):
 
 
 @kernel
-def _subtract_product(matrices, start, body, x, coordinates):
-    """effort -= A x over one body's coordinates, A beginning at `start`."""
+def pulls(tree, work, body):
+    """What pulls along a beam: square of the angular velocity across it, and gravity along it."""
+    s = work[body["frame"]]
+    along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
+    return dot(w, w) - dot(w, along) ** 2, dot(triple(tree.gravity, 0), along)
+
+
+@kernel
+def _subtract_product(factor, matrices, start, body, x, coordinates):
+    """effort -= factor A x over one body's coordinates, A beginning at `start`."""
     first, count = body["first"], body["count"]
     for i in range(count):
         row = start + i * count
@@ -42,7 +59,7 @@ def _subtract_product(matrices, start, body, x, coordinates):
             d += matrices[row + j + 3] * x[first + j + 3]
         for j in range(whole, count):
             a += matrices[row + j] * x[first + j]
-        coordinates[first + i]["effort"] -= (a + b) + (c + d)
+        coordinates[first + i]["effort"] -= factor * ((a + b) + (c + d))
 
 
 @kernel

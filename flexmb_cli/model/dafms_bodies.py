@@ -8,6 +8,7 @@ import numpy as np
 
 from .deck_values import DeckValues
 from .findings import Findings
+from .geometric_stiffness import beam_direction
 from .skyline import full_matrix
 from .tree import Body, Elasticity
 
@@ -98,25 +99,34 @@ def _elasticity(values, k, findings):
         message = f"{size} elastic coordinates, more than {LARGEST_BODY}: condense the body first"
         findings.error(f"body {k}", message, values.number("counts", k, "NUMNP").place)
         return None
-    _refuse_stiffening(values, k, findings)
     masses = _nodal_masses(values, k, findings)
     stiffness = _stiffness(values, k, findings, axes)
+    positions = _node_vectors(values, "node", k, nodes)
     return Elasticity(
-        _node_vectors(values, "node", k, nodes),
+        positions,
         masses,
         axes,
         stiffness,
         _node_vectors(values, "nodal_force", k, nodes),
         _damping(values, k, masses, stiffness, findings),
+        _stiffened_from(values, k, positions, findings),
     )
 
 
-def _refuse_stiffening(values, k, findings):
-    """A deck that asks for geometric stiffening must not be run without it in silence."""
-    (asked,) = values.values("stiffening", k, (0,))
-    if asked:
-        message = f"IGS = {asked}: geometric stiffening cannot be computed by this version"
-        findings.error(f"GSTF of body {k}", message, values.place("stiffening", k))
+def _stiffened_from(values, k, positions, findings):
+    """Clamped end of a beam that card GSTF stiffens, m from O_k; None for a body that is not."""
+    asked, root = values.values("stiffening", k, (0, 0.0))
+    if not asked:
+        return None
+    if beam_direction(positions, root) is None:
+        findings.error(
+            f"GSTF of body {k}",
+            f"IGS = {asked}: geometric stiffening is that of a straight beam: its nodes have to lie apart on "
+            f"one line from O_k, all farther out than the clamped end, RA = {root:g} m",
+            values.place("stiffening", k),
+        )
+        return None
+    return root
 
 
 def _node_vectors(values, section, k, nodes):

@@ -33,7 +33,8 @@ class Elasticity:
 
     `positions` (NP, 3): undeformed, from O_k in O_k axes, m; `masses` (NP,): kg, positive; `axes`:
     directions of the nodal displacements, ascending; `stiffness`, `damping` (NM, NM): clamped at
-    O_k, node by node; `forces` (NP, 3): constant, inertial axes, N.
+    O_k, node by node; `forces` (NP, 3): constant, inertial axes, N.  `stiffened_from`: geometric
+    stiffening of a straight beam, clamped so far from O_k (m); None: none.
     """
 
     positions: np.ndarray
@@ -42,6 +43,7 @@ class Elasticity:
     stiffness: np.ndarray
     forces: np.ndarray
     damping: np.ndarray | None = None
+    stiffened_from: float | None = None
 
     @property
     def coordinates(self) -> int:

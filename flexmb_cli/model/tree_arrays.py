@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .geometric_stiffness import across, beam_direction, geometric_stiffness
 from .tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED, Tree
 from .tree_riders import Riders, empty_riders
 
@@ -58,6 +59,9 @@ ELASTIC_BODY = np.dtype(
         ("count", np.int64),  # NM
         ("stiffness", np.int64),  # where its NM x NM matrix begins in `stiffness`
         ("damping", np.int64),  # where it begins in `damping`; -1 for none
+        ("frame", np.int64),
+        ("stiffening", np.int64),  # where its two matrices begin in `stiffening`; -1 for none
+        ("beam", np.float64, 3),  # unit vector along a stiffened beam, own axes
     ]
 )
 
@@ -105,6 +109,7 @@ class TreeArrays(NamedTuple):
     elastic_bodies: np.ndarray
     stiffness: np.ndarray  # all matrices, flat
     damping: np.ndarray  # all matrices, flat
+    stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
     springs: np.ndarray
     prescribed: np.ndarray
     laws: np.ndarray
@@ -123,7 +128,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = _frames(tree, index)
     closures = _closure_rows(tree, parts.of_body, parts.of_node)
-    elastic_bodies, stiffness, damping = _elastic_bodies(tree, index)
+    elastic_bodies, stiffness, damping, stiffening = _elastic_bodies(tree, index, parts.of_body)
     prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
@@ -133,6 +138,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         elastic_bodies=elastic_bodies,
         stiffness=stiffness,
         damping=damping,
+        stiffening=stiffening,
         springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
         laws=_laws(tree, index, parts.of_body),
@@ -332,21 +338,55 @@ def _lump(body, k, node, index):
     )
 
 
-def _elastic_bodies(tree, index):
-    records, stiffness, damping = [], [np.zeros(0)], [np.zeros(0)]
+def _elastic_bodies(tree, index, of_body):
+    """Records of the flexible bodies, and their stiffness, damping and stiffening matrices, flat."""
+    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}
     for k, body in enumerate(tree.bodies):
         elastic = body.elastic
         if elastic is None:
             continue
-        first = index[k, ELASTIC, elastic.axes[0], 0]
-        damped = elastic.damping is not None
-        records.append(
-            (first, elastic.coordinates, sum(map(len, stiffness)), sum(map(len, damping)) if damped else -1)
-        )
-        stiffness.append(np.ravel(elastic.stiffness))
-        if damped:
-            damping.append(np.ravel(elastic.damping))
-    return _records(ELASTIC_BODY, records), np.concatenate(stiffness), np.concatenate(damping)
+        record = np.zeros(1, ELASTIC_BODY)
+        record["first"], record["count"] = index[k, ELASTIC, elastic.axes[0], 0], elastic.coordinates
+        record["frame"] = of_body[k]
+        stiffening = None
+        if elastic.stiffened_from is not None:
+            record["beam"] = beam_direction(elastic.positions, elastic.stiffened_from)
+            stiffening = _stiffening(tree, k)
+        own = (elastic.stiffness, elastic.damping, stiffening)
+        for (name, flat), matrix in zip(matrices.items(), own, strict=True):
+            record[name] = -1 if matrix is None else sum(map(np.size, flat))
+            flat.extend([] if matrix is None else [np.ravel(matrix)])
+        records.append(record)
+    flat = [np.concatenate([np.zeros(0), *parts]) for parts in matrices.values()]
+    return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), *flat
+
+
+def _stiffening(tree, k):
+    """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
+    elastic = tree.bodies[k].elastic
+    masses = elastic.masses + _hanging_masses(tree, k)
+    direction = beam_direction(elastic.positions, elastic.stiffened_from)
+    return np.array(
+        [
+            across(
+                geometric_stiffness(elastic.positions, elastic.stiffened_from, pulls), direction, elastic.axes
+            )
+            for pulls in (masses * (elastic.positions @ direction), masses)
+        ]
+    )
+
+
+def _hanging_masses(tree, k):
+    """Mass of all bodies beyond each node of body k (NP,), kg."""
+    carried = np.array([body.mass for body in tree.bodies])
+    hanging = np.zeros(len(tree.bodies[k].elastic.masses))
+    for child in range(len(tree.bodies) - 1, k, -1):
+        hinge = tree.hinges[child]
+        if hinge.parent == k and hinge.node is not None:
+            hanging[hinge.node] += carried[child]
+        elif hinge.parent != INERTIAL:
+            carried[hinge.parent] += carried[child]
+    return hanging
 
 
 def _laws(tree, index, of_body):

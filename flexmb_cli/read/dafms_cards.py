@@ -186,8 +186,11 @@ EXTENSIONS = (
         "GSTF",
         "stiffening",
         "bodies",
-        "I5,I5",
-        (Item("IGS", "geometric stiffening: 0 none, 1 on"),),
+        "I5,I5,F10.5",
+        (
+            Item("IGS", "geometric stiffening: 0 none, 1 on"),
+            Item("RA", "clamped end of the beam, from O_k", "m"),
+        ),
         extension=True,
     ),
     Card(

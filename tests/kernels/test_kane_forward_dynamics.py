@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels.kane_tree import SOLVED, accelerations, solve_tree
+from flexmb_cli.kernels.tree_kinematics import place_frames
 from flexmb_cli.kernels.tree_loads import coordinate_efforts
 from flexmb_cli.kernels.tree_work import tree_work
 from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Prescribed, constant
@@ -34,10 +35,11 @@ class Recursion:
 
     def inverse(self, rates, extra=0.0):
         """Efforts that are missing for the accelerations `rates` when `extra` efforts act as well."""
-        coordinate_efforts(self.arrays, *self.state[:3], self.coordinates)
+        place_frames(self.arrays, self.work, self.coordinates, *self.state[1:])
+        coordinate_efforts(self.arrays, self.work, *self.state[:3], self.coordinates)
         self.coordinates["effort"] += extra
         self.coordinates["locked"], self.coordinates["rate"] = 1, rates
-        solve_tree(self.arrays, self.work, self.coordinates, *self.state)
+        solve_tree(self.arrays, self.work, self.coordinates, *self.state[:3])
         return self.coordinates["drive"].copy()
 
     def dense(self):

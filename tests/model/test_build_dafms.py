@@ -143,6 +143,12 @@ def test_elastic_damping_is_proportional_to_mass_and_stiffness():
     assert elastic.damping == pytest.approx(0.5 * np.diag([0.02145, 0.010725]) + 0.001 * elastic.stiffness)
 
 
+def test_beams_are_stiffened_from_their_clamped_end_on_request():
+    assert tree("shaft_beam_n2", "GSTF\n    1    1       .05\n").bodies[0].elastic.stiffened_from == 0.05
+    assert tree("two_link_n2", "GSTF\n    1    1\n    2    0\n").bodies[0].elastic.stiffened_from == 0.0
+    assert tree("two_link_n2", "GSTF\n    1    1\n    2    0\n").bodies[1].elastic.stiffened_from is None
+
+
 def test_nodal_rotations_go_to_the_hinge_on_that_node():
     rows = "          1.0          2.0\n          0.0          0.0\n          0.0          3.0\n"
     built = tree("two_link_n2", f"NROT\n    1\n    1    2\n{rows}")

@@ -237,16 +237,17 @@ CASES = [
     ),
     pytest.param(
         deck_text(
-            "pendulum_strict",
-            ("END \n", "GSTF\n    1    1\nEND \n"),
+            "shaft_beam_n2",
+            ("END \n", "GSTF\n    1    1       0.4\nEND \n"),
         ),
         [
             (
-                "39:10: error: GSTF of body 1: IGS = 1: geometric stiffening cannot be computed by this"
-                " version"
+                "46:10: error: GSTF of body 1: IGS = 1: geometric stiffening is that of a straight beam: its"
+                " nodes have to lie apart on one line from O_k, all farther out than the clamped end, RA ="
+                " 0.4 m"
             ),
         ],
-        id="stiffening that cannot be computed",
+        id="stiffening of a beam that is clamped beyond its first node",
     ),
     pytest.param(
         deck_text(
