@@ -1,7 +1,7 @@
 """What can go wrong, as values and exceptions: a sentence, a place, an object, and an exit code.
 
 Faults are collected, not thrown one at a time: a reader goes on after a fault and raises one
-`DeckError` that carries all of them.  Only `cli.py` turns them into text on a stream.
+`DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
 """
 
 from dataclasses import dataclass

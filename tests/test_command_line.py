@@ -188,6 +188,84 @@ def test_the_labelled_jacobian_is_that_of_table_6_1(tmp_path):
     assert "driver 1, e0" in rows[19]
 
 
+def test_what_cannot_share_standard_output_is_refused(tmp_path):
+    for options in (["--out", "-", "--json"], ["--h5", "-"]):
+        done = flexmb("run", HELD, *options, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "standard output" in done.stderr
+
+
+def test_the_echo_of_standard_input_is_that_of_the_deck_run(tmp_path):
+    done = flexmb("run", "-", "--echo", cwd=tmp_path, stdin=HELD.read_text())
+    assert done.returncode == 0
+    assert " time.step " in done.stderr
+
+
+def test_the_echo_is_there_with_several_jobs(tmp_path):
+    done = flexmb("run", HELD, FOUR_BAR, "--echo", "-j", 2, cwd=tmp_path)
+    assert done.stderr.count(" counts.NBODY ") == 2
+
+
+@pytest.mark.parametrize("option", ["--feps", "--epslu"])
+@pytest.mark.parametrize("value", ["nan", "inf", "-1"])
+def test_a_solver_setting_that_is_no_number_is_refused(tmp_path, option, value):
+    assert flexmb("run", HELD, option, value, cwd=tmp_path).returncode == 2
+
+
+def test_diff_refuses_a_tolerance_that_lets_everything_pass(tmp_path):
+    flexmb("run", HELD, "-q", cwd=tmp_path)
+    assert flexmb("diff", "OUT1-1-1.dat", "OUT1-1-1.dat", "--atol", "inf", cwd=tmp_path).returncode == 2
+
+
+def test_diff_names_the_file_it_cannot_read(tmp_path):
+    flexmb("run", HELD, "-q", cwd=tmp_path)
+    done = flexmb("diff", "OUT1-1-1.dat", "nope", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (2, "nope: error: no such file\n")
+
+
+def test_an_option_of_another_dialect_is_said_to_have_no_effect(tmp_path):
+    assert "no effect here" in flexmb("run", HELD, "--rtol", "1e-4", cwd=tmp_path).stderr
+    assert flexmb("run", HELD, "--rtol", "1e-4", "--strict", cwd=tmp_path).returncode == 2
+
+
+def test_a_fault_of_a_changed_number_tells_of_the_change(tmp_path):
+    done = flexmb("run", HELD, "--set", "point.1.body=99", cwd=tmp_path)
+    assert "(numbers changed by --set: point.1.body=99)" in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize(
+    "arguments", [["run", "--out", "-", "--no-h5"], ["check"], ["run", "--json", "--no-h5"]]
+)
+def test_a_full_standard_output_is_no_fault_of_flexmb(tmp_path, arguments):
+    command = [sys.executable, "-m", "flexmb_cli", arguments[0], str(HELD), *arguments[1:]]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            command, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True, timeout=300
+        )
+    assert done.returncode == 1
+    assert "No space left on device" in done.stderr
+    assert "Please report" not in done.stderr
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-"])
+def test_a_closed_stream_is_no_fault_of_flexmb(tmp_path, closed):
+    command = f"{sys.executable} -m flexmb_cli check {HELD} {closed}"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0
+
+
+def test_one_report_step_of_many_turns_can_be_interrupted(tmp_path):
+    flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
+    grid = ["--set", "driver.1.B=6e5", "--set", "time.end=100", "--set", "time.step=100"]
+    command = [sys.executable, "-m", "flexmb_cli", "run", str(FOUR_BAR), *grid, "--no-out"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    time.sleep(4.0)
+    process.send_signal(signal.SIGTERM)
+    assert "interrupted; " in process.communicate(timeout=10)[1]
+    assert process.returncode == 143
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_keeps_and_marks_its_rows(tmp_path, sent):
     command = [sys.executable, "-m", "flexmb_cli", "run", str(FOUR_BAR), "--set", "time.end=100000"]
@@ -209,17 +287,22 @@ def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
     shutil.copytree(TOP / "flexmb_cli", place / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))
     for path in [place, *place.rglob("*")]:
         path.chmod(path.stat().st_mode & ~(stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
-    environment = {n: v for n, v in os.environ.items() if n in ("PATH", "LANG", "VIRTUAL_ENV")}
     work = tmp_path / "work"
     work.mkdir()
-    done = subprocess.run(
-        [sys.executable, "-m", "flexmb_cli", "run", str(HELD)],
-        cwd=work, env={**environment, "PYTHONPATH": str(place)}, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
+    kept = {n: v for n, v in os.environ.items() if n in ("PATH", "LANG", "VIRTUAL_ENV")}
+    environment = {**kept, "PYTHONPATH": str(place), "TMPDIR": str(work)}
+    runs = [
+        subprocess.run(
+            [sys.executable, "-m", "flexmb_cli", "run", str(HELD)],
+            cwd=work, env=environment, capture_output=True, text=True, timeout=300,
+        )
+        for _ in range(2)
+    ]  # fmt: skip
     for path in [place, *place.rglob("*")]:
         path.chmod(path.stat().st_mode | stat.S_IWUSR)
-    assert done.returncode == 0, done.stderr
-    assert "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR" in done.stderr
+    assert [run.returncode for run in runs] == [0, 0], runs[0].stderr
+    assert "compiling kernels" in runs[0].stderr
+    assert "compiling kernels" not in runs[1].stderr
     assert (work / "OUT1-1-1.dat").exists()
 
 

@@ -3,13 +3,15 @@
 What a command needs is imported inside it, so that `--help`, `check` and `diff` start at once.
 """
 
+import contextlib
+import os
 import signal
 import sys
 
 import click
 
 from .. import __version__
-from ..errors import BAD_INPUT, INTERNAL_FAULT, FlexmbError
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, FlexmbError
 from .beam import beam
 from .check import check
 from .diff import diff
@@ -46,6 +48,7 @@ def main():
     if hasattr(signal, "SIGPIPE"):
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    _open_closed_streams()
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")
     except SystemExit:
@@ -60,6 +63,10 @@ def main():
     except FlexmbError as failure:
         _report_failure(failure)
         sys.exit(failure.exit_code)
+    except OSError as fault:
+        # Files are guarded where they are written: what is left are the standard streams.
+        _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
+        os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     except Exception as fault:
         if "--debug" in sys.argv:
             raise
@@ -69,6 +76,18 @@ def main():
             err=True,
         )
         sys.exit(INTERNAL_FAULT)
+
+
+def _open_closed_streams():
+    """A shell can close a standard stream (`2>&-`); Python then has None in its place."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+
+
+def _tell(sentence):
+    with contextlib.suppress(OSError):
+        click.echo(sentence, err=True)
 
 
 def _report_failure(failure):

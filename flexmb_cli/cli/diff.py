@@ -5,7 +5,8 @@ import sys
 
 import click
 
-from ..errors import DONE
+from ..errors import DONE, compiler_style
+from .finite import Finite
 
 
 @click.command()
@@ -13,8 +14,8 @@ from ..errors import DONE
 @click.argument("b")
 @click.option("--last-digit", type=click.IntRange(0), default=0, metavar="N",
               help="Allow N units of the last printed digit.")  # fmt: skip
-@click.option("--atol", type=click.FloatRange(0), help="Allow this distance.")
-@click.option("--rtol", type=click.FloatRange(0), help="Allow this part of the larger value.")
+@click.option("--atol", type=Finite(0), help="Allow this distance.")
+@click.option("--rtol", type=Finite(0), help="Allow this part of the larger value.")
 @click.option("--tol", "kinds", multiple=True, metavar="KIND=ATOL[,RTOL]",
               help="Tolerance of one kind of column (acceleration=1e-3); inf leaves it out.")  # fmt: skip
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
@@ -30,10 +31,15 @@ def diff(a, b, last_digit, atol, rtol, kinds, same_attitude, as_json, quiet):
         flexmb diff OUT4-BAR.dat reference/OUT4-BAR.dat --last-digit 1
     """
     from ..write.diff import compare
+    from ..write.out_table import TableError
     from ..write.tolerances import Tolerances, parse_kinds
 
     tolerances = Tolerances(atol, rtol, last_digit, parse_kinds(kinds))
-    report = compare(a, b, tolerances, same_attitude)
+    try:
+        report = compare(a, b, tolerances, same_attitude)
+    except TableError as failure:
+        click.echo(compiler_style(failure.name, failure.faults, failure.lines), err=True)
+        sys.exit(failure.exit_code)
     if as_json:
         click.echo(json.dumps(report.as_dict()))
     elif not quiet:

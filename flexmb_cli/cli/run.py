@@ -8,10 +8,11 @@ import click
 
 from ..errors import DONE, FlexmbError
 from .deck_options import DECK, deck_options, show_faults
+from .finite import Finite
 
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
-TOLERANCE = click.FloatRange(0, 1, min_open=True, max_open=True)
+TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 
 
 @click.command()
@@ -26,8 +27,8 @@ TOLERANCE = click.FloatRange(0, 1, min_open=True, max_open=True)
 @click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,
               help="historic: signed zeros, fields that run together.")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run at once.")
-@click.option("--feps", type=click.FloatRange(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
-@click.option("--epslu", type=click.FloatRange(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
+@click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
+@click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
 @click.option("--rtol", type=TOLERANCE, help="DAFMS: relative tolerance of a step (1e-9).")
 @click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (1e-9).")
@@ -43,13 +44,16 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     """
     from ..run.outcome import RunOptions
 
+    _refuse_mixed_output(as_json, options)
     solver = _given(options, tolerance="feps", smallest_pivot="epslu", most_iterations="nrmax")
     integration = _given(options, rtol="rtol", atol="atol", method="method")
-    choices = RunOptions(changes=changes, solver=solver, integration=integration, **options)
+    choices = RunOptions(changes=changes, solver=solver, integration=integration, echo=echo, **options)
     _refuse_shared_files(decks, choices)
     _stop_on_sigterm()
     codes = []
-    for outcome in _outcomes(decks, choices, jobs, quiet, echo):
+    for outcome in _outcomes(decks, choices, jobs, quiet):
+        if outcome.echo:
+            click.echo(outcome.echo, err=True, nl=False)
         _report_outcome(outcome, quiet, verbose)
         if as_json:
             click.echo(json.dumps(outcome.as_dict()))
@@ -59,21 +63,26 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     sys.exit(max(codes))
 
 
+def _refuse_mixed_output(as_json, options):
+    if options["out"] == "-" and as_json:
+        raise click.UsageError("--out - and --json both take standard output; give --out a file")
+    if options["h5"] == "-":
+        raise click.UsageError("--h5 needs a file: an HDF5 result cannot go to standard output")
+
+
 def _given(options, **names):
     """Takes the options called as the values of `names` out of `options`; those given, by the keys."""
     values = {key: options.pop(name) for key, name in names.items()}
     return {key: value for key, value in values.items() if value is not None}
 
 
-def _outcomes(decks, options, jobs, quiet, echo):
+def _outcomes(decks, options, jobs, quiet):
     if jobs > 1 and len(decks) > 1:
         yield from _outcomes_in_parallel(decks, options, jobs)
         return
     from ..run.deck import run_deck
 
     for deck in decks:
-        if echo:
-            _print_echo(deck, options)
         # The bar ends its line before anything is said of the outcome.
         with _Progress(quiet) as progress:
             outcome = run_deck(deck, options, progress.listener, sys.stdout)
@@ -100,12 +109,12 @@ class _Progress:
 
         self.bar = None
         self.shown = not quiet and sys.stderr.isatty()
-        notice = (
-            (lambda sentence: None)
-            if quiet
-            else (lambda sentence: click.echo(f"flexmb: {sentence}", err=True))
-        )
-        self.listener = Listener(self.begin, self.advance, notice)
+        self.quiet = quiet
+        self.listener = Listener(self.begin, self.advance, self.notice)
+
+    def notice(self, sentence):
+        if not self.quiet:
+            click.echo(f"flexmb: {sentence}", err=True)
 
     def begin(self, rows):
         if self.shown and rows > 1:
@@ -183,15 +192,3 @@ def _kept(outcome):
     if not outcome.files:
         return "nothing was written"
     return f"{_rows(outcome)} kept, marked as failed, in {', '.join(outcome.files)}"
-
-
-def _print_echo(path, options):
-    """The echo of one deck on standard error; its faults are reported by the run itself."""
-    from ..run.deck import open_deck
-    from ..run.outcome import Outcome
-    from ..write.echo import echo
-
-    try:
-        click.echo(echo(open_deck(path, options, Outcome(path))), err=True, nl=False)
-    except FlexmbError:
-        return

@@ -7,6 +7,7 @@ run as plain Python on numpy arrays, and numba is never imported.
 import functools
 import hashlib
 import os
+import stat
 import tempfile
 from pathlib import Path
 
@@ -49,6 +50,27 @@ def _cache_bases():
         base = os.environ.get(name)
         if base:
             yield Path(base) / below
+
+    private = _private_folder()
+    if private is not None:
+        yield private
+
+
+def _private_folder() -> Path | None:
+    """A folder of this user's own among the temporary files, for systems without a home.
+
+    Compiled kernels are code: a folder that others may write to is not used.
+    """
+    if not hasattr(os, "getuid"):
+        return None
+    folder = Path(tempfile.gettempdir()) / f"flexmb-{os.getuid()}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+    except OSError:
+        return None
+    mine = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+    return folder if mine else None
 
 
 def _cache_folder() -> tuple[Path, bool]:

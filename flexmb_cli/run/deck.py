@@ -1,10 +1,13 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from ..errors import INTERNAL_FAULT, AnalysisError, Fault, FlexmbError
+from dataclasses import replace
+
+from ..errors import INTERNAL_FAULT, AnalysisError, DeckError, Fault, FlexmbError
 from ..read.deck import Deck
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
 from ..read.text import read_text
+from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
 from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
@@ -22,6 +25,9 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
     outcome = Outcome(path)
     try:
         deck = open_deck(path, options, outcome)
+        if options.echo:
+            outcome.echo = echo(deck)
+        warn_of_foreign_options(deck, options, outcome)
         runner = RUNNERS[deck.dialect]
         runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
     except FlexmbError as failure:
@@ -40,8 +46,18 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     outcome.faults += deck.warnings
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
-        raise FlexmbError(message, (Fault("error", message),))
+        raise DeckError([Fault("error", message)])
     return deck
+
+
+def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:
+    """Options that mean nothing to the deck's dialect are said to be without effect."""
+    foreign = []
+    if deck.dialect != "young" and options.solver:
+        foreign.append("--feps, --epslu and --nrmax are for YOUNG decks")
+    if deck.dialect == "young" and (options.integration or options.resume):
+        foreign.append("--rtol, --atol, --method and --resume are for DAFMS decks")
+    outcome.faults += [Fault("warning", f"{sentence} and have no effect here") for sentence in foreign]
 
 
 def paths_of(deck: Deck, options: RunOptions):
@@ -57,9 +73,18 @@ def paths_of(deck: Deck, options: RunOptions):
     )
 
 
+def _by_change(fault, options):
+    """A fault without a place, where numbers were changed, may be theirs."""
+    if fault.place is None and options.changes and fault.severity == "error":
+        return replace(
+            fault, message=f"{fault.message} (numbers changed by --set: {', '.join(options.changes)})"
+        )
+    return fault
+
+
 def _record(outcome, failure: FlexmbError, options):
     known = set(outcome.faults)
-    outcome.faults += [fault for fault in failure.faults if fault not in known]
+    outcome.faults += [_by_change(f, options) for f in failure.faults if f not in known]
     outcome.exit_code = failure.exit_code
     if isinstance(failure, AnalysisError):
         outcome.failed_at, outcome.norms = failure.time, failure.norms

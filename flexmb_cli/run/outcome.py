@@ -32,14 +32,15 @@ class RunOptions:
     solver: dict = field(default_factory=dict)
     integration: dict = field(default_factory=dict)
     resume: bool = False
+    echo: bool = False
 
 
 @dataclass
 class Outcome:
     """What became of one deck; fills while the deck is run.
 
-    `deck` is the deck as named by the user, `source` its text once read, `statistics` what the solver
-    counted, `resumable` whether `--resume` can go on with it.
+    `deck` is the deck as named by the user, `source` its text once read, `echo` the list of its numbers
+    if asked for, `statistics` what the solver counted, `resumable` whether `--resume` can go on with it.
     """
 
     deck: str
@@ -48,6 +49,7 @@ class Outcome:
     faults: list[Fault] = field(default_factory=list)
     files: tuple[str, ...] = ()
     rows: int = 0
+    echo: str = ""
     statistics: str = ""
     resumable: bool = False
     failed_at: float | None = None

@@ -1,6 +1,6 @@
 """Cost of the YOUNG kinematics: steps, writing, start-up, compilation, growth with the number of bodies.
 
-Run with `scripts/bench kinematics`.  Times are processor seconds, medians of repeats; where a
+Run with `scripts/bench/run kinematics [PART...]`.  Times are processor seconds, medians of repeats; where a
 comparison is meant, both sides are measured in turn in this one run and the ratio is printed.
 """
 
