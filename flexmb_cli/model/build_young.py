@@ -9,6 +9,7 @@ import math
 from ..errors import Fault, ModelError
 from ..read.deck import Deck, Record
 from ..read.line_custom import with_slip_named
+from ..read.young_dynamics import FORWARD, analysis_of
 from .equation_count import check_equation_count
 from .findings import Findings
 from .held_coordinates import check_held_coordinates
@@ -44,7 +45,9 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     )
     check_held_coordinates(mechanism, findings)
     counted = Findings()
-    check_equation_count(mechanism, deck.one("counts").place, counted)
+    # Forces may move what no equation does, and repeated equations take no part in the motion.
+    if analysis_of(deck) != FORWARD:
+        check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order
 

@@ -10,7 +10,6 @@ from typing import Literal
 from ..errors import Place
 from .mechanism import Mechanism, Vector
 
-INVERSE, FORWARD = "inverse", "forward"
 NOWHERE: Vector = (0.0, 0.0, 0.0)
 
 
@@ -100,7 +99,7 @@ class DynamicModel:
     """
 
     mechanism: Mechanism
-    analysis: Literal["inverse", "forward"] = FORWARD
+    analysis: Literal["inverse", "forward"] = "forward"
     masses: tuple[MassProperties, ...] = ()
     forces: tuple[AppliedForce, ...] = ()
     torques: tuple[AppliedTorque, ...] = ()
@@ -108,3 +107,11 @@ class DynamicModel:
     gravity: Vector = NOWHERE
     velocities: tuple[InitialVelocity, ...] = ()
     tolerance: float = 1e-9
+
+
+def holders(mechanism: Mechanism) -> list[tuple[str, int]]:
+    """Names and bodies of the holding forces; a distance constraint holds two bodies."""
+    found = [(item.name, item.body) for item in mechanism.simplified]
+    for item in mechanism.distances:
+        found += [(f"{item.name}, body I", item.i), (f"{item.name}, body J", item.j)]
+    return found + [(item.name, item.body) for item in mechanism.grounds]

@@ -109,5 +109,5 @@ def _is_integer(word: Word):
 DIALECTS = {
     "vsdf": Dialect("the word VSDF", _begins_vsdf, "vsdf", "read_vsdf"),
     "dafms": Dialect("two integers, then a card DFMB, STAR or STOP", _begins_dafms, "dafms", "read_dafms"),
-    "young": Dialect("twelve integers", _begins_young, "young", "read_young"),
+    "young": Dialect("twelve integers", _begins_young, "young_dynamics", "read_young_deck"),
 }

@@ -133,7 +133,9 @@ def _blocks(counts):
 
 def labelled(record: Record) -> Record:
     """`record` with the meanings and units that its present direction gives the values behind it."""
-    section = next(section for section in YOUNG_SECTIONS if section.name == record.section)
+    section = next((section for section in YOUNG_SECTIONS if section.name == record.section), None)
+    if section is None:
+        return record
     turning = any(n.key == "direction" and n.value in (4, 5, 6) for n in record.numbers)
     numbers = tuple(
         replace(number, meaning=column.label(turning)[0], unit=column.label(turning)[1])

@@ -10,11 +10,13 @@ import numpy as np
 from ..errors import Fault, FlexmbError, ModelError
 from ..model.build_young import build_young
 from ..read.deck import Deck
+from ..read.young_dynamics import FORWARD, analysis_of
 from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
 from .outcome import Outcome, RunOptions, refuse_warnings
 
 INTERPRETED_LIMIT = 150  # equations
+FAR_STEPS = 100  # report steps to the time of a Jacobian
 RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
 
 
@@ -95,24 +97,39 @@ def _refuse_jacobian(jacobian):
 
 
 def _check_mechanism(report, options, jacobian):
-    mechanism, warnings = build_young(report.deck)
+    if analysis_of(report.deck) == FORWARD:
+        from .check_forward import check_forward
+
+        check_forward(report, options)
+        return
+    mechanism, warnings = _built(report.deck)
     report.outcome.faults += warnings
     refuse_warnings(report.outcome, options)
     _diagnose(report, mechanism, jacobian)
     refuse_warnings(report.outcome, options)
 
 
+def _built(deck):
+    """Mechanism and warnings of a deck that its drivers move, with or without dynamic cards."""
+    if analysis_of(deck) is None:
+        return build_young(deck)
+    from ..model.build_young_dynamics import build_young_dynamics
+
+    model, warnings = build_young_dynamics(deck)
+    return model.mechanism, warnings
+
+
 def _diagnose(report: CheckReport, mechanism, jacobian):
     from ..kernels import _jit
 
     equations = 7 * len(mechanism.bodies)
-    if equations <= INTERPRETED_LIMIT:
+    if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
         _jit.interpret()
     from ..solve.kinematics import KinematicAnalysis
 
     analysis = KinematicAnalysis(mechanism)
     report.counts = _counts(mechanism, analysis)
-    before = _gaps(analysis, analysis.arrays.q)
+    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q)
     if jacobian == "estimate":
         report.jacobian = _labelled(analysis, analysis.arrays.q, None)
     try:
@@ -120,15 +137,30 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     finally:
         report.outcome.faults += analysis.warnings
     report.time = mechanism.time.start
-    report.gaps = _before_and_after(analysis, before, _gaps(analysis, analysis.state[0]))
+    report.gaps = before_and_after(before, gaps_of(analysis, analysis.arrays, analysis.state[0]))
     if equations <= RANK_LIMIT:
         _look_at_rank(report, analysis)
     if jacobian not in (None, "estimate"):
         report.jacobian = _jacobian_at(mechanism, float(jacobian))
 
 
+def _is_far(grid, jacobian):
+    """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
+
+
 def _counts(mechanism, analysis):
-    joints = {}
+    equations, coordinates = len(analysis.arrays.equations), analysis.arrays.q.size
+    return parts_of(mechanism) | {
+        "equations": equations,
+        "coordinates": coordinates,
+        "degrees_of_freedom": coordinates - equations + len(mechanism.drivers),
+    }
+
+
+def parts_of(mechanism) -> dict:
+    """How many of each thing a mechanism has."""
+    joints: dict[str, int] = {}
     for joint in mechanism.joints:
         joints[joint.kind] = joints.get(joint.kind, 0) + 1
     return {
@@ -140,25 +172,21 @@ def _counts(mechanism, analysis):
         "grounds": len(mechanism.grounds),
         "points": len(mechanism.points),
         "report_times": mechanism.time.rows,
-        "equations": len(analysis.arrays.equations),
-        "coordinates": analysis.arrays.q.size,
-        "degrees_of_freedom": analysis.arrays.q.size
-        - len(analysis.arrays.equations)
-        + len(mechanism.drivers),
     }
 
 
-def _gaps(analysis, q):
+def gaps_of(analysis, arrays, q) -> dict:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, analysis.arrays.screw_angles)
+    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
     gaps: dict = {}
-    for equation, value in zip(analysis.arrays.equations, scaled * analysis.arrays.row_scale, strict=True):
+    for equation, value in zip(arrays.equations, scaled * arrays.row_scale, strict=True):
         key = (equation.owner, equation.unit)
         gaps[key] = max(gaps.get(key, 0.0), abs(float(value)))
     return gaps
 
 
-def _before_and_after(analysis, before, after):
+def before_and_after(before, after) -> list:
+    """Rows (owner, gap of the estimates, of the assembled position, unit)."""
     return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
 
 

@@ -11,9 +11,9 @@ from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
 from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
-from .young import run_young
+from .young_dynamics import run_young_deck
 
-RUNNERS = {"young": run_young, "dafms": run_dafms}
+RUNNERS = {"young": run_young_deck, "dafms": run_dafms}
 
 
 def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout=None) -> Outcome:

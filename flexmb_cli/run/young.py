@@ -1,5 +1,6 @@
 """A YOUNG deck from its records to OUT table and HDF5 result."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..errors import AnalysisError
@@ -20,11 +21,21 @@ def run_young(
     mechanism, warnings = build_young(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
+    from ..write.hdf5_kinematic import kinematic_layout, kinematic_values
+
     analysis = _analysis(mechanism, options, listener)
-    files = _ResultFiles(deck, mechanism, paths, options, stdout)
-    count = _NewtonCount()
+    contents = Contents(lambda: kinematic_layout(mechanism), kinematic_values)
+    files = ResultFiles(deck, contents, paths, options, stdout)
+    keep_rows(analysis, mechanism.time.rows, files, options, outcome, listener, _NewtonCount())
+
+
+def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener: Listener, count) -> None:
+    """Write the rows of `analysis` as they come; `count` turns them into the solver's statistics.
+
+    Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
+    """
     try:
-        listener.begin(mechanism.time.rows)
+        listener.begin(rows_wanted)
         for rows in analysis.rows():
             files.rows(rows)
             count.add(rows)
@@ -73,13 +84,21 @@ class _NewtonCount:
         )
 
 
-class _ResultFiles:
+@dataclass(frozen=True)
+class Contents:
+    """What the HDF5 file of an analysis holds: its layout, and report rows as values by path."""
+
+    layout: Callable
+    values: Callable
+
+
+class ResultFiles:
     """The OUT table and the HDF5 file of a run; both appear whole or not at all."""
 
-    def __init__(self, deck, mechanism, paths: ResultPaths, options, stdout):
+    def __init__(self, deck, contents: Contents, paths: ResultPaths, options, stdout):
         from ..write.atomic import ReplacedText, make_folder
 
-        self.paths = paths
+        self.paths, self.contents = paths, contents
         self.table = self.table_file = self.result = None
         self.begun = False
         if paths.files:
@@ -87,11 +106,10 @@ class _ResultFiles:
         if paths.out is not None:
             self._open_table(deck, options, stdout, ReplacedText)
         if paths.h5 is not None:
-            from ..write.hdf5_kinematic import kinematic_layout
             from ..write.result_file import ResultFile
 
             try:
-                self.result = ResultFile(paths.h5, deck, kinematic_layout(mechanism))
+                self.result = ResultFile(paths.h5, deck, contents.layout())
             except Exception:
                 self.discard()
                 raise
@@ -108,23 +126,24 @@ class _ResultFiles:
             self.begun = True
             self.table.begin()
 
-    def rows(self, rows):
+    def rows(self, rows) -> None:
+        """Write report rows."""
         self._begin()
         if self.table:
             self.table.rows(rows)
         if self.result:
-            from ..write.hdf5_kinematic import kinematic_values
+            self.result.rows(self.contents.values(rows))
 
-            self.result.rows(kinematic_values(rows))
-
-    def close(self):
+    def close(self) -> tuple[str, ...]:
+        """Put the finished files in their places; their names."""
         if self.table_file:
             self.table_file.commit()
         if self.result:
             self.result.close()
         return self.paths.files
 
-    def close_failed(self, message, no_convergence):
+    def close_failed(self, message, no_convergence) -> tuple[str, ...]:
+        """Keep the rows so far, marked as those of a failed run; the names of the files."""
         self._begin()
         if self.table and no_convergence:
             self.table.failed()
@@ -134,7 +153,8 @@ class _ResultFiles:
             self.result.close("failed", message)
         return self.paths.files
 
-    def discard(self):
+    def discard(self) -> None:
+        """Leave no file."""
         for file in (self.table_file, self.result):
             if file:
                 file.discard()

@@ -10,14 +10,14 @@ from ..kernels.constrained_march import NEAR, NEW, OLD
 from ..kernels.constrained_system import NO_INERTIA, SINGULAR
 from ..model.dynamic_arrays import dynamic_arrays
 from ..model.dynamics import DynamicModel
-from .assembly import redundancy_warning
 from .constrained_start import assembled, inertia_failure, order_of_elimination, start_speeds
 from .constrained_system import AnyCountEvaluator, blank_report, constrained_system, new_work
-from .diagnosis import Gap
+from .diagnosis import Gap, Mobility
 from .dynamic_rows import DynamicRows, dynamic_rows
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
+SHOWN_OWNERS = 6
 
 
 class ForwardDynamics:
@@ -52,7 +52,7 @@ class ForwardDynamics:
         cannot be assembled, reaches a singular position or has a motion without inertia; all rows
         before have been yielded.
         """
-        self._start()
+        self.start()
         grid, row = self.mechanism.time, 0
         while row < grid.rows:
             end = min(row + LARGEST_BLOCK, grid.rows)
@@ -66,15 +66,18 @@ class ForwardDynamics:
             if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
                 raise self._failure(answer)
 
-    def _start(self):
-        """Assemble positions and speeds at the first time and choose the first step."""
+    def start(self) -> Mobility:
+        """Assemble positions and speeds at the first time and choose the first step.
+
+        Returns what the equations leave free, and which of them repeat others; raises as `rows`.
+        """
         grid, march = self.mechanism.time, self.march
         bodies = len(self.mechanism.bodies)
         q = assembled(self, grid.start)
         march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
         found = order_of_elimination(self, q, grid.start)
         if found.redundant:
-            self.warnings.append(redundancy_warning(found))
+            self.warnings.append(_repetition_warning(found))
         march.z[: 7 * bodies] = q
         march.z[7 * bodies : 13 * bodies] = start_speeds(self, q, grid.start)
         self.clock["t"] = grid.start
@@ -84,6 +87,7 @@ class ForwardDynamics:
             raise inertia_failure(self, grid.start)
         if code == SINGULAR:
             raise self._failure(constrained_march.STEP_VANISHED)
+        return found
 
     def screw_angles(self, q):
         """Angles of the screws at q, those nearest to the deck's estimates."""
@@ -108,6 +112,19 @@ class ForwardDynamics:
             "position (a dead centre or branching), or its forces grow beyond all bounds"
         )
         return AnalysisError(Fault("error", message), t, norms)
+
+
+def _repetition_warning(found):
+    """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
+    owners = list(dict.fromkeys(equation.owner for group in found.redundant for equation in group))
+    place = next((e.place for group in found.redundant for e in group if e.place), None)
+    count = len(found.redundant)
+    shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
+    message = (
+        f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
+        "motion is unique, reactions are those of least norm"
+    )
+    return Fault("warning", message, place)
 
 
 def _first(report, filled):

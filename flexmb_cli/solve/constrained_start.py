@@ -13,6 +13,7 @@ from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
 from .dynamic_rows import body_axes, global_axes
 
 SINGULAR_VALUE = 1e-9  # of the largest
+SPEEDS = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
 FITS = 1e-6  # of the largest speed: what initial velocities may be changed without a warning
 
 
@@ -50,16 +51,21 @@ def order_of_elimination(analysis, q, t: float) -> Mobility:
     names = arrays.kinematic.equations
     dependencies, _ = sparse_basis(left[:, rank:].T)
     groups = [tuple(names[k] for k in involved(row)) for row in dependencies]
+    motions, pivots = sparse_basis(right[rank:])
     return Mobility(
         equations=len(names),
         coordinates=arrays.speeds,
         rank=found,
         smallest=float(values[-1] / values[0]) if values.size else 1.0,
         redundant=tuple(group for group in groups if not _of_one_attitude(group)),
-        free=(),
-        motions=right[rank:],
-        pivots=(),
+        free=tuple(tuple(_speed_name(arrays, k) for k in involved(row)) for row in motions),
+        motions=motions,
+        pivots=pivots,
     )
+
+
+def _speed_name(arrays, k):
+    return f"{arrays.kinematic.body_names[k // 6]} {SPEEDS[k % 6]}"
 
 
 def _of_one_attitude(group):

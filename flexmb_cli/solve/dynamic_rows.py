@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ..kernels.constrained_report import Report
+from ..model.dynamics import holders
 from ..model.mechanism import Mechanism
 from .kinematic_system import rotated, rows_of
 from .rows import Rows
@@ -17,7 +18,7 @@ class DynamicRows(Rows):
     """Rows with forces in N, torques in N m and energies in J; vectors in global axes.
 
     Reactions act on body J of each joint at its point P_j.  Holding forces act on the bodies of
-    simplified constraints, distance constraints and grounds at their origins, see `holders`.
+    simplified constraints, distance constraints and grounds at their origins, see `model.dynamics.holders`.
     Without errors total = kinetic + potential - applied_work stays constant.
     """
 
@@ -35,14 +36,6 @@ class DynamicRows(Rows):
     def total(self) -> np.ndarray:
         """Energy that nothing changes but errors (T,), J."""
         return self.kinetic + self.potential - self.applied_work
-
-
-def holders(mechanism: Mechanism) -> list[tuple[str, int]]:
-    """Names and bodies of the holding forces; a distance constraint holds two bodies."""
-    found = [(item.name, item.body) for item in mechanism.simplified]
-    for item in mechanism.distances:
-        found += [(f"{item.name}, body I", item.i), (f"{item.name}, body J", item.j)]
-    return found + [(item.name, item.body) for item in mechanism.grounds]
 
 
 def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:

@@ -1,0 +1,68 @@
+"""A YOUNG deck with dynamic cards from its records to OUT table and HDF5 result."""
+
+from dataclasses import dataclass
+
+from ..model.build_young_dynamics import build_young_dynamics
+from ..read.deck import Deck
+from ..read.young_dynamics import INVERSE, analysis_of
+from ..write.file_names import ResultPaths
+from .compiling import tell_of_compiling
+from .outcome import Listener, Outcome, RunOptions, refuse_warnings
+from .young import Contents, ResultFiles, keep_rows, run_young
+
+
+def run_young_deck(
+    deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outcome, listener, stdout
+) -> None:
+    """Run a YOUNG deck: kinematics, or dynamics where its cards ask for them.
+
+    Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
+    """
+    if analysis_of(deck) is None:
+        run_young(deck, paths, options, outcome, listener, stdout)
+        return
+    from ..write.hdf5_dynamic import dynamic_layout, dynamic_values
+
+    model, warnings = build_young_dynamics(deck)
+    outcome.faults += warnings
+    refuse_warnings(outcome, options)
+    inverse = model.analysis == INVERSE
+    analysis = _analysis(model, options, listener)
+    contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
+    files = ResultFiles(deck, contents, paths, options, stdout)
+    count = _Count(None if inverse else analysis.clock)
+    keep_rows(analysis, model.mechanism.time.rows, files, options, outcome, listener, count)
+
+
+def _analysis(model, options, listener: Listener):
+    if model.analysis == INVERSE:
+        from ..solve.inverse_dynamics import InverseDynamics
+        from ..solve.settings import KinematicSettings
+
+        tell_of_compiling(listener, "constrained_report.observe_rows")
+        return InverseDynamics(model, KinematicSettings(**options.solver))
+    from ..solve.constrained_dynamics import ForwardDynamics
+
+    tell_of_compiling(listener, "constrained_march.march_rows")
+    return ForwardDynamics(model)
+
+
+@dataclass
+class _Count:
+    """Steps and residuals so far; an inverse run takes no steps of its own."""
+
+    clock: object
+    residual: float = 0.0
+
+    def add(self, rows):
+        self.residual = max(self.residual, float(rows.constraint_residual.max()))
+
+    def __str__(self):
+        worst = f"largest residual {self.residual:.1e}"
+        if self.clock is None:
+            return worst
+        clock = self.clock[0]
+        return (
+            f"steps {clock['steps']}, evaluations {clock['evaluations']}, "
+            f"rejected attempts {clock['rejections']}; {worst}"
+        )

@@ -1,0 +1,61 @@
+"""What the HDF5 result of a mechanism's dynamics holds beyond its kinematics."""
+
+from dataclasses import replace
+
+from ..model.dynamics import DynamicModel, holders
+from .hdf5_kinematic import kinematic_layout, kinematic_values
+from .result_file import Axis, Layout, Series, Values, numbered_axis
+
+JOINT_VECTOR = ("joint/joint", "xyz")
+HELD_VECTOR = ("held/held", "xyz")
+FORCES = {
+    "reaction_force": Series(
+        "reaction/force", JOINT_VECTOR, "N", "force on body J at the joint, global axes"
+    ),
+    "reaction_torque": Series(
+        "reaction/torque", JOINT_VECTOR, "N m", "torque on body J at the joint, global axes"
+    ),
+    "driver_effort": Series(
+        "driver/effort", ("driver/driver",), "N or N m", "force or torque along the driver's direction"
+    ),
+    "holding_force": Series(
+        "held/force", HELD_VECTOR, "N", "force of a holding constraint on its body, global axes"
+    ),
+    "holding_torque": Series(
+        "held/torque",
+        HELD_VECTOR,
+        "N m",
+        "torque of a holding constraint about the body's origin, global axes",
+    ),
+    "kinetic": Series("energy/kinetic", (), "J", "kinetic energy"),
+    "potential": Series("energy/potential", (), "J", "potential energy of gravity and springs"),
+    "applied_power": Series("energy/applied_power", (), "W", "power of drivers, forces, torques and dampers"),
+}
+OF_MOTION = {
+    "applied_work": Series("energy/applied_work", (), "J", "work of drivers and loads since the start"),
+    "total": Series("energy/total", (), "J", "kinetic + potential - applied work: constant but for errors"),
+}
+
+
+def dynamic_layout(model: DynamicModel) -> Layout:
+    """Axes and series of a forward run, or of an inverse one, which does not know the work done."""
+    motion = kinematic_layout(model.mechanism)
+    axes = (*motion.axes, *_held_axis(model))
+    present = {axis.path for axis in axes}
+    forces = tuple(item for item in _series(model).values() if present.issuperset(item.axes))
+    return replace(motion, analysis="dynamic", axes=axes, series=(*motion.series, *forces))
+
+
+def dynamic_values(model: DynamicModel, rows) -> Values:
+    """The fields of report rows (`solve.dynamic_rows.DynamicRows`) by the paths of their datasets."""
+    values = dict(kinematic_values(rows))
+    return values | {series.path: getattr(rows, field) for field, series in _series(model).items()}
+
+
+def _series(model):
+    return FORCES | OF_MOTION if model.analysis == "forward" else FORCES
+
+
+def _held_axis(model) -> list[Axis]:
+    names = [name for name, _ in holders(model.mechanism)]
+    return [numbered_axis("held", names)] if names else []
