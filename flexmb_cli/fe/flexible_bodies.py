@@ -15,7 +15,7 @@ from ..read.fe_files.matrix_file import FEFileFault
 from . import cache, modes
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
-from .nodal_matrices import mass_matrix, stiffness_matrix
+from .nodal_matrices import condensed, nodal_part
 from .reference_frame import Frame, reference_frame
 
 # J2 has 9 N² numbers and C1 3 N².
@@ -50,8 +50,8 @@ class _Matrices:
 
 
 def _built(given, findings) -> FlexibleBody | None:
-    S = _read(given, given.mass, "M", mass_matrix, findings)
-    K = _read(given, given.stiffness, "K", stiffness_matrix, findings)
+    S = _read(given, given.mass, "M", nodal_part, findings)
+    K = _read(given, given.stiffness, "K", condensed, findings)
     _check_reference_nodes(given, findings)
     if S is None or K is None or findings.faults:
         return None
@@ -215,7 +215,7 @@ def _geometric(given, frame, Phi, findings):
     shapes = np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
-        found = _read(given, load.file, "K", mass_matrix, findings)
+        found = _read(given, load.file, "K", nodal_part, findings)
         if found is not None:
             reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
     return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)

@@ -24,14 +24,14 @@ class NodalMatrix:
     internal: int
 
 
-def mass_matrix(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
-    """The mass matrix of the nodes `numbers` (n,); internal rows are dropped.  Raises FEFileFault."""
+def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
+    """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault."""
     full, nodal, internal = _ordered(name, file, numbers)
     return NodalMatrix(full[nodal][:, nodal].tocsc(), len(internal))
 
 
-def stiffness_matrix(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
-    """The stiffness of the nodes `numbers` (n,); internal freedoms condensed.  Raises FEFileFault."""
+def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
+    """The matrix of the nodes `numbers` (n,), internal freedoms condensed.  Raises FEFileFault."""
     full, nodal, internal = _ordered(name, file, numbers)
     outer = full[nodal][:, nodal].tocsc()
     if not len(internal):
@@ -46,8 +46,8 @@ def stiffness_matrix(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalM
     active = np.flatnonzero(np.diff(coupling.indptr))
     solved = sparse.lil_matrix(coupling.shape)
     solved[:, active] = inner.solve(coupling[:, active].toarray())
-    condensed = outer - coupling.T @ solved.tocsc()
-    return NodalMatrix(((condensed + condensed.T) / 2).tocsc(), len(internal))
+    reduced = outer - coupling.T @ solved.tocsc()
+    return NodalMatrix(((reduced + reduced.T) / 2).tocsc(), len(internal))
 
 
 def _ordered(name, file, numbers):

@@ -12,7 +12,8 @@ import numpy as np
 from .file_text import line_fault, lines_of
 from .matrix_file import FEFileFault, MatrixFile
 
-_FORMAT = re.compile(r"(\d*)\(?(?:[+-]?\d*P,?)?(\d*)([IDEFG])(\d+)(?:\.\d+)?", re.IGNORECASE)
+# Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.
+_FORMAT = re.compile(r"([IDEFG])(\d+)", re.IGNORECASE)
 _EQUATION = re.compile(r"\s*(\d+)\s+(\d+)\s+([A-Za-z]\w*)\s*")
 _DIRECTIONS = {"UX": 1, "UY": 2, "UZ": 3}
 
@@ -87,17 +88,17 @@ def _check_kind(name, kind, size, columns, equations):
 
 
 def _format(name, line, first, width):
+    """Letter and width of the fields that a FORTRAN format prescribes."""
     match = _FORMAT.search(line[first : first + width])
     if match is None:
         message = f"no FORTRAN format in '{line[first : first + width].strip()}'"
         raise line_fault(name, 4, message)
-    repeat = int(match[2] or 1) * (int(match[1] or 1) if match[2] else 1)
-    return (int(match[1] or 1) if not match[2] else repeat), match[3].upper(), int(match[4])
+    return match[1].upper(), int(match[2])
 
 
 def _numbers(name, lines, start, count, form, wanted):
     """`wanted` numbers from `count` lines cut by the width of their format."""
-    _, letter, width = form
+    letter, width = form
     section = lines[start : start + count]
     if len(section) < count:
         raise FEFileFault(f"{name} ends at line {len(lines)}, {count - len(section)} lines too early")
