@@ -1,6 +1,6 @@
 """The cards of a VSDF deck: one table of words, columns and meanings.
 
-Vlasenko and Kasper (2008) typed their models into a Maple session; this deck is flexmb's own.  The
+Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's own.  The
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
