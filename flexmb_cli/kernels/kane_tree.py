@@ -41,13 +41,15 @@ def accelerations(tree, work, coordinates, t, q, y, attitudes):
 
     q, y (NS,), attitudes (balls, 4).  The rate of a "held" coordinate is input.
     """
-    place_frames(tree, work, coordinates, q, y, attitudes)
-    coordinate_efforts(tree, work, t, q, y, coordinates)
     forget_closing_forces(tree.closures)
     # One call of the solution only: a second would be compiled a second time.
     for turn in range(2):
         if not _prepare_turn(tree, work, coordinates, turn):
             break
+        # Each time: accelerations of locked coordinates have joined the remainders of the hinges.
+        place_frames(tree, work, coordinates, q, y, attitudes)
+        if turn == 0:
+            coordinate_efforts(tree, work, t, q, y, coordinates)
         fault = solve_tree(tree, work, coordinates, t, q, y)
         if fault != SOLVED:
             return fault
@@ -75,7 +77,7 @@ def _prepare_turn(tree, work, coordinates, turn):
 def solve_tree(tree, work, coordinates, t, q, y):
     """Rates of the free coordinates, and in "drive" the efforts that hold the locked ones to theirs.
 
-    Expects placed frames and the efforts along the coordinates; returns as `accelerations`.
+    Expects frames just placed and the efforts along the coordinates; returns as `accelerations`.
     """
     frames = tree.frames
     for k in range(1, frames.shape[0]):

@@ -82,6 +82,21 @@ def closed_where_it_is(tree):
     return replace(tree, closures=(replace(closure, b_point=tuple(b_point)),))
 
 
+def test_loop_answers_to_a_prescribed_acceleration_once():
+    """The open and the closed solution both see it; b y' = F - f* + Jᵀ force in all other rows."""
+    tree = closed_where_it_is(looped_tree(3))
+    m = next(i for i, c in enumerate(tree.coordinates) if c.body == 0)
+    recursion = Recursion(tree)
+    recursion.coordinates["held"][m], recursion.coordinates["rate"][m] = 1, 3.0
+    mass, remainder, force = recursion.dense()
+    J, gamma = closure_equations(tree, recursion.attitudes)
+    rates = recursion.forward()
+    assert rates[m] == 3.0
+    close(J @ rates, -gamma, 1e-9)
+    missing = mass @ rates + remainder - force - J.T @ recursion.arrays.closures["force"]
+    close(np.delete(missing, m), 0.0 * np.delete(missing, m), 1e-8)
+
+
 def test_closure_that_repeats_another_carries_nothing_and_changes_nothing():
     tree = closed_where_it_is(looped_tree(3))
     twice = replace(tree, closures=tree.closures * 2)
