@@ -32,6 +32,7 @@ ROWS_FULL, PAUSED, STEP_VANISHED, CONTRADICTION = 0, 1, 2, 3
 MOST_MOVED = 10.0  # tolerances by which a projection may move an accepted step
 REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 SMALLEST_STEP = 1e-14
+HOPELESS = 1e10  # error of a step that cannot be made
 
 CLOCK = np.dtype(
     [
@@ -42,6 +43,7 @@ CLOCK = np.dtype(
         ("step_length", np.float64),  # how long it was
         ("dense", np.int64),  # whether its dense output is ready
         ("stop", np.float64),  # no step goes further, s
+        ("row", np.int64),  # report rows filled in this call
         ("steps", np.int64),
         ("evaluations", np.int64),
         ("rejections", np.int64),
@@ -115,23 +117,22 @@ def _scaled_norm(march, a):
 
 @kernel
 def march_rows(system, work, march, report, budget):
-    """Fill the rows of `report`, at most `budget` evaluations; returns (answer, rows filled)."""
+    """Fill the rows of `report`, at most `budget` evaluations; returns an answer.
+
+    clock["row"] counts the rows filled.
+    """
     clock = march.clock[0]
+    clock["row"] = 0
     spent = clock["evaluations"] + budget
-    row = 0
-    while row < report.times.shape[0]:
-        if report.times[row] <= clock["t"]:
-            answer = report_row(system, work, march, report, row)
-            if answer != ROWS_FULL:
-                return answer, row
-            row += 1
+    answer = ROWS_FULL
+    while answer == ROWS_FULL and clock["row"] < report.times.shape[0]:
+        if report.times[clock["row"]] <= clock["t"]:
+            answer = report_row(system, work, march, report)
         elif clock["evaluations"] >= spent:
-            return PAUSED, row
+            answer = PAUSED
         else:
             answer = step(system, work, march)
-            if answer != ROWS_FULL:
-                return answer, row
-    return ROWS_FULL, row
+    return answer
 
 
 @kernel
@@ -145,7 +146,7 @@ def step(system, work, march):
         if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
             return STEP_VANISHED
         error = _attempt(system, work, march, h)
-        factor = next_factor(error, clock["rejected"]) if error < 1e10 else 0.2
+        factor = next_factor(error, clock["rejected"]) if error < HOPELESS else 0.2
         # `not <` rejects a nan as well.
         clock["step"] = h * factor
         if not error < 1.0:
@@ -161,24 +162,20 @@ def _attempt(system, work, march, h):
     clock, z, trial, slopes = march.clock[0], march.z, march.trial, march.slopes
     t = clock["t"]
     clock["fault"] = SOLVED
-    for stage in range(1, STAGES):
+    error = 0.0
+    for stage in range(1, STAGES + 1):
         set_stage(z, slopes, stage, h, trial)
+        if stage == STAGES:
+            error = _step_error(march, h)
+            if not error < 1.0:
+                return error
+            _expect_turns(system, work, march, h)
+            if not _project(system, work, march, trial, t + h) < MOST_MOVED:
+                return HOPELESS if clock["fault"] != SOLVED else 2.0
         clock["evaluations"] += 1
-        code = slope(system, work, trial, t + h * STAGE_TIMES[stage], slopes[stage])
-        if code != SOLVED:
-            clock["fault"] = code
-            return 1e10
-    set_stage(z, slopes, STAGES, h, trial)
-    error = _step_error(march, h)
-    if error < 1.0:
-        _expect_turns(system, work, march, h)
-        moved = _project(system, work, march, trial, t + h)
-        if not moved < MOST_MOVED:
-            return 1e10 if clock["fault"] != SOLVED else 2.0
-        clock["evaluations"] += 1
-        clock["fault"] = slope(system, work, trial, t + h, slopes[STAGES])
+        clock["fault"] = slope(system, work, trial, t + h * STAGE_TIMES[stage], slopes[stage])
         if clock["fault"] != SOLVED:
-            return 1e10
+            return HOPELESS
     return error
 
 
@@ -285,10 +282,10 @@ def _finish_dense(system, work, march):
 
 
 @kernel
-def report_row(system, work, march, report, row):
-    """Fill one report row at a time up to the present one."""
-    clock, t = march.clock[0], report.times[row]
-    z = report.states[row]
+def report_row(system, work, march, report):
+    """Fill the next report row, at a time up to the present one."""
+    clock = march.clock[0]
+    t, z = report.times[clock["row"]], report.states[clock["row"]]
     x = 1.0
     if t < clock["t"]:
         if clock["dense"] == 0:
@@ -302,8 +299,11 @@ def report_row(system, work, march, report, row):
         march.turns[NEAR, s] = (1.0 - x) * march.turns[OLD, s] + x * march.turns[NEW, s]
     if x < 1.0 and not _project(system, work, march, z, t) < np.inf:
         return STEP_VANISHED
-    code = observe(system, work, z, t, march.turns[NEAR], report, row)
-    return ROWS_FULL if code == SOLVED else STEP_VANISHED
+    clock["fault"] = observe(system, work, z, t, march.turns[NEAR], report, clock["row"])
+    if clock["fault"] != SOLVED:
+        return STEP_VANISHED
+    clock["row"] += 1
+    return ROWS_FULL
 
 
 @kernel

@@ -100,7 +100,10 @@ def _check_inertia(record, inertia, findings):
         message = f"the inertia tensor must have no negative principal moment; they are {shown} kg m^2"
         findings.error(record.subject, message, place)
     elif moments[2] > moments[0] + moments[1] + slack:
-        message = f"no body has principal moments of inertia {shown} kg m^2: the largest exceeds the sum of the others"
+        message = (
+            f"no body has principal moments of inertia {shown} kg m^2: the largest exceeds the sum of "
+            "the others"
+        )
         findings.warn(record.subject, message, place)
 
 

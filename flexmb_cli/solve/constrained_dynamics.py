@@ -57,9 +57,10 @@ class ForwardDynamics:
         while row < grid.rows:
             end = min(row + LARGEST_BLOCK, grid.rows)
             report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
-            answer, filled = constrained_march.march_rows(
+            answer = constrained_march.march_rows(
                 self.system, self.work, self.march, report, CALL_EVALUATIONS
             )
+            filled = int(self.clock["row"][0])
             if filled:
                 yield dynamic_rows(self.mechanism, report._replace(**_first(report, filled)))
             row += filled
