@@ -32,7 +32,7 @@ TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
 @click.option("--rtol", type=TOLERANCE, help="DAFMS: relative tolerance of a step (1e-9).")
 @click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (1e-9).")
-@click.option("--method", type=click.Choice(["dop853", "radau", "lsoda"]),
+@click.option("--method", type=click.Choice(["dop853", "radau", "lsoda", "sdirk4"]),
               help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
 def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):

@@ -24,7 +24,7 @@ UNTURNED: Attitude = (1.0, 0.0, 0.0, 0.0)
 
 ROTATION, TRANSLATION, ELASTIC = "rotation", "translation", "elastic"
 
-METHODS = ("dop853", "radau", "lsoda")
+METHODS = ("dop853", "radau", "lsoda", "sdirk4")
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,8 +198,8 @@ class Coordinate:
 class Integration:
     """How to integrate: one of METHODS, relative and absolute tolerance of a step.
 
-    dop853 is explicit and compiled; radau is implicit and damps stiff elastic modes; lsoda is of the
-    family the thesis used (DGEAR).
+    dop853 is explicit and compiled; sdirk4 is implicit and compiled, for stiff elastic modes in trees
+    without loops; radau is implicit too, and slower; lsoda is of the family the thesis used (DGEAR).
     """
 
     method: str = "dop853"

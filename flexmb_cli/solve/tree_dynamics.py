@@ -82,8 +82,13 @@ class TreeAnalysis:
         end = grid.time(grid.rows - 1)
         for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
             self._start_interval(stop)
-            if self.tree.integration.method == "dop853":
+            method = self.tree.integration.method
+            if method == "dop853":
                 yield from self._marched_rows()
+            elif method == "sdirk4":
+                from .tree_implicit import implicit_rows
+
+                yield from implicit_rows(self, stop)
             else:
                 from .tree_library import library_rows
 

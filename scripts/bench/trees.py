@@ -169,23 +169,46 @@ def shaft_and_beam(nodes):
 
 
 def time_beams():
-    """Table of the cost of the shaft and beam over the number of nodes."""
-    print("nodes  s per simulated s   evaluations   µs per evaluation and node")
+    """Table of the cost of one evaluation of the shaft and beam over the number of nodes."""
+    print("nodes   evaluations   µs per evaluation and node")
     for nodes in (10, 50, 200):
-        tree = shaft_and_beam(nodes)
-        if nodes > 50:
-            tree = replace(tree, time=TimeGrid(0.0, 0.001, 0.001))
-        list(TreeAnalysis(replace(tree, time=TimeGrid(0.0, 1e-6, 1e-6))).rows())
-        analysis = TreeAnalysis(tree)
-        begin = time.perf_counter()
-        list(analysis.rows())
-        spent = time.perf_counter() - begin
-        count = int(analysis.clock["evaluations"][0])
-        print(
-            f"{nodes:5d}  {spent / tree.time.end:17.2f}   {count:11d}   {spent / count / nodes * 1e6:10.3f}"
-        )
+        tree = replace(shaft_and_beam(nodes), time=TimeGrid(0.0, 0.02 if nodes <= 50 else 0.001, 0.001))
+        march(replace(tree, time=TimeGrid(0.0, 1e-6, 1e-6)))
+        spent, count, _tip = march(tree)
+        print(f"{nodes:5d}   {count:11d}   {spent / count / nodes * 1e6:10.3f}", flush=True)
+
+
+# Tolerances with which the methods come to about the same error of the tip.
+EQUAL_ACCURACY = {"dop853": 1e-6, "sdirk4": 1e-5, "radau": 1e-5}
+SPANS = {10: 0.1, 50: 0.01, 200: 0.0005}  # s, of nodes
+
+
+def compare_methods():
+    """Table of seconds per simulated second of the shaft and beam, by method."""
+    print("nodes  method  tolerance   s per simulated s   evaluations   error of the tip, m")
+    for nodes, span in SPANS.items():
+        tree = replace(shaft_and_beam(nodes), time=TimeGrid(0.0, span, span / 20))
+        exact = march(replace(tree, integration=Integration("dop853", 1e-9, 1e-9)))[2]
+        for method, tolerance in EQUAL_ACCURACY.items():
+            chosen = replace(tree, integration=Integration(method, tolerance, tolerance))
+            march(replace(chosen, time=TimeGrid(0.0, 1e-6, 1e-6)))
+            spent, count, tip = march(chosen)
+            error = np.max(np.abs(tip - exact))
+            print(
+                f"{nodes:5d}  {method:6}  {tolerance:9.0e}   {spent / span:17.2f}   {count:11d}  {error:.1e}",
+                flush=True,
+            )
+
+
+def march(tree):
+    """Seconds, evaluations and tip deflections of a run."""
+    analysis = TreeAnalysis(tree)
+    begin = time.perf_counter()
+    tip = np.concatenate([rows.q[:, -1] for rows in analysis.rows()])
+    return time.perf_counter() - begin, int(analysis.clock["evaluations"][0]), tip
 
 
 if __name__ == "__main__":
     compare_chains()
     time_beams()
+    compare_methods()

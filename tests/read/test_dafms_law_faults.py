@@ -208,10 +208,10 @@ CASES = [
     pytest.param(
         deck_text(
             "pendulum_strict",
-            ("END \n", "METH\n    4\nEND \n"),
+            ("END \n", "METH\n    5\nEND \n"),
         ),
         [
-            "39:5: error: METH: METH = 4 is no integrator: 1 dop853, 2 radau, 3 lsoda",
+            "39:5: error: METH: METH = 5 is no integrator: 1 dop853, 2 radau, 3 lsoda, 4 sdirk4",
         ],
         id="an integrator that does not exist",
     ),

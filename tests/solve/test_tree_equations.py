@@ -7,7 +7,7 @@ import pytest
 
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import ROTATION
-from flexmb_cli.model.tree_arrays import rotation_matrix
+from flexmb_cli.model.tree_frames import rotation_matrix
 from tests.kernels.test_kane_closures import closure_equations
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
