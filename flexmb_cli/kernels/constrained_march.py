@@ -8,7 +8,8 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 
 The state z (13 b + 1,) holds coordinates, speeds and the work of drivers and loads since the start.
-The steps do not depend on how the report rows are cut into calls.
+The steps do not depend on how the report rows are cut into calls.  As in `tree_march` the march is a
+machine that asks for one evaluation after another, so that the equations are compiled in one place.
 """
 
 from collections import namedtuple
@@ -16,19 +17,21 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import kernel
-from .constrained_report import observe
+from .constrained_report import complete
 from .constrained_solve import accelerations
-from .constrained_system import SOLVED, A
+from .constrained_system import SOLVED
 from .constraint_projection import largest_gap, project_position, project_speeds
-from .constraints import SCREW
 from .dop853_table import ALL_STAGES, DENSE_TERMS, ERROR_3, ERROR_5, STAGE_TIMES, STAGES
-from .joints import screw
-from .rotation import rotate, rotation_matrices
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage
+from .screw_turns import NEAR, NEW, OLD, expect_turns, note_turns
 from .speeds import coordinate_rates, normalise
 
-# What a call answers.
-ROWS_FULL, PAUSED, STEP_VANISHED, CONTRADICTION = 0, 1, 2, 3
+# What a call may be asked for, and what it answers.
+BEGIN, MARCH = 0, 1
+ASKS, ROWS_FULL, PAUSED, STEP_VANISHED, CONTRADICTION, READY = -1, 0, 1, 2, 3, 4
+# What an evaluation is for: the first slope, a stage of a step, its projected end, a stage of its dense
+# output, a report row.
+FIRST, STAGE, STEP_END, DENSE, ROW = 0, 1, 2, 3, 4
 MOST_MOVED = 10.0  # tolerances by which a projection may move an accepted step
 REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 SMALLEST_STEP = 1e-14
@@ -48,9 +51,17 @@ CLOCK = np.dtype(
         ("evaluations", np.int64),
         ("rejections", np.int64),
         ("fault", np.int64),  # code of the last failed evaluation, or SOLVED
-        ("worst", np.int64),  # equation with the largest gap
+        ("worst", np.int64),  # equation with the largest gap,
+        ("gap", np.float64),  # and that gap, scaled
         ("rtol", np.float64),
         ("atol", np.float64),
+        ("phase", np.int64),  # what the evaluation is for,
+        ("stage", np.int64),  # at which stage,
+        ("at", np.float64),  # for which time, s,
+        ("projects", np.int64),  # whether its state is projected first,
+        ("moved", np.float64),  # and by how many tolerances that moved it
+        ("length", np.float64),  # of the step that is tried, s
+        ("error", np.float64),  # of the step whose end is being evaluated
     ]
 )
 
@@ -58,9 +69,8 @@ March = namedtuple("March", "clock z old trial slopes dense units turns")
 March.__doc__ = """What a march keeps from call to call, for states of N numbers.
 
 clock (1,) CLOCK.  z, old, trial (N,).  slopes (16, N).  dense (7, N).  units (N,): a state's unit.
-turns (3, screws): angles at the end of the last step, at its start, and those expected, rad.
+turns (3, screws): see `screw_turns`.
 """
-NEW, OLD, NEAR = 0, 1, 2
 
 
 def new_march(bodies, screws):
@@ -79,31 +89,98 @@ def new_march(bodies, screws):
 
 
 @kernel
-def slope(system, work, z, t, out):
-    """Fill out (N,) with dz/dt; a code."""
+def march_rows(task, system, work, march, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
+
+    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
+    """
+    clock = march.clock[0]
+    clock["row"] = 0
+    spent = clock["evaluations"] + budget
+    answer = _begin(march) if task == BEGIN else _next(march, report, spent)
+    while answer == ASKS:
+        clock["evaluations"] += 1
+        clock["fault"] = _evaluate(system, work, march, report)
+        answer = _digest(system, work, march, report, spent)
+    return answer
+
+
+@kernel
+def _ask(clock, phase, stage, at, projects):
+    clock["phase"], clock["stage"], clock["at"], clock["projects"] = phase, stage, at, projects
+    return ASKS
+
+
+@kernel
+def _evaluate(system, work, march, report):
+    """The slope at `trial`, brought onto the constraints first where asked, or a whole report row; a code."""
+    clock, z, row = march.clock[0], march.trial, march.clock[0]["row"]
     bodies = z.shape[0] // 13
     q, u = z[: 7 * bodies], z[7 * bodies : 13 * bodies]
-    coordinate_rates(q, u, out[: 7 * bodies])
-    code, power = accelerations(system, work, q, u, t, out[7 * bodies : 13 * bodies])
-    out[13 * bodies] = power
+    if clock["projects"]:
+        clock["moved"] = _project(system, work, march, z, clock["at"])
+        if not clock["moved"] < np.inf:
+            return clock["fault"]
+    reports = clock["phase"] == ROW
+    out = march.slopes[clock["stage"]]
+    ud = report.rates[row] if reports else out[7 * bodies : 13 * bodies]
+    code, power = accelerations(system, work, q, u, clock["at"], ud)
+    if code != SOLVED:
+        return code
+    if reports:
+        complete(system, work, z, clock["at"], march.turns[NEAR], power, report, row)
+    else:
+        coordinate_rates(q, u, out[: 7 * bodies])
+        out[13 * bodies] = power
     return code
 
 
 @kernel
-def begin(system, work, march):
-    """Slope at the state and length of the first step; a code.  Order of elimination must be chosen."""
-    clock, z = march.clock[0], march.z
-    code = slope(system, work, z, clock["t"], march.slopes[0])
-    if code != SOLVED:
-        clock["fault"] = code
-        return code
-    for i in range(z.shape[0]):
-        march.old[i] = z[i]
-        march.slopes[STAGES, i] = march.slopes[0, i]
+def _digest(system, work, march, report, spent):
+    """Use an evaluation, and ask for the next one or answer."""
+    clock = march.clock[0]
+    phase, failed = clock["phase"], clock["fault"] != SOLVED
+    if phase == STAGE:
+        return _reject(march, 0.2) if failed else _next_stage(system, work, march)
+    if phase == DENSE:
+        # The ends of the step were solved; where a point between them is not, its slope stays as it is.
+        return _next_dense(march, report, spent)
+    if phase == STEP_END:
+        if failed or not clock["moved"] < MOST_MOVED:
+            return _reject(march, 0.2 if failed else 0.5)
+        _accept(system, work, march)
+        return _next(march, report, spent) if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+    if failed:
+        return STEP_VANISHED
+    if phase == FIRST:
+        return _choose_first_step(march)
+    _copy(march.trial, report.states[clock["row"]])
+    clock["row"] += 1
+    return _next(march, report, spent)
+
+
+@kernel
+def _copy(a, b):
+    """b = a."""
+    for i in range(a.shape[0]):
+        b[i] = a[i]
+
+
+@kernel
+def _begin(march):
+    clock = march.clock[0]
+    _copy(march.z, march.old)
+    _copy(march.z, march.trial)
     clock["step_start"], clock["dense"] = clock["t"], 0
-    size, speed = _scaled_norm(march, z), _scaled_norm(march, march.slopes[0])
+    return _ask(clock, FIRST, STAGES, clock["t"], 0)
+
+
+@kernel
+def _choose_first_step(march):
+    clock = march.clock[0]
+    size, speed = _scaled_norm(march, march.z), _scaled_norm(march, march.slopes[STAGES])
     clock["step"] = 0.01 * size / speed if size > 1e-5 and speed > 1e-5 else 1e-6
-    return code
+    return READY
 
 
 @kernel
@@ -116,67 +193,55 @@ def _scaled_norm(march, a):
 
 
 @kernel
-def march_rows(system, work, march, report, budget):
-    """Fill the rows of `report`, at most `budget` evaluations; returns an answer.
-
-    clock["row"] counts the rows filled.
-    """
+def _next(march, report, spent):
+    """Between two steps: the next report row, an answer, or the first stage of the next step."""
     clock = march.clock[0]
-    clock["row"] = 0
-    spent = clock["evaluations"] + budget
-    answer = ROWS_FULL
-    while answer == ROWS_FULL and clock["row"] < report.times.shape[0]:
-        if report.times[clock["row"]] <= clock["t"]:
-            answer = report_row(system, work, march, report)
-        elif clock["evaluations"] >= spent:
-            answer = PAUSED
-        else:
-            answer = step(system, work, march)
-    return answer
+    if clock["row"] == report.times.shape[0]:
+        return ROWS_FULL
+    t = report.times[clock["row"]]
+    if t < clock["t"] and clock["dense"] == 0:
+        return _ask_dense(march, STAGES + 1)
+    if t <= clock["t"]:
+        return _ask_row(march, t)
+    if clock["evaluations"] >= spent:
+        return PAUSED
+    _copy(march.slopes[STAGES], march.slopes[0])
+    return _try_step(march)
 
 
 @kernel
-def step(system, work, march):
-    """One accepted step, after as many attempts as it takes."""
+def _try_step(march):
     clock = march.clock[0]
-    for i in range(march.z.shape[0]):
-        march.slopes[0, i] = march.slopes[STAGES, i]
-    while True:
-        h = min(clock["step"], clock["stop"] - clock["t"])
-        if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
-            return STEP_VANISHED
-        error = _attempt(system, work, march, h)
-        factor = next_factor(error, clock["rejected"]) if error < HOPELESS else 0.2
-        # `not <` rejects a nan as well.
-        clock["step"] = h * factor
-        if not error < 1.0:
-            clock["rejections"] += 1
-            clock["rejected"] = 1
-            continue
-        return _accept(system, work, march, h)
+    h = clock["length"] = min(clock["step"], clock["stop"] - clock["t"])
+    if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+        return STEP_VANISHED
+    set_stage(march.z, march.slopes, 1, h, march.trial)
+    return _ask(clock, STAGE, 1, clock["t"] + h * STAGE_TIMES[1], 0)
 
 
 @kernel
-def _attempt(system, work, march, h):
-    """Try a step: trial becomes the projected state at its end; returns its error."""
-    clock, z, trial, slopes = march.clock[0], march.z, march.trial, march.slopes
-    t = clock["t"]
-    clock["fault"] = SOLVED
-    error = 0.0
-    for stage in range(1, STAGES + 1):
-        set_stage(z, slopes, stage, h, trial)
-        if stage == STAGES:
-            error = _step_error(march, h)
-            if not error < 1.0:
-                return error
-            _expect_turns(system, work, march, h)
-            if not _project(system, work, march, trial, t + h) < MOST_MOVED:
-                return HOPELESS if clock["fault"] != SOLVED else 2.0
-        clock["evaluations"] += 1
-        clock["fault"] = slope(system, work, trial, t + h * STAGE_TIMES[stage], slopes[stage])
-        if clock["fault"] != SOLVED:
-            return HOPELESS
-    return error
+def _reject(march, factor):
+    """Try the step again, shorter."""
+    clock = march.clock[0]
+    clock["rejections"] += 1
+    clock["rejected"] = 1
+    clock["step"] = clock["length"] * factor
+    return _try_step(march)
+
+
+@kernel
+def _next_stage(system, work, march):
+    """The next stage of a step, or its end where the error allows it."""
+    clock, h, stage = march.clock[0], march.clock[0]["length"], march.clock[0]["stage"] + 1
+    set_stage(march.z, march.slopes, stage, h, march.trial)
+    if stage < STAGES:
+        return _ask(clock, STAGE, stage, clock["t"] + h * STAGE_TIMES[stage], 0)
+    error = clock["error"] = _step_error(march, h)
+    # `not <` rejects a nan as well.
+    if not error < 1.0:
+        return _reject(march, next_factor(error, 1) if error < HOPELESS else 0.2)
+    expect_turns(system, work, march, h)
+    return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
 
 
 @kernel
@@ -217,102 +282,49 @@ def _project(system, work, march, z, t):
 
 
 @kernel
-def _accept(system, work, march, h):
-    clock, z = march.clock[0], march.z
-    for i in range(z.shape[0]):
-        march.old[i] = z[i]
-        z[i] = march.trial[i]
+def _accept(system, work, march):
+    """Make the projected end of a step the state; PHI belongs to it."""
+    clock, h = march.clock[0], march.clock[0]["length"]
+    _copy(march.z, march.old)
+    _copy(march.trial, march.z)
+    clock["step"] = h * next_factor(clock["error"], clock["rejected"])
     clock["step_start"], clock["step_length"] = clock["t"], h
     last = h >= clock["stop"] - clock["t"]
     clock["t"] = clock["stop"] if last else clock["t"] + h
     clock["rejected"], clock["dense"] = 0, 0
     clock["steps"] += 1
-    _note_turns(system, work, march)
-    gap, clock["worst"] = largest_gap(system, work)
-    return ROWS_FULL if gap <= REPEATED_GAP else CONTRADICTION
+    note_turns(system, work, march)
+    clock["gap"], clock["worst"] = largest_gap(system, work)
 
 
 @kernel
-def _turn_rate(system, work, c, u):
-    """Rate of a screw's angle: the relative turning along its axis, rad/s."""
-    i, j = 6 * c["body_i"] + 3, 6 * c["body_j"] + 3
-    axis = rotate(work.rotations[A], c["body_i"], c["s_i"])
-    w_i = rotate(work.rotations[A], c["body_i"], (u[i], u[i + 1], u[i + 2]))
-    w_j = rotate(work.rotations[A], c["body_j"], (u[j], u[j + 1], u[j + 2]))
-    return axis[0] * (w_j[0] - w_i[0]) + axis[1] * (w_j[1] - w_i[1]) + axis[2] * (w_j[2] - w_i[2])
+def _ask_dense(march, stage):
+    clock, h = march.clock[0], march.clock[0]["step_length"]
+    set_stage(march.old, march.slopes, stage, h, march.trial)
+    return _ask(clock, DENSE, stage, clock["step_start"] + h * STAGE_TIMES[stage], 0)
 
 
 @kernel
-def _expect_turns(system, work, march, h):
-    """Angles of the screws at the end of a step, by the mean of their rates: they settle whole turns."""
-    bodies = march.z.shape[0] // 13
-    for s in range(march.turns.shape[1]):
-        march.turns[NEAR, s] = march.turns[NEW, s]
-    for end in range(2 if march.turns.shape[1] else 0):
-        z = march.z if end == 0 else march.trial
-        rotation_matrices(z[: 7 * bodies], work.rotations[A])
-        for k in range(system.constraints.shape[0]):
-            c = system.constraints[k]
-            if c["kind"] == SCREW:
-                rate = _turn_rate(system, work, c, z[7 * bodies : 13 * bodies])
-                march.turns[NEAR, c["screw"]] += 0.5 * h * rate
-
-
-@kernel
-def _note_turns(system, work, march):
-    for k in range(system.constraints.shape[0]):
-        c = system.constraints[k]
-        if c["kind"] == SCREW:
-            s = c["screw"]
-            march.turns[OLD, s] = march.turns[NEW, s]
-            march.turns[NEW, s] = screw.angle(c, work.rotations[A], march.turns[NEAR, s])
-
-
-@kernel
-def _finish_dense(system, work, march):
-    """The slope at the end of the step, the further stages, and the interpolating polynomial."""
-    clock, slopes, trial = march.clock[0], march.slopes, march.trial
-    h = clock["step_length"]
-    for stage in range(STAGES + 1, ALL_STAGES):
-        set_stage(march.old, slopes, stage, h, trial)
-        clock["evaluations"] += 1
-        slope(system, work, trial, clock["step_start"] + h * STAGE_TIMES[stage], slopes[stage])
-    set_dense(march.old, march.z, slopes, h, march.dense)
+def _next_dense(march, report, spent):
+    """The next stage of the dense output, or its polynomial."""
+    clock, stage = march.clock[0], march.clock[0]["stage"] + 1
+    if stage < ALL_STAGES:
+        return _ask_dense(march, stage)
+    set_dense(march.old, march.z, march.slopes, clock["step_length"], march.dense)
     clock["dense"] = 1
+    return _next(march, report, spent)
 
 
 @kernel
-def report_row(system, work, march, report):
-    """Fill the next report row, at a time up to the present one."""
-    clock = march.clock[0]
-    t, z = report.times[clock["row"]], report.states[clock["row"]]
+def _ask_row(march, t):
+    """The state at a report time up to the present one, and what follows from it."""
+    clock, turns = march.clock[0], march.turns
     x = 1.0
     if t < clock["t"]:
-        if clock["dense"] == 0:
-            _finish_dense(system, work, march)
         x = (t - clock["step_start"]) / clock["step_length"]
-        interpolate(march.old, march.dense, x, z)
+        interpolate(march.old, march.dense, x, march.trial)
     else:
-        for i in range(z.shape[0]):
-            z[i] = march.z[i]
-    for s in range(march.turns.shape[1]):
-        march.turns[NEAR, s] = (1.0 - x) * march.turns[OLD, s] + x * march.turns[NEW, s]
-    if x < 1.0 and not _project(system, work, march, z, t) < np.inf:
-        return STEP_VANISHED
-    clock["fault"] = observe(system, work, z, t, march.turns[NEAR], report, clock["row"])
-    if clock["fault"] != SOLVED:
-        return STEP_VANISHED
-    clock["row"] += 1
-    return ROWS_FULL
-
-
-@kernel
-def screw_angles(system, work, q, near):
-    """Angles (screws,) of the screws at q, those nearest to `near`, rad."""
-    angles = near.copy()
-    rotation_matrices(q, work.rotations[A])
-    for k in range(system.constraints.shape[0]):
-        c = system.constraints[k]
-        if c["kind"] == SCREW:
-            angles[c["screw"]] = screw.angle(c, work.rotations[A], near[c["screw"]])
-    return angles
+        _copy(march.z, march.trial)
+    for s in range(turns.shape[1]):
+        turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
+    return _ask(clock, ROW, 0, t, 1 if x < 1.0 else 0)

@@ -23,11 +23,20 @@ applied loads, W.  audit (T, 4): kinetic and potential energy, J, largest scaled
 def observe(system, work, z, t, near, report, row):
     """Fill one row of `report` for the state z at t; a code."""
     bodies = z.shape[0] // 13
-    q, u, ud = z[: 7 * bodies], z[7 * bodies : 13 * bodies], report.rates[row]
-    code, report.powers[row] = accelerations(system, work, q, u, t, ud)
-    if code != SOLVED:
-        return code
-    fill_multipliers(system, work, ud, report.multipliers[row])
+    q, u = z[: 7 * bodies], z[7 * bodies : 13 * bodies]
+    code, power = accelerations(system, work, q, u, t, report.rates[row])
+    if code == SOLVED:
+        complete(system, work, z, t, near, power, report, row)
+    return code
+
+
+@kernel
+def complete(system, work, z, t, near, power, report, row):
+    """Fill a row of `report` whose rates have just been found, by the factors at hand."""
+    bodies = z.shape[0] // 13
+    q, u = z[: 7 * bodies], z[7 * bodies : 13 * bodies]
+    report.powers[row] = power
+    fill_multipliers(system, work, report.rates[row], report.multipliers[row])
     fill_wrenches(system, work, report.multipliers[row], report.wrenches[row])
     audit = report.audit[row]
     audit[0] = kinetic_energy(work.mass, u)
@@ -35,7 +44,6 @@ def observe(system, work, z, t, near, report, row):
     evaluate_residual(system, work, q, t, near)
     audit[2] = largest_gap(system, work)[0]
     audit[3] = rate_gap(system, work, u, t)
-    return code
 
 
 @kernel

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..kernels import constrained_march
-from ..kernels.constrained_march import NEAR, NEW, OLD
-from ..kernels.constrained_system import NO_INERTIA, SINGULAR
+from ..kernels.constrained_system import NO_INERTIA
+from ..kernels.screw_turns import NEAR, NEW, OLD, screw_angles
 from ..model.dynamic_arrays import dynamic_arrays
 from ..model.dynamics import DynamicModel
 from .constrained_start import assembled, inertia_failure, order_of_elimination, start_speeds
@@ -57,9 +57,7 @@ class ForwardDynamics:
         while row < grid.rows:
             end = min(row + LARGEST_BLOCK, grid.rows)
             report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
-            answer = constrained_march.march_rows(
-                self.system, self.work, self.march, report, CALL_EVALUATIONS
-            )
+            answer = self._call(constrained_march.MARCH, report)
             filled = int(self.clock["row"][0])
             if filled:
                 yield dynamic_rows(self.mechanism, report._replace(**_first(report, filled)))
@@ -83,16 +81,18 @@ class ForwardDynamics:
         march.z[7 * bodies : 13 * bodies] = start_speeds(self, q, grid.start)
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
-        code = constrained_march.begin(self.system, self.work, march)
-        if code == NO_INERTIA:
-            raise inertia_failure(self, grid.start)
-        if code == SINGULAR:
-            raise self._failure(constrained_march.STEP_VANISHED)
+        answer = self._call(constrained_march.BEGIN, blank_report(self.arrays, np.zeros(0)))
+        if answer != constrained_march.READY:
+            raise self._failure(answer)
         return found
+
+    def _call(self, task, report):
+        march = self.march
+        return constrained_march.march_rows(task, self.system, self.work, march, report, CALL_EVALUATIONS)
 
     def screw_angles(self, q):
         """Angles of the screws at q, those nearest to the deck's estimates."""
-        return constrained_march.screw_angles(self.system, self.work, q, self.arrays.kinematic.screw_angles)
+        return screw_angles(self.system, self.work, q, self.arrays.kinematic.screw_angles)
 
     def _failure(self, answer) -> AnalysisError:
         clock = self.clock[0]
@@ -100,7 +100,7 @@ class ForwardDynamics:
         norms = {"reached": t, "step": step}
         if answer == constrained_march.CONTRADICTION:
             worst = self.arrays.kinematic.equations[int(clock["worst"])]
-            gap = Gap(worst, float(self.work.rows[0, int(clock["worst"])]))
+            gap = Gap(worst, float(clock["gap"]) * worst.scale)
             message = (
                 f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; a driver or "
                 "a joint asks for a motion that the others forbid"

@@ -185,3 +185,22 @@ def test_a_first_velocity_that_the_joints_forbid_is_changed_and_told():
     assert rows.angular_velocity[0, 1] == pytest.approx([0.0, 3.0, 0.0], abs=1e-12)
     assert rows.velocity[0, 2] == pytest.approx([0.0, 0.0, -3.0], abs=1e-12)
     assert ["does not fit the joints" in fault.message for fault in analysis.warnings] == [True]
+
+
+def test_a_nut_on_a_steep_screw_turns_with_its_effective_inertia():
+    """θ'' (I + m α²) = T - m g α over eleven turns, the advance being α θ."""
+    pitch, torque, m, inertia = 0.05, 0.5, 3.0, 0.1
+    thread = Joint(
+        "screw", "screw 1", 0, 1, (0.0,) * 3, (0.0, 0.0, 0.5), (0.0, 0.0, 1.0), (0.0, 0.0, 1.0),
+        (1.0, 0.0, 0.0), (1.0, 0.0, 0.0), pitch,
+    )  # fmt: skip
+    mechanism = Mechanism(
+        (GROUND, body(2, (0.0, 0.0, 0.5))), TimeGrid(0.0, 4.0, 0.5), (thread,), grounds=(AT_REST,)
+    )
+    mass = MassProperties("mass 1", 1, m, inertia=(inertia,) * 3 + (0.0,) * 3)
+    turning = AppliedTorque("torque 1", 1, (0.0, 0.0, torque))
+    model = DynamicModel(mechanism, "forward", (mass,), torques=(turning,), gravity=(0.0, 0.0, -G))
+    rows = run(model)
+    turned = 0.5 * (torque - m * G * pitch) / (inertia + m * pitch**2) * rows.time**2
+    assert abs(turned[-1]) > 22.0 * math.pi
+    assert rows.position[:, 1, 2] == pytest.approx(0.5 + pitch * turned, abs=1e-8)
