@@ -4,6 +4,7 @@
 run as plain Python on numpy arrays, and numba is never imported.
 """
 
+import contextlib
 import functools
 import hashlib
 import os
@@ -99,6 +100,30 @@ class Cache:
     def must_compile(cls, name: str) -> bool:
         """Whether the kernel `name` ("module.function") has to be compiled before its first call."""
         return cls.folder is not None and not any(cls.folder.glob(f"**/{name}-*.nbi"))
+
+
+def compile_alone(name: str, call) -> None:
+    """Run `call`, which compiles the kernel `name`, unless another process does so meanwhile.
+
+    Several first runs at once wait for the one that compiles, and find its code in the cache.
+    """
+    if not Cache.must_compile(name):
+        return
+    with _lock(Cache.folder / "compiling.lock"):
+        if Cache.must_compile(name):
+            call()
+
+
+@contextlib.contextmanager
+def _lock(path: Path):
+    try:
+        import fcntl
+    except ImportError:  # no such locks here: everyone compiles
+        yield
+        return
+    with open(path, "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 @functools.cache

@@ -10,6 +10,8 @@ from ..write.file_names import STANDARD_OUTPUT, ResultPaths
 from .compiling import tell_of_compiling
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
+MARCH = "kinematic_march.march"
+
 
 def run_young(
     deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outcome, listener, stdout
@@ -58,10 +60,13 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
 
 
 def _analysis(mechanism, options, listener: Listener):
+    from ..kernels._jit import compile_alone
     from ..solve.kinematics import KinematicAnalysis, KinematicSettings
 
-    tell_of_compiling(listener, "kinematic_march.march")
-    return KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
+    tell_of_compiling(listener, MARCH)
+    analysis = KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
+    compile_alone(MARCH, analysis.compile)
+    return analysis
 
 
 @dataclass
