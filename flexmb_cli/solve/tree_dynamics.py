@@ -104,6 +104,13 @@ class TreeAnalysis:
             if status == tree_march.STEP_VANISHED:
                 raise self.failure()
 
+    def due_times(self, t: float) -> list[float]:
+        """Report times that have no row yet and do not lie past t."""
+        grid, times = self.tree.time, []
+        while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
+            times.append(grid.time(self.row + len(times)))
+        return times
+
     def observe(self, state_at: Callable, times: list[float]) -> TreeRows:
         """Report rows at the next report `times` with the states (n,) that `state_at` gives."""
         t, state = self.clock["t"].copy(), self.state.copy()

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..errors import Fault, ModelError
 from ..kernels import implicit_march
-from .tree_library import rows_until
 from .tree_rows import TreeRows
 
 CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a second of them
@@ -22,8 +21,8 @@ def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
     n = len(analysis.coordinates)
     work = implicit_march.implicit_work(z.size, n)
     work.before[:] = analysis.march.slopes[0]
-    if rows_until(analysis, clock["t"]):
-        yield analysis.observe(lambda t: z.copy(), rows_until(analysis, clock["t"]))
+    if analysis.due_times(clock["t"]):
+        yield analysis.observe(lambda t: z.copy(), analysis.due_times(clock["t"]))
     budget = 1 + CALL_WORK // (1 + n * n)
     start, length = clock["step_start"].copy(), clock["step_length"].copy()
     while clock["t"] < stop:
@@ -32,7 +31,7 @@ def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
         )
         if answer in (implicit_march.VANISHED, implicit_march.FAULTED):
             raise analysis.failure()
-        times = rows_until(analysis, clock["t"])
+        times = analysis.due_times(clock["t"])
         if times:
             block = analysis.observe(_interpolant(clock, z, work), times)
             # A stopped run goes on from the last breakpoint: the matrix has no other memory.

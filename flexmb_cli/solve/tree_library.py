@@ -26,8 +26,8 @@ def library_rows(analysis, stop: float) -> Iterator[TreeRows]:
     atol[-1] = UNCOUNTED
     # scipy refuses anything finer and would print a warning.
     rtol = max(settings.rtol, 100 * np.finfo(float).eps)
-    if rows_until(analysis, clock["t"]):
-        yield analysis.observe(lambda t: analysis.state.copy(), rows_until(analysis, clock["t"]))
+    if analysis.due_times(clock["t"]):
+        yield analysis.observe(lambda t: analysis.state.copy(), analysis.due_times(clock["t"]))
     solver = SOLVERS[settings.method](
         lambda t, z: _slope(analysis, t, z),
         float(clock["t"]),
@@ -40,20 +40,12 @@ def library_rows(analysis, stop: float) -> Iterator[TreeRows]:
         solver.step()
         if solver.status == "failed":
             raise _step_failure(solver.t, settings.method)
-        times = rows_until(analysis, solver.t)
+        times = analysis.due_times(solver.t)
         if times:
             yield analysis.observe(solver.dense_output(), times)
     clock["t"], analysis.state[:] = stop, solver.y
     if analysis.tree.closures:
         analysis.call(tree_march.CLOSE)
-
-
-def rows_until(analysis, t):
-    """Report times of a TreeAnalysis that have no row yet and do not lie past t."""
-    grid, times = analysis.tree.time, []
-    while analysis.row + len(times) < grid.rows and grid.time(analysis.row + len(times)) <= t:
-        times.append(grid.time(analysis.row + len(times)))
-    return times
 
 
 def _slope(analysis, t, z):
