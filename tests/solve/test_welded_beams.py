@@ -10,6 +10,7 @@ from flexmb_cli.model.beam import Beam
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import INERTIAL, Body, Elasticity, Hinge, Tree
 from tests.kernels.test_kane_forward_dynamics import Recursion
+from tests.solve.tree_runs import deck_tree, run
 
 L, EI, RHO = 0.8, 12.0, 0.6
 # First root of 1 + cos x cosh x = 0.
@@ -80,3 +81,17 @@ def test_deflection_and_frequency_converge_to_those_of_the_whole_beam():
 def test_without_the_slope_each_beam_bends_as_if_alone():
     """2 P L^3 / (3 EI): a quarter of the deflection of the whole beam."""
     assert tip_deflection(welded(16, slope=False), 1.0) == pytest.approx(2 * L**3 / (3 * EI), rel=1e-9)
+
+
+def test_slope_at_a_free_planar_hinge_only_counts_its_angle_from_another_line():
+    """Two-link manipulator of thesis 4.4: the bodies move alike, the angles differ by the slope."""
+    tree = deck_tree("two_link_n2", 1e-10)
+    tree = replace(tree, time=TimeGrid(0.0, 0.2, 0.02))
+    # EI and mass per length of the deck's links, 1 m in two elements.
+    C = Beam(1.0, 2, 1000.0, 5.0).nodal_rotation(2)
+    turning = replace(tree.hinges[1], elastic_rotation=C)
+    plain, carried = run(tree), run(replace(tree, hinges=(tree.hinges[0], turning)))
+    assert carried.node_position == pytest.approx(plain.node_position, abs=1e-8)
+    slope = plain.q[:, 2:4] @ C[0]
+    assert np.max(np.abs(slope)) > 2e-4
+    assert plain.q[:, 1] - carried.q[:, 1] == pytest.approx(slope, abs=1e-8)
