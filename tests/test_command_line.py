@@ -266,11 +266,18 @@ def test_one_report_step_of_many_turns_can_be_interrupted(tmp_path):
     assert process.returncode == 143
 
 
+def hear_interrupts():
+    """A suite that runs in the background of a shell ignores SIGINT, and so would its children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_keeps_and_marks_its_rows(tmp_path, sent):
     command = [sys.executable, "-m", "flexmb_cli", "run", str(FOUR_BAR), "--set", "time.end=100000"]
     flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)  # compiled kernels are not what is interrupted here
-    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, preexec_fn=hear_interrupts
+    )
     time.sleep(4.0)
     process.send_signal(sent)
     message = process.communicate(timeout=60)[1]

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ..errors import INTERNAL_FAULT, AnalysisError, DeckError, Fault, FlexmbError
+from ..errors import INTERNAL_FAULT, AnalysisError, DeckError, Fault, FlexmbError, ModelError
 from ..read.deck import Deck
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
@@ -74,8 +74,9 @@ def paths_of(deck: Deck, options: RunOptions):
 
 
 def _by_change(fault, options):
-    """A fault without a place, where numbers were changed, may be theirs."""
-    if fault.place is None and options.changes and fault.severity == "error":
+    """A fault of the model without a place, where numbers were changed, may be theirs."""
+    told = any(change in fault.message for change in options.changes)
+    if fault.place is None and options.changes and fault.severity == "error" and not told:
         return replace(
             fault, message=f"{fault.message} (numbers changed by --set: {', '.join(options.changes)})"
         )
@@ -84,7 +85,10 @@ def _by_change(fault, options):
 
 def _record(outcome, failure: FlexmbError, options):
     known = set(outcome.faults)
-    outcome.faults += [_by_change(f, options) for f in failure.faults if f not in known]
+    faults = [fault for fault in failure.faults if fault not in known]
+    if isinstance(failure, ModelError):
+        faults = [_by_change(fault, options) for fault in faults]
+    outcome.faults += faults
     outcome.exit_code = failure.exit_code
     if isinstance(failure, AnalysisError):
         outcome.failed_at, outcome.norms = failure.time, failure.norms

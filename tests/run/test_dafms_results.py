@@ -164,14 +164,14 @@ def test_no_files_are_written_when_none_are_wanted(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_geometric_stiffening_is_refused_at_its_card_not_left_out(tmp_path):
-    deck = altered(tmp_path, "two_link_n2", ("END ", "GSTF\n    1    0\n    2    1\nEND "))
+def test_a_closed_loop_without_coupling_is_refused_at_its_card_and_leaves_no_file(tmp_path):
+    deck = altered(tmp_path, "fourbar_flex", ("END ", "UNCO\nEND "))
     outcome = run(deck, tmp_path / "results")
     assert outcome.exit_code == 2
     (fault,) = (fault for fault in outcome.faults if fault.severity == "error")
-    assert fault.sentence.startswith("GSTF of body 2: IGS = 1")
+    assert fault.sentence.startswith("closure 1: closed loops need the coupled equations")
     assert fault.place is not None
-    assert not (tmp_path / "results").exists()
+    assert list(tmp_path.glob("results/*")) == []
 
 
 def test_a_hinge_that_turns_with_its_node_keeps_the_energy(outcomes, tmp_path):

@@ -231,10 +231,15 @@ def test_a_disk_that_fills_up_ends_the_run_which_goes_on_when_there_is_room(tmp_
     same_bytes(whole, full, "pendulum")
 
 
+def hear_interrupts():
+    """A suite that runs in the background of a shell ignores SIGINT, and so would its children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
     arguments = [part for part in command(tmp_path, "--set", "time.IT=1000000") if part != "-q"]
-    process = subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True, preexec_fn=hear_interrupts)
     journal = tmp_path / "pendulum.resume"
     while process.poll() is None and not (journal.exists() and journal.stat().st_size > 300_000):
         time.sleep(0.01)
