@@ -9,7 +9,6 @@ nonzeros only.
 from ._jit import kernel
 
 GOOD_ENOUGH = 0.1  # of the largest entry in the column: bounds the growth, spares the zeros
-HUGE = 1e300
 
 
 @kernel
@@ -27,10 +26,10 @@ def pivot_row(matrix, order, k):
 
 @kernel
 def factorise(matrix, order, pattern, smallest, rank):
-    """Overwrite matrix (n, n) with its factors; rows are exchanged in `order` (n,) only.
+    """Overwrite matrix (n, n) with its factors, pivots by their reciprocals.
 
-    pattern (n, n + 1) receives the nonzero places of every row: where those left of the diagonal
-    end, where those right of it end, then the places.  The columns from `rank` on depend on those
+    Rows are exchanged in `order` (n,) only.  pattern (n, n + 1) receives the nonzero places of every
+    row: where those left of the diagonal end, where those right of it end, then the places.  The columns from `rank` on depend on those
     before: their unknowns become 0.  Returns the sign of the determinant of the first `rank` pivots,
     0 where a column has no pivot above `smallest` (also for NaN).
     """
@@ -47,13 +46,14 @@ def factorise(matrix, order, pattern, smallest, rank):
             return 0
         if (pivot != k) != (matrix[row, k] < 0.0):
             sign = -sign
+        matrix[row, k] = 1.0 / matrix[row, k]
         note_right(matrix, pattern, row, k)
         for i in range(k + 1, n):
             if matrix[order[i], k] != 0.0:
                 eliminate(matrix, pattern, row, order[i], k)
     for k in range(rank, n):
         row = order[k]
-        matrix[row, k] = HUGE
+        matrix[row, k] = 0.0
         pattern[row, 1] = pattern[row, 0]
     return sign
 
@@ -72,7 +72,7 @@ def note_right(matrix, pattern, row, k):
 @kernel
 def eliminate(matrix, pattern, row, below, k):
     """Take a multiple of the pivot row from the row `below`; the multiple stays in column k."""
-    factor = matrix[below, k] / matrix[row, k]
+    factor = matrix[below, k] * matrix[row, k]
     matrix[below, k] = factor
     pattern[below, pattern[below, 0]] = k
     pattern[below, 0] += 1
@@ -98,4 +98,4 @@ def substitute(matrix, order, pattern, b, x):
         for place in range(pattern[row, 0], pattern[row, 1]):
             j = pattern[row, place]
             total -= matrix[row, j] * x[j]
-        x[i] = total / matrix[row, i]
+        x[i] = total * matrix[row, i]

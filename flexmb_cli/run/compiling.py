@@ -8,7 +8,7 @@ def tell_of_compiling(listener: Listener, entry: str) -> None:
     from ..kernels import _jit
 
     if _jit.Cache.must_compile(entry):
-        listener.notice("compiling kernels (once per version, 10 to 20 s)")
+        listener.notice("compiling kernels (once per version, 20 s to a minute)")
     if not _jit.Cache.lasting:
         listener.notice(
             "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
