@@ -29,9 +29,10 @@ def factorise(matrix, order, pattern, smallest, rank):
     """Overwrite matrix (n, n) with its factors, pivots by their reciprocals.
 
     Rows are exchanged in `order` (n,) only.  pattern (n, n + 1) receives the nonzero places of every
-    row: where those left of the diagonal end, where those right of it end, then the places.  The columns from `rank` on depend on those
-    before: their unknowns become 0.  Returns the sign of the determinant of the first `rank` pivots,
-    0 where a column has no pivot above `smallest` (also for NaN).
+    row: where those left of the diagonal end, where those right of it end, then the places.  The
+    columns from `rank` on depend on those before: their unknowns become 0.  Returns the sign of the
+    determinant of the first `rank` pivots, 0 where a column has no pivot above `smallest` (also for
+    NaN).
     """
     n = matrix.shape[0]
     sign = 1
