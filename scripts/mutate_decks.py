@@ -19,6 +19,7 @@ from pathlib import Path
 from flexmb_cli.errors import DeckError, FlexmbError, compiler_style
 from flexmb_cli.read.dialects import read_deck, recognise
 from flexmb_cli.read.text import decode
+from flexmb_cli.read.young_dynamics import analysis_of
 
 DECKS = Path(__file__).parents[1] / "decks"
 SLOW = 2.0
@@ -105,7 +106,7 @@ def tried(name: str, raw: bytes, with_solver: bool) -> str:
             warnings.simplefilter("error")
             outcome, model = _read_and_build(name, raw)
             took = time.perf_counter() - start
-            if with_solver and outcome.startswith("young: built"):
+            if with_solver and model is not None and outcome.startswith("young: built"):
                 outcome = f"young: {solved(model)}"
     except Exception:
         return f"FAULT traceback\n{traceback.format_exc()}"
@@ -113,7 +114,7 @@ def tried(name: str, raw: bytes, with_solver: bool) -> str:
 
 
 def _read_and_build(name, raw):
-    """Outcome in words, and the model or None."""
+    """Outcome in words, and the model, None where there is none or where forces move it."""
     lines, dialect, stage = [], "no dialect", "reader"
     try:
         source = decode(name, raw)
@@ -124,7 +125,8 @@ def _read_and_build(name, raw):
         model, doubts = _built(deck)
         doubts = (*deck.warnings, *doubts)
         _check_shown(compiler_style(name, doubts, lines), doubts)
-        return f"{dialect}: built with warnings" if doubts else f"{dialect}: built", model
+        driven = model if analysis_of(deck) is None else None
+        return f"{dialect}: built with warnings" if doubts else f"{dialect}: built", driven
     except DeckError as refused:
         _check_shown(compiler_style(name, refused.faults, lines), refused.faults)
         return f"{dialect}: refused by the {stage}", None

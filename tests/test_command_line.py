@@ -101,6 +101,15 @@ def test_json_tells_of_a_failure_what_a_program_needs(tmp_path):
     ]
 
 
+def test_a_number_beyond_computing_is_refused_where_it_stands(tmp_path):
+    deck = "2 1 0 0 0 0 0 1 0 0 0 1\n0 0 1e308 1 0 0 0\n" + "\n".join(
+        (TOP / "decks/young/IN2-5-1.dat").read_text().splitlines()[-6:]
+    )
+    done = flexmb("run", "-", cwd=tmp_path, stdin=deck)
+    assert done.returncode == 2
+    assert "1e308; numbers beyond 1e+50 cannot be computed with" in done.stderr
+
+
 def test_several_decks_are_all_tried_and_the_largest_code_wins(tmp_path):
     done = flexmb("run", "none.dat", FOUR_BAR, HELD, "-q", cwd=tmp_path)
     assert done.returncode == 2

@@ -17,6 +17,7 @@ from .joint_types import JOINT_TYPES
 from .mechanism import Body, Distance, Driver, Ground, Joint, Mechanism, Point, Simplified, TimeGrid, Vector
 
 MOST_ROWS = 10_000_000
+LARGEST = 1e50
 DOUBTFUL_LENGTH = 1e-3
 PARALLEL = 1e-9
 DOUBTFUL_ANGLE = 20 * math.pi
@@ -29,6 +30,8 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     Raises ModelError with all faults found, the deck's own warnings among them.
     """
     findings = Findings()
+    _refuse_huge_numbers(deck, findings)
+    _refuse_if_faulty(deck, findings)
     bodies = [_body(record, findings) for record in deck.section("body")]
     time = _time(deck.one("time"), findings)
     parts = {name: _parts(deck, name, make, len(bodies), findings) for name, make in _MAKERS.items()}
@@ -50,6 +53,18 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order
+
+
+def _refuse_huge_numbers(deck, findings):
+    """Products of such numbers leave the doubles, and no mechanism is that large."""
+    for record in deck.records:
+        for number in record.numbers:
+            # Euler parameters are scaled to length one, whatever their size.
+            huge = isinstance(number.value, float) and abs(number.value) > LARGEST
+            if huge and number.key not in ("e0", "e1", "e2", "e3"):
+                found = f"{number.key} is {number.text or number.value}"
+                message = f"{found}; numbers beyond {LARGEST:g} cannot be computed with"
+                findings.error(record.subject, message, number.place)
 
 
 def _refuse_if_faulty(deck, findings, counted=None):
@@ -177,9 +192,7 @@ def _vectors(record, points, findings) -> dict[str, Vector]:
 
 def _check_vector(record, name, side, vector, findings):
     place = record.at(f"{name}.x").place
-    if not all(map(math.isfinite, vector)):
-        findings.error(record.subject, f"{name} and P_{side} are too far apart to subtract", place)
-    elif not any(vector):
+    if not any(vector):
         message = f"{name} and P_{side} are the same point, so the vector between them has no direction"
         findings.error(record.subject, message, place)
 

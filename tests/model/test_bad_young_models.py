@@ -404,7 +404,10 @@ IN.dat:9:7: error: distance constraint 1: Euler parameters differ by 2 at most; 
         "points too far apart to subtract",
         pendulum(5, "1 2 -1e308 0 0 0 -1 0 1e308 0 0 -1 -1 0"),
         r"""
-IN.dat:5:23: error: revolute joint 1: Q_i and P_i are too far apart to subtract
+IN.dat:5:5: error: revolute joint 1: P_i.x is -1e308; numbers beyond 1e+50 cannot be computed with
+    1 2 -1e308 0 0 0 -1 0 1e308 0 0 -1 -1 0
+        ^^^^^^
+IN.dat:5:23: error: revolute joint 1: Q_i.x is 1e308; numbers beyond 1e+50 cannot be computed with
     1 2 -1e308 0 0 0 -1 0 1e308 0 0 -1 -1 0
                           ^^^^^
 """,
