@@ -67,12 +67,12 @@ def test_shaft_and_beam_one_way_comes_to_exact_rest_after_the_pulse():
     """Section 4.3, one-way, 10 nodes: tip 0.018776 and -0.014413, final angle 0.700987, then rest.
 
     The shaft speed at 0.05 s, recomputed as 7.01051, is 0.05 N m s over the inertia of the deflected
-    beam, 7.010505: the last digit is left one unit.
+    beam, 7.0105046 (test_dafms_figures.py): the last digit is off by half a unit.
     """
     rows = run(deck_tree("shaft_beam_n10_unco"))
     assert np.max(tip(rows)) == pytest.approx(0.018776, abs=6e-7)
     assert np.min(tip(rows)) == pytest.approx(-0.014413, abs=6e-7)
-    assert rows.y[50, 0] == pytest.approx(7.01051, abs=1e-5)
+    assert rows.y[50, 0] == pytest.approx(7.01051, abs=6e-6)
     assert rows.q[-1, 0] == pytest.approx(0.700987, abs=6e-7)
     assert np.max(np.abs(after_the_pulse(rows))) < 1e-13
 
