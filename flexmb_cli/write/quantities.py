@@ -1,0 +1,142 @@
+"""The quantities of an HDF5 result by readable names: `body.3.z`, `reaction.4.force`, `coordinate.theta2`.
+
+A name is a row of words parted by points: what (`body`), which (its number or its name), the quantity, the
+component.  What a file holds is told by its datasets and their dimension scales, so that a new dataset has
+names without a change here.  A pattern may hold `*`, `?` and `[...]`, which do not reach across a point, and
+may end early: `body.1.velocity` is all three components.
+"""
+
+import fnmatch
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import product
+
+import h5py
+import numpy as np
+
+from ..errors import Fault, FlexmbError
+from .nearest_names import nearest
+from .quantity_names import TIME, families, folded
+
+
+class ResultError(FlexmbError):
+    """A result cannot be read, or has no quantity of a name (exit 2)."""
+
+    exit_code = 2
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of every report row, `file[dataset][:, *index]`, in `unit`."""
+
+    name: str
+    unit: str
+    long_name: str
+    dataset: str
+    index: tuple[int, ...]
+
+    @property
+    def header(self) -> str:
+        """Name and unit, as columns and axes are headed."""
+        return f"{self.name} [{self.unit}]"
+
+
+@contextmanager
+def open_result(path) -> Iterator[h5py.File]:
+    """The result at `path`, open for reading.
+
+    Raises `ResultError` when there is none, or when it is another kind of file.
+    """
+    try:
+        file = h5py.File(path, "r")
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise ResultError(f"{path}: it is a folder") from None
+    except OSError as error:
+        raise ResultError(f"{path}: this is no HDF5 result that can be read: {error}") from error
+    with file:
+        if not isinstance(file.get(TIME), h5py.Dataset):
+            raise ResultError(f"{path}: this HDF5 file is no result of flexmb: it has no dataset /time")
+        yield file
+
+
+def names(result: h5py.File) -> list[Quantity]:
+    """Every quantity that the result has for every report row, the time first."""
+    return [
+        _quantity(family, index)
+        for family in families(result)
+        for index in product(*map(range, family.shape))
+    ]
+
+
+def resolve(result: h5py.File, patterns: Iterable[str]) -> list[Quantity]:
+    """The quantities that `patterns` name, in their order and each once.
+
+    A pattern that is the whole name of something means just that (`coordinate.2` is the coordinate, not
+    also its speed); else it means all whose names it begins.  Capitals do not matter, and a blank may be
+    written as an underscore.  Raises `ResultError`, with near names for every pattern that fits nothing.
+    """
+    known = families(result)
+    found: dict[Quantity, None] = {}
+    unknown = []
+    for pattern in patterns:
+        matched = _matched(known, pattern)
+        found.update(dict.fromkeys(matched))
+        if not matched:
+            unknown.append(_unknown(known, pattern))
+    if unknown:
+        raise ResultError(unknown[0], tuple(Fault("error", sentence) for sentence in unknown))
+    return list(found)
+
+
+def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(None)) -> np.ndarray:
+    """Values of `quantities` at `rows`, shape (rows, quantities), in the units of the quantities.
+
+    Only the datasets that are asked for are read, and of them the smallest box with all wanted elements.
+    """
+    columns: dict[str, list[int]] = {}
+    for column, quantity in enumerate(quantities):
+        columns.setdefault(quantity.dataset, []).append(column)
+    values = np.empty((len(range(*rows.indices(len(result[TIME])))), len(quantities)))
+    for path, wanted in columns.items():
+        index = np.array([quantities[column].index for column in wanted], dtype=int)
+        low, high = index.min(axis=0), index.max(axis=0) + 1
+        box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
+        values[:, wanted] = box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
+    return values
+
+
+def _quantity(family, index):
+    return Quantity(family.name(index), family.unit(index), family.meaning(index), family.path, tuple(index))
+
+
+def _matched(known, pattern):
+    words = [re.compile(fnmatch.translate(folded(word))) for word in pattern.split(".")]
+    whole, begun = [], []
+    for family in known:
+        for form in family.forms:
+            if len(form) >= len(words):
+                (whole if len(form) == len(words) else begun).extend(_matched_form(family, form, words))
+    return whole or begun
+
+
+def _matched_form(family, form, words):
+    """The quantities whose names in this form begin with `words`."""
+    along = [range(length) for length in family.shape]
+    for slot, word in zip(form, words, strict=False):
+        positions = slot.positions(word)
+        if not positions:
+            return []
+        if slot.axis is not None:
+            along[slot.axis] = positions
+    return [_quantity(family, index) for index in product(*along)]
+
+
+def _unknown(known, pattern):
+    forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
+    close = nearest(pattern.split("."), forms)
+    hint = f"; near it are {', '.join(close)}" if close else ""
+    return f"{pattern}: the result has no such quantity{hint}; --list shows all"

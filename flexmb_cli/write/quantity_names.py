@@ -1,0 +1,207 @@
+"""How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
+
+import re
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+TIME = "time"
+# Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
+# the datasets that a body has for itself (/elastic/<body>/...).
+FORMS = {
+    "body/position": ("body.{0}.{1}", "body.{0}.position.{1}"),
+    "body/euler_parameters": ("body.{0}.{1}", "body.{0}.euler_parameters.{1}"),
+    "body/euler_parameter_rates": ("body.{0}.d{1}", "body.{0}.euler_parameter_rates.{1}"),
+    "body/euler_parameter_accelerations": (
+        "body.{0}.dd{1}",
+        "body.{0}.euler_parameter_accelerations.{1}",
+    ),
+    "body/angular_velocity": ("body.{0}.omega.{1}", "body.{0}.angular_velocity.{1}"),
+    "body/angular_acceleration": ("body.{0}.alpha.{1}", "body.{0}.angular_acceleration.{1}"),
+    "point/position": ("point.{0}.{1}", "point.{0}.position.{1}"),
+    "coordinate/q": ("coordinate.{0}", "coordinate.{0}.q"),
+    "elastic/displacement": ("elastic.{item}.{0}.{1}", "elastic.{item}.{0}.displacement.{1}"),
+}
+# Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
+BY_BODY = ("elastic", "modal")
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One word of a name: for every position along `axis` its spellings, the first being flexmb's own."""
+
+    axis: int | None
+    words: tuple[tuple[str, ...], ...]
+
+    @property
+    def spellings(self) -> list[str]:
+        """Everything that may stand at this place."""
+        return [word for words in self.words for word in words]
+
+    def positions(self, pattern: re.Pattern) -> list[int]:
+        """Where along the axis a spelling, folded, matches."""
+        return [n for n, words in enumerate(self.words) if any(pattern.match(folded(w)) for w in words)]
+
+
+@dataclass(frozen=True)
+class Family:
+    """A dataset along time: the forms of its names, units and meanings by position on its first axis."""
+
+    path: str
+    shape: tuple[int, ...]
+    forms: tuple[tuple[Slot, ...], ...]
+    units: tuple[str, ...]
+    long_name: str
+    items: tuple[str, ...]
+
+    def name(self, index: tuple[int, ...]) -> str:
+        """Name of the element at `index` behind time."""
+        return ".".join(slot.words[0 if slot.axis is None else index[slot.axis]][0] for slot in self.forms[0])
+
+    def unit(self, index: tuple[int, ...]) -> str:
+        """Unit of that element."""
+        return self.units[index[0] if len(self.units) > 1 else 0]
+
+    def meaning(self, index: tuple[int, ...]) -> str:
+        """What it is, in words."""
+        return f"{self.items[index[0]]}: {self.long_name}" if self.items else self.long_name
+
+
+def families(result: h5py.File) -> list[Family]:
+    """Every dataset of numbers along time, the time first."""
+    paths = []
+
+    def note(path, item):
+        if path != TIME and isinstance(item, h5py.Dataset) and _runs_along_time(item):
+            paths.append(path)
+
+    result.visititems(note)
+    labels = _Labels(result)
+    return [_family(result, path, labels) for path in (TIME, *paths)]
+
+
+def folded(text: str) -> str:
+    """Spelling without capitals and blanks, for comparison."""
+    return text.lower().replace(" ", "_")
+
+
+def _runs_along_time(dataset):
+    along = dataset.ndim > 0 and len(dataset.dims[0]) > 0 and dataset.dims[0][0].name == f"/{TIME}"
+    return along and np.issubdtype(dataset.dtype, np.number)
+
+
+def _family(result, path, labels):
+    dataset = result[path]
+    group, *between = path.split("/")
+    item = labels.body(between[0]) if group in BY_BODY and len(between) > 1 else None
+    axes = [labels.axis(dataset, number) for number in range(1, dataset.ndim)]
+    known = FORMS.get(f"{group}/{between[-1]}" if item else path, ())
+    if not known or f"{{{len(axes) - 1}}}" not in known[0]:
+        known = (_form(path, item, dataset),)
+    forms = tuple(tuple(_slot(word, axes, item) for word in form.split(".")) for form in known)
+    long_name = str(dataset.attrs.get("long_name", path.rpartition("/")[2].replace("_", " ")))
+    units = labels.units(dataset, group)
+    return Family(path, dataset.shape[1:], forms, units, long_name, labels.items(dataset))
+
+
+def _form(path, item, dataset):
+    """Name of a dataset without a form of its own: what is numbered, the quantity, its components."""
+    group, *words = path.split("/")
+    words = words[1:] if item else words
+    axes = [f"{{{number}}}" for number in range(dataset.ndim - 1)]
+    numbered = 0 if group == "modal" else _numbered_axes(dataset)
+    head = [group, "{item}"] if item else [group]
+    return ".".join([*head, *words[:-1], *axes[:numbered], *words[-1:], *axes[numbered:]])
+
+
+def _numbered_axes(dataset):
+    """How many axes behind time, from the first, count things: bodies, joints, nodes."""
+    scales = list(dataset.dims)[1:]
+    kinds = [len(axis) > 0 and np.issubdtype(axis[0].dtype, np.number) for axis in scales]
+    return kinds.index(False) if False in kinds else len(kinds)
+
+
+def _slot(word, axes, item):
+    match = re.fullmatch(r"(\w*)\{(\w+)\}", word)
+    if match is None:
+        return Slot(None, ((word,),))
+    prefix, name = match.groups()
+    if name == "item":
+        return Slot(None, (item,))
+    axis = int(name)
+    return Slot(axis, tuple(tuple(prefix + label for label in labels) for labels in axes[axis]))
+
+
+class _Labels:
+    """How the elements along the axes of a result may be called."""
+
+    def __init__(self, result):
+        self._result = result
+        self._known: dict[str, tuple[tuple[str, ...], ...]] = {}
+
+    def axis(self, dataset, number):
+        """Spellings for every position along an axis."""
+        scales = dataset.dims[number]
+        if not len(scales):
+            return tuple((str(n),) for n in range(1, dataset.shape[number] + 1))
+        scale = scales[0]
+        if scale.name not in self._known:
+            self._known[scale.name] = tuple(tuple(map(_word, texts)) for texts in self._spellings(scale))
+        return self._known[scale.name]
+
+    def _spellings(self, scale):
+        if not np.issubdtype(scale.dtype, np.number):
+            return [(text,) for text in scale.asstr()[:]]
+        numbers = [f"{value:g}" for value in scale[:]]
+        names = self._names(scale)
+        if names:
+            given = list(zip(numbers, names, strict=True))
+            return _with_angles(given) if scale.name.startswith("/coordinate/") else given
+        kind = scale.name.rpartition("/")[2]
+        if kind == "node":
+            return [(f"node{number}", number, f"node {number}") for number in numbers]
+        return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
+
+    def _names(self, scale):
+        texts = self._result.get(f"{scale.name.rpartition('/')[0]}/name")
+        return [] if texts is None else texts.asstr()[:].tolist()
+
+    def body(self, name):
+        """Number and name of the body that has a group for itself."""
+        bodies = self._result.get("body/name")
+        given = [] if bodies is None else bodies.asstr()[:].tolist()
+        return (str(given.index(name) + 1), _word(name)) if name in given else (_word(name),)
+
+    def items(self, dataset):
+        """Names of the things that the first axis counts."""
+        if dataset.ndim < 2 or not len(dataset.dims[1]):
+            return ()
+        scale = dataset.dims[1][0]
+        return tuple(self._names(scale)) if np.issubdtype(scale.dtype, np.number) else ()
+
+    def units(self, dataset, group):
+        """Unit of the dataset, or one for every element of its first axis (coordinates: rad or m)."""
+        stated = str(dataset.attrs.get("units", "1"))
+        each = self._result.get(f"{group}/unit")
+        if each is None or " or " not in stated:
+            return (stated,)
+        choices = stated.split(" or ")
+        return tuple(
+            next((c for c in choices if c.split("/")[0] == unit), stated) for unit in each.asstr()[:]
+        )
+
+
+def _with_angles(given):
+    """`theta2` is the rotation of body 2, when its hinge has but one."""
+    rotations = [re.fullmatch(r"body (\d+) rotation \d", name) for _, name in given]
+    bodies = [match[1] if match else None for match in rotations]
+    return [
+        (*words, f"theta{body}") if body and bodies.count(body) == 1 else words
+        for words, body in zip(given, bodies, strict=True)
+    ]
+
+
+def _word(text):
+    """A point inside a name would part it."""
+    return text.replace(".", "_")
