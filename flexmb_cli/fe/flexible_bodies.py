@@ -113,6 +113,12 @@ def _basis(given, matrices, frame: Frame, findings) -> _Basis | None:
     except modes.IndefiniteMass:
         message = "the mass matrix is not positive definite; is it complete, or of another model?"
         findings.error(given.name, message, given.mass.place)
+    except modes.TooFewMasses as masses:
+        message = (
+            f"{given.modes} modes are asked for, and only {masses.count} shapes have mass "
+            "(reduced integration?); ask for fewer modes"
+        )
+        findings.error(given.name, message, given.place)
     return None
 
 
@@ -150,8 +156,10 @@ def _rows_of(given, nodes):
 
 def _eigen_basis(given, K, S, frame, available):
     """One mode more than asked for is computed, so that the first dropped frequency can be told."""
-    count = given.modes or available
-    values, shapes = modes.eigenmodes(K, S, frame, min(count + 1, available))
+    values, shapes = modes.eigenmodes(K, S, frame, min((given.modes or available) + 1, available))
+    if len(values) < given.modes:
+        raise modes.TooFewMasses(len(values))
+    count = given.modes or len(values)
     following = float(values[count]) if len(values) > count else math.nan
     values, shapes, dependent = values[:count], shapes[:, :count], 0
     if given.attachment:

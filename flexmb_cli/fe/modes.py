@@ -15,6 +15,8 @@ from .reference_frame import Frame
 DENSE = 900
 # Shapes whose part independent of the others has less than this share of their square are dropped.
 DEPENDENT = 1e-10
+# Eigenvalues of the mass matrix below this share of the largest are those of shapes without mass.
+MASSLESS = 1e-10
 # A shape whose strain energy is less than this share of its terms' sum is free of strain.
 NO_STRAIN = 2e-15
 
@@ -28,13 +30,21 @@ class FreeMotion(Exception):
 
 
 class IndefiniteMass(Exception):
-    """The mass matrix is not positive definite."""
+    """The mass matrix has negative eigenvalues."""
+
+
+class TooFewMasses(Exception):
+    """Only `count` shapes have mass, fewer than the modes wanted."""
+
+    def __init__(self, count: int):
+        super().__init__("too few masses")
+        self.count = count
 
 
 def eigenmodes(K, S, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The `count` lowest eigenvalues (rad²/s²) and modes of unit modal mass that the frame allows.
 
-    Raises FreeMotion and IndefiniteMass.
+    They are fewer where fewer shapes have mass.  Raises FreeMotion and IndefiniteMass.
     """
     if frame.mean:
         return _mean_axis_modes(K, S, frame, count)
@@ -45,10 +55,12 @@ def eigenmodes(K, S, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _modes_of(K, S, free, count):
     """Modes of the freedoms `free` with all others at rest, as shapes of the whole body."""
-    full = np.zeros((K.shape[0], min(count, len(free))))
-    if not full.size:
-        return np.zeros(0), full
-    values, full[free] = _lowest(K[free][:, free].tocsc(), S[free][:, free].tocsc(), full.shape[1])
+    count = min(count, len(free))
+    if not count:
+        return np.zeros(0), np.zeros((K.shape[0], 0))
+    values, shapes = _lowest(K[free][:, free].tocsc(), S[free][:, free].tocsc(), count)
+    full = np.zeros((K.shape[0], len(values)))
+    full[free] = shapes
     _check_strain(K, full[:, 0])
     return values, full
 
@@ -76,22 +88,27 @@ def _lowest(K, S, count):
 
 
 def _lowest_at_once(K, S, count):
-    _factor_of_mass(S)
-    size = len(K)
+    size, rank = len(K), _factor_of_mass(S).shape[1]
+    count = min(count, rank)
     try:
-        if 2 * count > size:
+        if 2 * count > size and rank == size:
             return linalg.eigh(K, S, subset_by_index=(0, count - 1))
         inverse, vectors = linalg.eigh(S, K, subset_by_index=(size - count, size - 1))
     except linalg.LinAlgError:
-        raise FreeMotion(linalg.eigh(K, S, subset_by_index=(0, 0))[1][:, 0]) from None
+        raise FreeMotion(linalg.eigh(K, subset_by_index=(0, 0))[1][:, 0]) from None
     return 1.0 / inverse[::-1], (vectors / np.sqrt(inverse))[:, ::-1]
 
 
 def _factor_of_mass(S):
-    try:
-        return linalg.cholesky(S, lower=True)
-    except linalg.LinAlgError:
-        raise IndefiniteMass from None
+    """F (size, rank) with F F' = S.
+
+    Reduced integration (C3D20R) leaves shapes without mass, which move at no finite frequency.
+    """
+    values, vectors = linalg.eigh(S)
+    if values[0] < -MASSLESS * values[-1]:
+        raise IndefiniteMass
+    heavy = values > MASSLESS * values[-1]
+    return vectors[:, heavy] * np.sqrt(values[heavy])
 
 
 class _Inverse(LinearOperator):
@@ -131,11 +148,12 @@ def _mean_axis_modes(K, S, frame, count):
     size, body = K.shape[0], _FreeBody(K, S, frame)
     if size <= DENSE or count > size // 3:
         factor = _factor_of_mass(S.toarray())
+        count = min(count, factor.shape[1] - 6)
         flexibility = factor.T @ body.shapes(factor)
-        last = (size - count, size - 1)
+        last = (factor.shape[1] - count, factor.shape[1] - 1)
         inverse, vectors = linalg.eigh((flexibility + flexibility.T) / 2, subset_by_index=last)
         values = 1.0 / inverse[::-1]
-        shapes = linalg.solve_triangular(factor.T, vectors[:, ::-1])
+        shapes = body.shapes(factor @ vectors[:, ::-1]) * values
     else:
         start = body.shapes(np.arange(size, dtype=float))
         values, shapes = eigsh(K, count, S, sigma=0.0, OPinv=_Inverse(size, body.shapes), v0=start)
@@ -190,7 +208,8 @@ def _factored(K, free):
 def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> np.ndarray:
     """Interface modes of the freedoms `rows` and `count` fixed-interface eigenmodes, in the body frame.
 
-    The rigid motion in the interface modes is taken out, which leaves six of them dependent.
+    The rigid motion in the interface modes is taken out, which leaves six of them dependent.  Raises
+    FreeMotion, IndefiniteMass, and TooFewMasses.
     """
     clamped = frame.held if frame.clamped else np.arange(0)
     interface = np.setdiff1d(rows, clamped)
@@ -198,7 +217,9 @@ def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> np.ndarra
     shapes = np.zeros((K.shape[0], len(interface)))
     shapes[interface, np.arange(len(interface))] = 1.0
     shapes[inner] = -_factored(K, inner).solve(K[inner][:, interface].toarray())
-    _, fixed = _modes_of(K, S, inner, count)
+    values, fixed = _modes_of(K, S, inner, count)
+    if len(values) < count:
+        raise TooFewMasses(len(values))
     return frame.shifted(np.hstack([shapes, fixed]), S)
 
 

@@ -1,0 +1,56 @@
+"""A finite-element program in the loop: CalculiX meshes, writes M and K, and checks the modes found in them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from scripts.brick_beam import Beam
+from tests.fe.calculix import asked, clamp, deck_of, needs_ccx, own_frequencies, reported, timoshenko
+
+pytestmark = needs_ccx
+
+# No lateral contraction, so that the clamped face holds exactly what beam theory holds.
+SLENDER = Beam((0.5, 0.01, 0.02), (12, 1, 2), "C3D20R", poisson=0.0)
+ROOT = SLENDER.section(0.0)
+Y, Z = SLENDER.size[1:]
+
+
+def test_the_clamped_beam_has_the_frequencies_that_calculix_finds_itself(tmp_path):
+    """CalculiX iterates to a residual; it prints seven digits, and its matrices have fourteen."""
+    found = reported(deck_of(tmp_path, SLENDER, clamp(ROOT), 10))["frequencies"]
+    np.testing.assert_allclose(found, own_frequencies(tmp_path, SLENDER, ROOT, 10), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "element, cells, tolerance", [("C3D20R", (12, 1, 2), 1e-3), ("C3D8I", (24, 1, 1), 6e-3)]
+)
+def test_the_clamped_beam_bends_as_timoshenko_says(tmp_path, element, cells, tolerance):
+    """The tolerance is the mesh's, for the second mode in each plane."""
+    beam = Beam(SLENDER.size, cells, element, poisson=0.0)
+    found = reported(deck_of(tmp_path, beam, clamp(beam.section(0.0)), 4))["frequencies"]
+    expected = sorted(timoshenko(beam, Y, 2) + timoshenko(beam, Z, 2))
+    np.testing.assert_allclose(found, expected, rtol=tolerance)
+
+
+def test_one_row_of_bricks_with_reduced_integration_is_told_to_move_without_strain(tmp_path):
+    """C3D20R in a single row has hourglass motions, which neither K nor M feels."""
+    beam = Beam(SLENDER.size, (12, 1, 1), "C3D20R")
+    done = asked(deck_of(tmp_path, beam, clamp(beam.section(0.0)), 4))
+    assert done.exit_code == 2
+    assert "body 1: held in its frame the body still moves without strain" in done.stderr
+
+
+def test_timoshenko_of_a_slender_beam_is_euler_and_bernoulli():
+    """First roots of 1 + cos x cosh x = 0: 1.875104, 4.694091; shear and turning lower them by 1e-4 or so."""
+    stiffness = math.sqrt(SLENDER.young * Y**2 / 12 / SLENDER.density)
+    expected = [x**2 / SLENDER.size[0] ** 2 * stiffness / math.tau for x in (1.875104, 4.694091)]
+    found = timoshenko(SLENDER, Y, 2)
+    assert found == pytest.approx(expected, rel=4e-3)
+    assert all(theory < euler for theory, euler in zip(found, expected, strict=True))
+
+
+def test_the_unsupported_matrices_carry_the_mass_of_the_beam(tmp_path):
+    found = reported(deck_of(tmp_path, SLENDER, clamp(ROOT), 1))
+    assert found["mass"] == pytest.approx(SLENDER.density * np.prod(SLENDER.size), rel=1e-12)
+    assert found["centre"] == pytest.approx([0.25, 0.005, 0.01], rel=1e-9)
