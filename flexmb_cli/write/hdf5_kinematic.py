@@ -4,6 +4,7 @@ from ..model.mechanism import Mechanism
 from ..solve.rows import Rows
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
+from .result_geometry import SIDE, mechanism_geometry
 
 AUDIT = {
     "constraint_residual": Series(
@@ -26,7 +27,7 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
         )
         if items
     ]
-    axes = (XYZ, EULER_PARAMETER, *axes)
+    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
     present = {axis.path for axis in axes}
     series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
     return Layout(
@@ -34,6 +35,7 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
         mechanism.time.rows,
         axes,
         tuple(item for item in series if present.issuperset(item.axes)),
+        mechanism_geometry(mechanism),
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from ..model.tree import ELASTIC, ROTATION, Tree
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
+from .result_geometry import SIDE, tree_geometry
 
 COORDINATES = {
     "q": ("coordinate/q", "rad or m", "generalized coordinate"),
@@ -45,11 +46,12 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         long_name = f"elastic displacement of the nodes of {body.name}, axes of the body"
         series.append(Series(_displacement(tree, k), (_node_axis(body).path, "xyz"), "m", long_name))
     if tree.closures:
+        axes.append(SIDE)
         axes.append(numbered_axis("joint", [f"closure {i}" for i in range(1, len(tree.closures) + 1)]))
         series += [Series(path, (), *rest) for path, *rest in GAPS.values()]
         long_name = "force of the closure on its second body (KB), opposite on the first, global axes"
         series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
-    return Layout("dynamic", tree.time.rows, tuple(axes), tuple(series))
+    return Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
 
 
 def tree_values(tree: Tree, rows, points) -> Values:

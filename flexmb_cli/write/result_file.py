@@ -51,6 +51,17 @@ class Series:
     long_name: str
 
 
+@dataclass(frozen=True, eq=False)
+class Constant:
+    """A dataset that does not change with time: its path, the paths of its axes, values, unit, meaning."""
+
+    path: str
+    axes: tuple[str, ...]
+    values: np.ndarray
+    units: str
+    long_name: str
+
+
 @dataclass(frozen=True)
 class Layout:
     """What a result holds besides the deck: `rows` is the number of report rows of a whole run."""
@@ -59,6 +70,7 @@ class Layout:
     rows: int
     axes: tuple[Axis, ...]
     series: tuple[Series, ...]
+    constants: tuple[Constant, ...] = ()
 
 
 TIME = Series("time", (), "s", "time")
@@ -90,6 +102,8 @@ class ResultFile:
         self._describe(deck, layout.analysis)
         self._chunk = chunk_rows(layout)
         scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
+        for constant in layout.constants:
+            self._make_constant(constant, scales)
         self._series = self._make_series(layout.series, scales)
         self._raise_disk_failure()
 
@@ -150,6 +164,12 @@ class ResultFile:
             dataset.dims[0].attach_scale(scale)
             _describe(dataset, "1", long_name)
         return scale
+
+    def _make_constant(self, constant, scales):
+        dataset = self._file.create_dataset(constant.path, data=constant.values)
+        for number, path in enumerate(constant.axes):
+            dataset.dims[number].attach_scale(scales[path])
+        _describe(dataset, constant.units, constant.long_name)
 
     def _make_series(self, series, scales):
         time = self._growing(TIME, ())

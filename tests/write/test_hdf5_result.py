@@ -272,3 +272,23 @@ def test_every_field_of_the_rows_has_its_dataset(rows):
     block = rows([0.0])
     written = kinematic_values(block).values()
     assert [id(values) for values in written] == [id(values) for values in vars(block).values()]
+
+
+def test_where_joints_and_points_sit_on_their_bodies_is_kept(written, rows, mechanism):
+    """By hand, from the mechanism of `conftest`: a ball at body 1's origin carries body 2's end."""
+    with h5py.File(written(rows([0.0]))) as file:
+        assert file["joint/body"][:].tolist() == [[1, 2]]
+        assert file["joint/point"][:].tolist() == [[[0, 0, 0], [-1, 0, 0]]]
+        assert file["joint/axis"][:].tolist() == [[[0, 0, 0], [0, 0, 0]]]
+        assert file["point/body"][:].tolist() == [2]
+
+
+def test_the_kept_places_move_as_joint_and_point_do(written, rows):
+    """p + A s of the kept place is the point's own series; both ends of the joint stay together."""
+    with h5py.File(written(rows(np.arange(7.0)))) as file:
+        e0, e1, e2, e3 = np.moveaxis(file["body/euler_parameters"][:, 1], -1, 0)
+        # Turning about y only: A s of s = (-1, 0, 0) is minus the first column of A.
+        first = (e0**2 + e1**2 - e2**2 - e3**2, 2 * (e1 * e2 + e0 * e3), 2 * (e1 * e3 - e0 * e2))
+        column = np.stack(first, axis=-1)
+        end = file["body/position"][:, 1] + file["joint/point"][0, 1, 0] * column
+        assert np.max(np.abs(end - file["body/position"][:, 0])) < 1e-15
