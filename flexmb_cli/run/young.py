@@ -7,28 +7,27 @@ from ..errors import AnalysisError
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
-from .compiling import tell_of_compiling
+from .compiling import compile_first
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 MARCH = "kinematic_march.march"
 
 
-def run_young(
-    deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outcome, listener, stdout
-) -> None:
-    """Analyse the mechanism of `deck` and write its results; `outcome` records how it went.
+def write_solution(solution: "Solution", deck, paths, options, outcome, listener, stdout) -> None:
+    """Write the rows of `solution` as they come; raises as `keep_rows`."""
+    files = ResultFiles(deck, solution.contents, paths, options, stdout)
+    keep_rows(solution.analysis, solution.rows, files, options, outcome, listener, solution.count)
 
-    Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
-    """
+
+def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> "Solution":
+    """The kinematics of `deck`, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
     mechanism, warnings = build_young(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
     from ..write.hdf5_kinematic import kinematic_layout, kinematic_values
 
-    analysis = _analysis(mechanism, options, listener)
     contents = Contents(lambda: kinematic_layout(mechanism), kinematic_values)
-    files = ResultFiles(deck, contents, paths, options, stdout)
-    keep_rows(analysis, mechanism.time.rows, files, options, outcome, listener, _NewtonCount())
+    return Solution(_analysis(mechanism, options, listener), mechanism.time.rows, contents, _NewtonCount())
 
 
 def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener: Listener, count) -> None:
@@ -60,12 +59,10 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
 
 
 def _analysis(mechanism, options, listener: Listener):
-    from ..kernels._jit import compile_alone
     from ..solve.kinematics import KinematicAnalysis, KinematicSettings
 
-    tell_of_compiling(listener, MARCH)
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
-    compile_alone(MARCH, analysis.compile)
+    compile_first(listener, MARCH, analysis.compile)
     return analysis
 
 
@@ -95,6 +92,16 @@ class Contents:
 
     layout: Callable
     values: Callable
+
+
+@dataclass(frozen=True)
+class Solution:
+    """An analysis that yields blocks of report rows: how many, what they hold, and what counts its work."""
+
+    analysis: object
+    rows: int
+    contents: Contents
+    count: object = None
 
 
 class ResultFiles:

@@ -8,7 +8,7 @@ from ..read.young_dynamics import INVERSE, analysis_of
 from ..write.file_names import ResultPaths
 from .compiling import tell_of_compiling
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
-from .young import Contents, ResultFiles, keep_rows, run_young
+from .young import Contents, Solution, kinematic_solution, write_solution
 
 
 def run_young_deck(
@@ -18,20 +18,23 @@ def run_young_deck(
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
+    solution = young_solution(deck, options, outcome, listener)
+    write_solution(solution, deck, paths, options, outcome, listener, stdout)
+
+
+def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
+    """What a YOUNG deck asks for, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
     if analysis_of(deck) is None:
-        run_young(deck, paths, options, outcome, listener, stdout)
-        return
+        return kinematic_solution(deck, options, outcome, listener)
     from ..write.hdf5_dynamic import dynamic_layout, dynamic_values
 
     model, warnings = build_young_dynamics(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
-    inverse = model.analysis == INVERSE
     analysis = _analysis(model, options, listener)
     contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
-    files = ResultFiles(deck, contents, paths, options, stdout)
-    count = _Count(None if inverse else analysis.clock)
-    keep_rows(analysis, model.mechanism.time.rows, files, options, outcome, listener, count)
+    count = _Count(None if model.analysis == INVERSE else analysis.clock)
+    return Solution(analysis, model.mechanism.time.rows, contents, count)
 
 
 def _analysis(model, options, listener: Listener):
