@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent / "write"))
+from results import write_result
+
 PACKAGE = Path(__file__).resolve().parents[1] / "flexmb_cli"
 # Stations in the direction of the data; each may import from itself and from those listed.
 MAY_IMPORT = {
@@ -79,10 +82,16 @@ def test_no_file_has_a_name_that_says_nothing(path):
         ["check", "decks/dafms/fourbar_flex.DAT"],
         ["beam", "--length", "1", "--nodes", "2", "--ei", "1", "--rho", "1"],
         ["diff", "README.md", "README.md"],
+        ["diff", "{result}", "{result}"],
+        ["table", "{result}", "body.*.z"],
+        ["table", "{result}", "--list"],
     ],
     ids=lambda a: " ".join(a[:2]),
 )
-def test_what_needs_no_solver_starts_without_numba_and_scipy(arguments):
+def test_what_needs_no_solver_starts_without_numba_and_scipy(arguments, tmp_path_factory):
+    if "{result}" in arguments:
+        result = write_result(tmp_path_factory.mktemp("result") / "r.h5", 3)
+        arguments = [argument.format(result=result) for argument in arguments]
     code = (
         "import sys\n"
         "from flexmb_cli.cli import main\n"
@@ -96,3 +105,4 @@ def test_what_needs_no_solver_starts_without_numba_and_scipy(arguments):
         capture_output=True, text=True, cwd=PACKAGE.parent, env=environment, timeout=60,
     )  # fmt: skip
     assert done.stderr.splitlines()[-1] == "[]"
+    assert "a fault of flexmb itself" not in done.stderr

@@ -17,6 +17,8 @@ from .check import check
 from .diff import diff
 from .modes import modes
 from .run import run
+from .sweep import sweep
+from .table import table
 
 
 class Group(click.Group):
@@ -39,7 +41,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, modes, diff, beam):
+for command in (run, check, modes, diff, table, sweep, beam):
     cli.add_command(command)
 
 

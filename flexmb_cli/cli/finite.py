@@ -1,4 +1,4 @@
-"""A real number on the command line: in a range, and neither nan nor inf."""
+"""A real number on the command line that is neither nan nor inf: in a range, or any."""
 
 import math
 
@@ -10,7 +10,18 @@ class Finite(click.FloatRange):
 
     def convert(self, value, param, ctx):
         """The number, or a usage error that names the option."""
-        number = super().convert(value, param, ctx)
-        if not math.isfinite(number):
-            self.fail(f"{value} is no finite number", param, ctx)
-        return number
+        return _finite(self, super().convert(value, param, ctx), value, param, ctx)
+
+
+class AnyFinite(click.types.FloatParamType):
+    """`click.FLOAT` for finite numbers; the help of a `FloatRange` without limits shows an empty range."""
+
+    def convert(self, value, param, ctx):
+        """The number, or a usage error that names the option."""
+        return _finite(self, super().convert(value, param, ctx), value, param, ctx)
+
+
+def _finite(kind, number, value, param, ctx):
+    if not math.isfinite(number):
+        kind.fail(f"{value} is no finite number", param, ctx)
+    return number

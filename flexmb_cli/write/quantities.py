@@ -79,7 +79,7 @@ def resolve(result: h5py.File, patterns: Iterable[str]) -> list[Quantity]:
     also its speed); else it means all whose names it begins.  Capitals do not matter, and a blank may be
     written as an underscore.  Raises `ResultError`, with near names for every pattern that fits nothing.
     """
-    known = families(result)
+    known = _families(result)
     found: dict[Quantity, None] = {}
     unknown = []
     for pattern in patterns:
@@ -96,6 +96,7 @@ def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(
     """Values of `quantities` at `rows`, shape (rows, quantities), in the units of the quantities.
 
     Only the datasets that are asked for are read, and of them the smallest box with all wanted elements.
+    Raises `ResultError` when the file is damaged.
     """
     columns: dict[str, list[int]] = {}
     for column, quantity in enumerate(quantities):
@@ -103,10 +104,40 @@ def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(
     values = np.empty((len(range(*rows.indices(len(result[TIME])))), len(quantities)))
     for path, wanted in columns.items():
         index = np.array([quantities[column].index for column in wanted], dtype=int)
-        low, high = index.min(axis=0), index.max(axis=0) + 1
-        box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
-        values[:, wanted] = box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
+        values[:, wanted] = _elements(result, path, rows, index)
     return values
+
+
+def time_at(result: h5py.File, row: int) -> float:
+    """Time of a row, s; raises `ResultError` when the file is damaged."""
+    row %= len(result[TIME])
+    return float(_elements(result, TIME, slice(row, row + 1), np.empty((1, 0), dtype=int))[0, 0])
+
+
+def shortfall(result: h5py.File) -> str:
+    """A sentence on a run that is not complete: why, and up to which time there are rows; else empty."""
+    if result.attrs.get("status", "complete") == "complete":
+        return ""
+    end = f"its rows end at t = {time_at(result, -1):.10g} s" if len(result[TIME]) else "it has no rows"
+    message = str(result.attrs.get("message", ""))
+    return f"the run is not complete, {end}" + (f": {message}" if message else "")
+
+
+def _elements(result, path, rows, index):
+    """Elements (rows, places) of a dataset at the places `index` (places, axes) behind time."""
+    low, high = index.min(axis=0), index.max(axis=0) + 1
+    try:
+        box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
+    except OSError as error:
+        raise ResultError(f"{result.filename}: /{path} cannot be read: {error}") from error
+    return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
+
+
+def _families(result):
+    try:
+        return families(result)
+    except (OSError, RuntimeError) as error:
+        raise ResultError(f"{result.filename}: a damaged result that cannot be read: {error}") from error
 
 
 def _quantity(family, index):

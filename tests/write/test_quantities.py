@@ -1,5 +1,6 @@
 """Readable names of the quantities of a result, and what is read for them."""
 
+import errno
 import io
 
 import h5py
@@ -131,11 +132,14 @@ def test_patterns_that_fit_nothing_are_refused(result, pattern):
 
 
 class CountingFile(io.FileIO):
-    """A file that counts the bytes read from it."""
+    """A file that counts the bytes read from it, or is on a disk that `fails`."""
 
     count = 0
+    fails = False
 
     def readinto(self, buffer):
+        if self.fails:
+            raise OSError(errno.EIO, "Input/output error")
         got = super().readinto(buffer)
         self.count += got
         return got
@@ -165,3 +169,12 @@ def test_files_of_other_kinds_are_refused(tmp_path):
         with pytest.raises(ResultError, match=message) as caught, open_result(tmp_path / name):
             pass
         assert caught.value.exit_code == 2
+
+
+def test_a_disk_that_fails_is_told(tmp_path):
+    with CountingFile(write_result(tmp_path / "r.h5", 5000)) as disk, h5py.File(disk, "r") as file:
+        quantities = resolve(file, ["energy.total"])
+        disk.fails = True
+        with pytest.raises(ResultError, match="/energy/total cannot be read"):
+            read(file, quantities)
+        disk.fails = False

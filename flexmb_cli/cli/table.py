@@ -1,0 +1,56 @@
+"""`flexmb table`: quantities of a result as text."""
+
+import click
+
+from .finite import AnyFinite
+
+
+@click.command()
+@click.argument("result", metavar="RESULT.h5")
+@click.argument("names", metavar="NAME...", nargs=-1)
+@click.option("--list", "listing", is_flag=True,
+              help="Show the names (of NAME, or all) with unit and meaning instead of numbers.")  # fmt: skip
+@click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
+@click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
+@click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
+@click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
+              help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
+@click.option("-q", "--quiet", is_flag=True, help="Do not remark that a result is not complete.")
+def table(result, names, listing, start, stop, every, style, quiet):
+    """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
+
+    A NAME says what, which, the quantity and the component: body.3.z, body.2.omega.x, body.1.velocity (all
+    three), point.1.acceleration, coordinate.2, coordinate.theta2, reaction.4.force, driver.1.effort,
+    energy.total, elastic.2.node3.y.  Patterns such as "body.*.z" need quotes in a shell; the deck's own
+    names count too: "reaction.revolute 2.force".
+
+    \b
+    Example:
+        flexmb table OUT4-BAR.h5 body.3.z point.1.velocity --every 5 --from 0.5
+    """
+    from ..write.quantities import names as all_names
+    from ..write.quantities import open_result, resolve
+    from ..write.table import chosen_rows, list_text, table_text
+
+    if not names and not listing:
+        raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
+    with open_result(result) as file:
+        quantities = resolve(file, names) if names else all_names(file)
+        if listing:
+            click.echo(list_text(quantities, style or "text"), nl=False)
+            return
+        rows = chosen_rows(file, start, stop, every)
+        _remark(result, file, rows, quiet)
+        for piece in table_text(file, quantities, rows, style or "csv"):
+            click.echo(piece, nl=False)
+
+
+def _remark(path, file, rows, quiet):
+    """Tell on standard error what the numbers do not show."""
+    from ..write.quantities import shortfall
+
+    told = shortfall(file)
+    if told and not quiet:
+        click.echo(f"{path}: note: {told}", err=True)
+    if not rows and not quiet:
+        click.echo(f"{path}: note: it has no rows in this window of time", err=True)

@@ -1,0 +1,100 @@
+"""Quantities of a result as text: CSV, TSV, JSON Lines or aligned columns, the time first, block by block."""
+
+import csv
+import io
+import json
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
+from functools import partial
+from math import prod
+
+import h5py
+
+from .quantities import Quantity, read, resolve, time_at
+from .quantity_names import TIME
+
+FORMATS = ("csv", "tsv", "jsonl", "text")
+SEPARATOR = {"csv": ",", "tsv": "\t"}
+# A block of all datasets that are read holds about so many numbers, so that results may exceed the memory.
+BLOCK_NUMBERS, BLOCK_ROWS = 2**20, 8192
+# Report times are known to this part of a step; `--to 0.3` means the row at 0.30000000000000004 too.
+TIME_TOLERANCE = 1e-6
+TEXT_NUMBER, TEXT_WIDTH = "{:.9g}", 15
+
+
+def chosen_rows(result: h5py.File, start: float | None, stop: float | None, every: int) -> range:
+    """Every `every`-th row from the first with a time >= `start` to the last with a time <= `stop`, s."""
+    count = len(result[TIME])
+    if (start is None and stop is None) or not count:
+        return range(0, count, every)
+    span = abs(time_at(result, -1) - time_at(result, 0))
+    slack = TIME_TOLERANCE * span / max(count - 1, 1)
+    first, end = 0, count
+    if start is not None:
+        first = bisect_left(range(count), start - slack, key=partial(time_at, result))
+    if stop is not None:
+        end = bisect_right(range(count), stop + slack, key=partial(time_at, result))
+    return range(first, max(first, end), every)
+
+
+def table_text(
+    result: h5py.File, quantities: Sequence[Quantity], rows: range, style: str = "csv"
+) -> Iterator[str]:
+    """Pieces of the table's text: the heads, then the rows block by block; `style` is one of `FORMATS`.
+
+    The time is the first column, whether it is among the quantities or not.
+    """
+    time = resolve(result, [TIME])
+    columns = time + [quantity for quantity in quantities if quantity.dataset != TIME]
+    heads = [column.header for column in columns]
+    if style != "jsonl":
+        yield _text_line(heads, heads) if style == "text" else _separated_lines([heads], style)
+    length = _block_length(result, columns)
+    for first in range(0, len(rows), length):
+        block = rows[first : first + length]
+        values = read(result, columns, slice(block.start, block.stop, block.step)).tolist()
+        yield _lines(heads, values, style)
+
+
+def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
+    """Name, unit and meaning of quantities, a line each."""
+    heads = ("name", "unit", "meaning")
+    rows = [(quantity.name, quantity.unit, quantity.long_name) for quantity in quantities]
+    if style == "jsonl":
+        return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
+    if style != "text":
+        return _separated_lines([heads, *rows], style)
+    widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
+    return "".join(f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {told}\n" for name, unit, told in rows)
+
+
+def _block_length(result, columns):
+    paths = {column.dataset for column in columns}
+    width = sum(prod(result[path].shape[1:]) for path in paths)
+    return max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width))
+
+
+def _lines(heads, values, style):
+    if style == "text":
+        return "".join(_text_line([TEXT_NUMBER.format(value) for value in row], heads) for row in values)
+    if style == "jsonl":
+        return "".join(json.dumps(_record(heads, row), allow_nan=False) + "\n" for row in values)
+    # repr gives the shortest digits that read back to the same double.
+    return "".join(SEPARATOR[style].join(map(repr, row)) + "\n" for row in values)
+
+
+def _record(heads, row):
+    """JSON knows no nan and no infinity: null."""
+    return {head: value if math.isfinite(value) else None for head, value in zip(heads, row, strict=True)}
+
+
+def _text_line(cells, heads):
+    pairs = zip(cells, heads, strict=True)
+    return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
+
+
+def _separated_lines(rows, style):
+    page = io.StringIO()
+    csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
+    return page.getvalue()
