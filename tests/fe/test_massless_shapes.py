@@ -57,7 +57,7 @@ def test_so_has_a_body_in_mean_axes(tmp_path, count):
     "choices, most", [({"clamped": (11, 12, 13)}, 9), ({}, 9)], ids=["clamped", "mean axes"]
 )
 def test_more_modes_than_shapes_with_mass_are_refused(tmp_path, choices, most):
-    """Held in three nodes two others and what the light ones share have mass; free, five nodes less six motions."""
+    """Two nodes and what the light ones share, three freedoms each; free, five nodes less six motions."""
     with pytest.raises(ModelError) as refused:
         flexible_body(half_massless(tmp_path, modes=most + 1, **choices)[0], cached=False)
     assert f"only {most} shapes have mass" in str(refused.value)

@@ -10,15 +10,25 @@ from .matrix_file import FEFileFault
 _SHOWN = 40
 
 
-def text_of(path: Path) -> str:
-    """The file's text.  Raises FEFileFault when there is none, or it is binary."""
+def bytes_of(path: Path) -> bytes:
+    """What the file holds.  Raises FEFileFault when it cannot be read."""
     try:
-        raw = path.read_bytes()
+        return path.read_bytes()
     except FileNotFoundError:
         raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}") from None
     except OSError as fault:
         raise FEFileFault(f"{path.name} cannot be read: {fault.strerror}") from None
-    if b"\0" in raw[:65536]:
+
+
+def is_binary(raw: bytes) -> bool:
+    """Whether the file's beginning holds what no text does."""
+    return b"\0" in raw[:65536]
+
+
+def text_of(path: Path) -> str:
+    """The file's text.  Raises FEFileFault when there is none, or it is binary."""
+    raw = bytes_of(path)
+    if is_binary(raw):
         raise FEFileFault(f"{path.name} is a binary file; let the program write it as text")
     return raw.decode("latin-1")
 

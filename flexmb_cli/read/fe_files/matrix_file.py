@@ -40,6 +40,19 @@ def labelled(entries: np.ndarray, values: np.ndarray, one_triangle: bool | None 
     return MatrixFile(len(equations), rows, columns, values, one_triangle, equations)
 
 
+def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]]) -> MatrixFile:
+    """The full matrix of strings: first row and column, from 0, and the values that follow each other."""
+    for row, column, values in strings:
+        if row < 0 or row + len(values) > size:
+            message = f"rows {row + 1} to {row + len(values)} of column {column + 1} lie outside 1..{size}"
+            raise FEFileFault(f"{name}: {message}")
+    rows = [np.arange(row, row + len(values)) for row, _, values in strings]
+    columns = [np.full(len(values), column) for _, column, values in strings]
+    parts = [np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns)]
+    values = np.concatenate([part for _, _, part in strings]) if strings else np.zeros(0)
+    return MatrixFile(size, *parts, values.astype(float), False)
+
+
 def has_both_triangles(rows, columns, size: int) -> bool:
     """Whether any entry off the diagonal has its mirror image among the entries."""
     off = rows != columns

@@ -1,31 +1,35 @@
-"""Nastran matrices as OP4 text (module OUTPUT4): dense, sparse and BIGMAT; rows follow the node table.
+"""Nastran matrices as OP4 (module OUTPUT4): dense, sparse and BIGMAT; rows follow the node table.
 
-Every line with a point holds values; a line of integers only heads a column, or a string of values in it.
+Binary files are read by `nastran_op4_binary`.  In text every line with a point holds
+values; a line of integers only heads a column, or a string of values in it.
 """
 
 from pathlib import Path
 
 import numpy as np
 
-from .file_text import line_fault, lines_of
-from .matrix_file import FEFileFault, MatrixFile
+from .file_text import bytes_of, is_binary, line_fault, lines_of
+from .matrix_file import FEFileFault, MatrixFile, of_strings
 from .nastran import chosen
-
-_REAL = (1, 2)
-# The first row of a string is packed with its length: row + 65536 (length + 1).
-_PACKED = 65536
+from .nastran_op4_binary import PACKED, REAL, binary_matrices
 
 
 def read_op4(path: Path, letter: str) -> MatrixFile:
     """The matrix at `path`; of several the one whose name begins with `letter` (M or K)."""
+    raw = bytes_of(path)
+    found = binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
+    if not found:
+        raise FEFileFault(f"{path.name} is empty")
+    return found[chosen(path, list(found), letter)]
+
+
+def _text_matrices(path):
     lines = lines_of(path)
     at, found = 0, {}
     while at < len(lines) and lines[at].strip():
         name, matrix, at = _read_one(path.name, lines, at)
         found[name] = matrix
-    if not found:
-        raise FEFileFault(f"{path.name} is empty")
-    return found[chosen(path, list(found), letter)]
+    return found
 
 
 def _read_one(name, lines, at):
@@ -36,7 +40,7 @@ def _read_one(name, lines, at):
         column, row = _column(name, lines, at)
         if column > columns:
             # The column behind the last one closes the matrix with a value of no meaning.
-            return label, _matrix(columns, parts), at + 2
+            return label, of_strings(name, columns, parts), at + 2
         if row:
             at = _read_string(name, lines, at, (row, column, width), parts)
             continue
@@ -54,7 +58,7 @@ def _heading(name, lines, at):
     except ValueError:
         message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
         raise line_fault(name, at + 1, message) from None
-    if kind not in _REAL:
+    if kind not in REAL:
         raise line_fault(name, at + 1, "the matrix is complex; real wanted")
     if abs(rows) != columns:
         message = f"the matrix must be square; it has {abs(rows)} rows, {columns} columns"
@@ -77,7 +81,7 @@ def _string_row(name, lines, at):
         *length, row = map(int, lines[at].split())
     except ValueError:
         raise line_fault(name, at + 1, "the heading of a string of values wanted") from None
-    return row if length else row % _PACKED
+    return row if length else row % PACKED
 
 
 def _read_string(name, lines, at, layout, parts):
@@ -93,15 +97,5 @@ def _read_string(name, lines, at, layout, parts):
                 values.append(float(cell.replace("D", "E")))
             except ValueError:
                 raise line_fault(name, at + 1, f"a value wanted; read '{cell.strip()}'") from None
-    parts.append((row - 1, column - 1, values))
+    parts.append((row - 1, column - 1, np.array(values)))
     return at
-
-
-def _matrix(size, parts):
-    rows = [np.arange(row, row + len(values)) for row, _, values in parts]
-    columns = [np.full(len(values), column) for _, column, values in parts]
-    if any(len(part) and part[-1] >= size for part in rows):
-        raise FEFileFault(f"an OP4 matrix of {size} rows has values beyond its last row")
-    values = np.array([value for _, _, part in parts for value in part])
-    where = [np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns)]
-    return MatrixFile(size, *where, values, False)

@@ -1,0 +1,122 @@
+"""Nastran matrices as OP4 binary: Fortran records, either byte order, words of four or eight bytes.
+
+MSC Nastran DMAP Programmer's Guide, OUTPUT4.  A record of columns, rows, form, type and name heads a matrix; a
+record for every column that is not zero follows, and one behind the last column closes it.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from .matrix_file import FEFileFault, MatrixFile, of_strings
+
+REAL = (1, 2)
+_COMPLEX = (3, 4)
+# The first row of a string is packed with its length: row + 65536 (length + 1).
+PACKED = 65536
+# Four integers and a name of two words.
+_HEADING_WORDS = 6
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Name of the file, byte order ("<" or ">"), and bytes of a word."""
+
+    file: str
+    order: str
+    word: int
+
+    def integers(self, record: bytes, first: int, count: int) -> tuple[int, ...]:
+        """`count` integers from word `first` on."""
+        kind = "i" if self.word == 4 else "q"
+        try:
+            return struct.unpack_from(f"{self.order}{count}{kind}", record, first * self.word)
+        except struct.error:
+            raise FEFileFault(f"{self.file}: a record of {len(record)} bytes is too short") from None
+
+    def value(self, kind: int) -> np.dtype:
+        """A real number of type 1 (single, which in words of eight bytes is double) or 2 (double)."""
+        return np.dtype(f"{self.order}f{self.word if kind == 1 else 8}")
+
+
+def binary_matrices(file: str, raw: bytes) -> dict[str, MatrixFile]:
+    """The matrices of the file `file` by name.  Raises FEFileFault."""
+    layout = _layout(file, raw)
+    records, found = _records(layout, raw), {}
+    for heading in records:
+        name, matrix = _read_one(layout, heading, records)
+        found[name] = matrix
+    return found
+
+
+def _layout(file, raw) -> _Layout:
+    """Told by the length of the first record."""
+    for order in "<>":
+        length = struct.unpack(f"{order}i", raw[:4])[0] if len(raw) >= 4 else 0
+        if length in (4 * _HEADING_WORDS, 8 * _HEADING_WORDS):
+            return _Layout(file, order, length // _HEADING_WORDS)
+    raise FEFileFault(
+        f"{file} is a binary file, but no OP4: its first record is not of 24 or 48 bytes (an OP2? write "
+        "OP4 by OUTPUT4, binary or as text)"
+    )
+
+
+def _records(layout: _Layout, raw) -> Iterator[bytes]:
+    """Records between their lengths, which stand before and behind."""
+    at = 0
+    while at < len(raw):
+        length = struct.unpack_from(f"{layout.order}i", raw, at)[0] if at + 4 <= len(raw) else -1
+        end = at + 4 + length
+        if length < 0 or raw[end : end + 4] != raw[at : at + 4]:
+            message = f"the record at byte {at} has no end where its length says; was the file cut off?"
+            raise FEFileFault(f"{layout.file}: {message}")
+        yield raw[at + 4 : end]
+        at = end + 4
+
+
+def _read_one(layout: _Layout, heading, records) -> tuple[str, MatrixFile]:
+    columns, rows, _, kind = layout.integers(heading, 0, 4)
+    name = heading[4 * layout.word : _HEADING_WORDS * layout.word].decode("latin-1").strip().upper()
+    _check(layout, name, columns, rows, kind)
+    strings = []
+    for record in records:
+        column, row, words = layout.integers(record, 0, 3)
+        if column > columns:
+            return name, of_strings(f"{layout.file}, matrix {name}", columns, strings)
+        held = len(record) // layout.word - 3
+        if column < 1 or words > held:
+            message = f"matrix {name}, column {column}: {words} words are told and {held} are there"
+            raise FEFileFault(f"{layout.file}: {message}")
+        strings += _column(layout, record, (column, row, words), rows < 0, layout.value(kind))
+    raise FEFileFault(f"{layout.file}: matrix {name} of {columns} columns does not end; is the file cut off?")
+
+
+def _check(layout: _Layout, name, columns, rows, kind):
+    if kind not in REAL:
+        what = "is complex" if kind in _COMPLEX else f"has type {kind}"
+        raise FEFileFault(f"{layout.file}: matrix {name} {what}; a real one wanted, type 1 or 2")
+    if abs(rows) != columns or columns < 1:
+        message = f"matrix {name} must be square; it has {abs(rows)} rows, {columns} columns"
+        raise FEFileFault(f"{layout.file}: {message}")
+
+
+def _column(layout: _Layout, record, head, big, value: np.dtype):
+    """The strings of a column: one when it has a first row, else each with its own."""
+    column, row, words = head
+    at, end = 3, 3 + words
+    while at < end:
+        if row:
+            first, length = row, words
+        elif big:
+            length, first = layout.integers(record, at, 2)
+            at, length = at + 2, length - 1
+        else:
+            (packed,) = layout.integers(record, at, 1)
+            at, length, first = at + 1, packed // PACKED - 1, packed % PACKED
+        if length < 1 or at + length > end:
+            raise FEFileFault(f"{layout.file}: column {column} has a string of {length} words")
+        values = np.frombuffer(record, value, length * layout.word // value.itemsize, at * layout.word)
+        yield first - 1, column - 1, values
+        at += length
