@@ -43,6 +43,7 @@ def key_of(given: FlexibleInput) -> str:
     """Name of everything the body depends on.  Raises OSError when a file cannot be read."""
     digest = hashlib.sha256(f"flexmb body {LAYOUT}".encode())
     files = [given.mass, given.stiffness, given.mapping, *(load.file for load in given.unit_loads)]
+    files += [given.bricks.file] if given.bricks else []
     for file in files:
         digest.update(f"|{file.form}".encode() if file else b"|none")
         if file:
@@ -64,6 +65,7 @@ def _settings(given):
             given.modes,
             tuple(float(value).hex() for value in given.damping),
             loads,
+            given.bricks and (given.bricks.young.hex(), given.bricks.poisson.hex()),
         )
     )
 

@@ -13,6 +13,7 @@ from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
 from ..read.fe_files.formats import read_matrix
 from ..read.fe_files.matrix_file import FEFileFault
 from . import cache, modes
+from .centrifugal import centrifugal_stiffness
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .nodal_matrices import condensed, nodal_part
@@ -192,7 +193,7 @@ def _body(given, matrices, frame, basis, figures: Figures, findings) -> Flexible
         **invariants,
         Kr=Kr,
         Dr=Dr,
-        KG=_geometric(given, frame, Phi, findings),
+        KG=_geometric(given, matrices, frame, Phi, findings),
         frequencies=omega / math.tau,
         effective_mass=effective_masses(invariants["S1"], invariants["C0"]),
         effective_limit=_effective_limit(matrices.S, frame),
@@ -214,9 +215,11 @@ def _effective_limit(S, frame):
     return np.einsum("ij,ij->j", carried, splu(S[free][:, free].tocsc()).solve(carried))
 
 
-def _geometric(given, frame, Phi, findings):
+def _geometric(given, matrices, frame, Phi, findings):
     """Phi' KG Phi per component of w~ w~ in body axes; the files' unit loads are in those of the table."""
     size = Phi.shape[1]
+    if given.bricks:
+        return centrifugal_stiffness(given, matrices.K, matrices.S, frame, Phi, findings)
     if not given.unit_loads:
         return np.zeros((0, 0, size, size))
     n = len(given.numbers)

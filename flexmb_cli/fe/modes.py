@@ -163,13 +163,18 @@ def _mean_axis_modes(K, S, frame, count):
 
 
 def attachment_modes(K, S, frame: Frame, rows: np.ndarray) -> np.ndarray:
-    """Static shapes under a unit force in each of the freedoms `rows`, (3 n, k).
-
-    In mean axes the body is free: the forces are balanced by those of the rigid acceleration they cause.
-    """
+    """Static shapes under a unit force in each of the freedoms `rows`, (3 n, k)."""
     rows = np.setdiff1d(rows, frame.held)
     forces = np.zeros((K.shape[0], len(rows)))
     forces[rows, np.arange(len(rows))] = 1.0
+    return static_shapes(K, S, frame, forces)
+
+
+def static_shapes(K, S, frame: Frame, forces: np.ndarray) -> np.ndarray:
+    """Displacements (3 n, k) of the body held in its frame under `forces` (3 n, k).
+
+    In mean axes it is free, and the forces are balanced by those of the rigid acceleration they cause.
+    """
     if frame.mean:
         return _FreeBody(K, S, frame).shapes(forces)
     free = np.setdiff1d(np.arange(K.shape[0]), frame.held)

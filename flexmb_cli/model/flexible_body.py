@@ -32,6 +32,16 @@ class UnitLoad:
 
 
 @dataclass(frozen=True)
+class BrickMaterial:
+    """Hexahedra in the `file` of the nodes, of Young's modulus `young`, Pa, and Poisson's ratio."""
+
+    file: FEFile
+    young: float
+    poisson: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class FlexibleInput:
     """What a deck says of a flexible body; nodes by their numbers in the table.
 
@@ -54,6 +64,7 @@ class FlexibleInput:
     modes: int = 0
     damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
     unit_loads: tuple[UnitLoad, ...] = ()
+    bricks: BrickMaterial | None = None
     place: Place | None = None
 
 

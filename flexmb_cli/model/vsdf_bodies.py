@@ -9,7 +9,7 @@ from ..read.fe_files.matrix_file import FEFileFault
 from ..read.fe_files.node_table import read_node_table
 from .deck_values import DeckValues
 from .findings import Findings
-from .flexible_body import FEFile, FlexibleInput, UnitLoad
+from .flexible_body import BrickMaterial, FEFile, FlexibleInput, UnitLoad
 from .vsdf_model import GROUND, RigidMass, VsdfBody
 
 _UNIT_LENGTH = 1e-6
@@ -166,7 +166,7 @@ def _flexible(values, k, record, pose, folder, findings):
             if given["body"] == k:
                 findings.error(given.subject, f"{word} is for RIGD bodies; body {k} is FLEX", given.place)
     table = _node_table(values, k, record, folder, findings)
-    files = {name: _file(values.record(name, k), folder) for name, _ in _FLEXIBLE_ONLY[1:4]}
+    files = {name: _file(values.record(name, k), folder) for name, _ in _FLEXIBLE_ONLY[:4]}
     for name, word in _FLEXIBLE_ONLY[1:3]:
         if files[name] is None:
             findings.error(record.subject, f"a FLEX body needs a card {word}", record.place)
@@ -186,6 +186,7 @@ def _flexible(values, k, record, pose, folder, findings):
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, findings),
+        bricks=_bricks(values.record("stiffening", k), files["node_table"], findings),
         place=record.place,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
@@ -278,14 +279,34 @@ def _unit_loads(values, k, folder, findings):
     return tuple(loads)
 
 
+def _bricks(record, file, findings) -> BrickMaterial | None:
+    """The material that GEOS gives, to find stresses with."""
+    if record is None or not record["on"] or not record.at("E").text:
+        return None
+    young, poisson = float(record["E"]), float(record["nu"])
+    if not young > 0:
+        message = f"Young's modulus must be above zero; read {record.at('E').text}"
+        findings.error(record.subject, message, record.at("E").place)
+    if not -1 < poisson < 0.5:
+        message = f"Poisson's ratio lies between -1 and 0.5; read {record.at('nu').text}"
+        findings.error(record.subject, message, record.at("nu").place)
+    return BrickMaterial(file, young, poisson, record.at("E").place)
+
+
 def _stiffened(record, given, findings):
     if record is None or not record["on"]:
         if given.unit_loads:
             message = f"FEMG is not used: GEOS does not switch stiffening on for {given.name}"
             findings.warn(given.name, message, given.unit_loads[0].file.place)
         return False
-    if not given.unit_loads:
-        message = "centrifugal stiffening needs geometric stiffness matrices, cards FEMG"
+    if given.unit_loads and given.bricks:
+        message = "stiffening comes either from the matrices of FEMG or from bricks; leave E out, or FEMG"
+        findings.error(record.subject, message, record.at("E").place)
+    if not given.unit_loads and not given.bricks:
+        message = (
+            "centrifugal stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the "
+            "bricks in the node table's file"
+        )
         findings.error(record.subject, message, record.at("on").place)
     return True
 

@@ -279,7 +279,12 @@ CARDS = (
         "stiffening",
         "stiffening of body {}",
         "body",
-        (_BODY, _whole("on", "1: centrifugal stiffening")),
+        (
+            _BODY,
+            _whole("on", "1: centrifugal stiffening"),
+            Column("E", "Young's modulus of the bricks; empty: by FEMG", "Pa", default=0.0),
+            Column("nu", "Poisson's ratio of the bricks", default=0.0),
+        ),
     ),
     Card(
         "FEMG",

@@ -1,4 +1,4 @@
-"""A finite-element program in the loop: CalculiX writes M and K of a beam, and checks the modes found in them."""
+"""A finite-element program in the loop: CalculiX writes the matrices of a beam, and finds the same modes."""
 
 import math
 

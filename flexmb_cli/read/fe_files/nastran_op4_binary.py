@@ -1,7 +1,7 @@
 """Nastran matrices as OP4 binary: Fortran records, either byte order, words of four or eight bytes.
 
-MSC Nastran DMAP Programmer's Guide, OUTPUT4.  A record of columns, rows, form, type and name heads a matrix; a
-record for every column that is not zero follows, and one behind the last column closes it.
+MSC Nastran DMAP Programmer's Guide, OUTPUT4.  A record of columns, rows, form, type and name heads a matrix,
+one for every column that is not zero follows, and one behind the last column closes it.
 """
 
 import struct

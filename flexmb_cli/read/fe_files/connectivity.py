@@ -1,0 +1,128 @@
+"""Hexahedra of 8 or 20 nodes in the files of node tables: INP *ELEMENT, CDB EBLOCK, BDF CHEXA."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .bulk_data import bulk_cards, integer_field
+from .file_text import line_fault, lines_of
+from .matrix_file import FEFileFault
+
+COUNTS = (8, 20)
+_INP_TYPE = re.compile(r"TYPE\s*=\s*C3D(8|20)[A-Z]*\s*(,|$)")
+_CDB_FORMAT = re.compile(r"\(\s*\d+i(\d+)", re.IGNORECASE)
+# In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
+_CDB_HEAD, _CDB_COUNT = 11, 8
+# Nastran numbers the edges along the third direction before those of the upper face.
+_FROM_NASTRAN = [*range(12), *range(16, 20), *range(12, 16)]
+
+
+@dataclass(frozen=True)
+class Hexahedra:
+    """Node numbers (m, 8) or (m, 20) of the elements, and the numbers of the elements (m,).
+
+    Corners of one face, of the opposite one, then the middles of edges as Abaqus and ANSYS have them.
+    """
+
+    numbers: np.ndarray
+    nodes: np.ndarray
+
+
+def read_hexahedra(path: Path, form: str) -> Hexahedra:
+    """The elements beside the nodes of `path`, in the format INP, CDB or BDF.
+
+    Raises FEFileFault when there are none, or others than hexahedra of one kind.
+    """
+    readers = {"INP": _inp_elements, "CDB": _cdb_elements, "BDF": _bdf_elements}
+    if form not in readers:
+        raise FEFileFault(f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has")
+    found = list(readers[form](path))
+    if not found:
+        raise FEFileFault(f"{path.name} holds no elements in format {form}")
+    counts = {len(nodes) for _, nodes, _ in found}
+    for number, nodes, line in found:
+        if len(nodes) not in COUNTS or len(set(nodes)) < len(nodes):
+            raise line_fault(path.name, line, f"element {number} is no hexahedron of 8 or 20 different nodes")
+    if len(counts) > 1:
+        raise FEFileFault(f"{path.name} mixes elements of 8 and of 20 nodes; one kind is wanted")
+    numbers, nodes, _ = zip(*found, strict=True)
+    return Hexahedra(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
+
+
+def _inp_elements(path):
+    """Data lines of *ELEMENT; a line that ends in a comma is continued."""
+    wanted, words, first = 0, [], 0
+    for number, line in enumerate(lines_of(path), start=1):
+        if line.startswith("**") or not line.strip():
+            continue
+        if line.startswith("*"):
+            wanted = _inp_type(path, number, line.upper())
+            continue
+        if not wanted:
+            continue
+        first = first if words else number
+        words += [word for word in map(str.strip, line.split(",")) if word]
+        if len(words) > wanted or not line.rstrip().endswith(","):
+            values = _integers(path, first, words)
+            yield values[0], values[1:], first
+            words = []
+
+
+def _inp_type(path, number, line):
+    """Nodes of the elements below this keyword, 0 when it is no *ELEMENT."""
+    if line.split(",")[0].strip() != "*ELEMENT":
+        return 0
+    kind = _INP_TYPE.search(line)
+    if kind is None:
+        message = "stresses are known of hexahedra only, types C3D8 and C3D20 with their variants"
+        raise line_fault(path.name, number, message)
+    return int(kind[1])
+
+
+def _integers(path, number, words):
+    try:
+        return [int(word) for word in words]
+    except ValueError:
+        message = f"whole numbers wanted; read '{' '.join(words)[:40]}'"
+        raise line_fault(path.name, number, message) from None
+
+
+def _cdb_elements(path):
+    """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
+    lines = lines_of(path)
+    start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)
+    if start is None:
+        return
+    layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
+    if layout is None:
+        raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK")
+    width, words, first = int(layout[1]), [], 0
+    for number, line in enumerate(lines[start + 2 :], start=start + 3):
+        if line.strip() == "-1":
+            return
+        first = first if words else number
+        line = line.rstrip()
+        words += _integers(path, number, [line[i : i + width] for i in range(0, len(line), width)])
+        if len(words) >= _CDB_HEAD and len(words) >= _CDB_HEAD + words[_CDB_COUNT]:
+            yield words[_CDB_HEAD - 1], words[_CDB_HEAD : _CDB_HEAD + words[_CDB_COUNT]], first
+            words = []
+    raise FEFileFault(f"{path.name}: EBLOCK does not end with -1; is the file cut off?")
+
+
+_SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")
+
+
+def _bdf_elements(path):
+    for card in bulk_cards(path, _SOLIDS):
+        number = integer_field(path, card, 0, "the number of the element")
+        if card.name != "CHEXA":
+            message = f"{card.name} {number}: stresses are known of hexahedra only, cards CHEXA"
+            raise line_fault(path.name, card.line, message)
+        given = [integer_field(path, card, i, "a grid point") for i in range(2, 22) if _filled(card, i)]
+        yield number, [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given, card.line
+
+
+def _filled(card, index):
+    return index < len(card.fields) and bool(card.fields[index])

@@ -1,0 +1,223 @@
+"""Geometric stiffness from bricks: against matrices supplied, Southwell's coefficient, and element theory."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.integrate import trapezoid
+from scipy.io import mmread
+from scipy.spatial.transform import Rotation
+
+from flexmb_cli.errors import ModelError
+from flexmb_cli.fe.brick_stiffness import initial_stress_matrix, matching_bricks
+from flexmb_cli.fe.bricks import CUBE, FORMULATIONS, bricks, elasticity, shape_slopes
+from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.model.flexible_body import BrickMaterial, FEFile
+from flexmb_cli.read.fe_files.connectivity import read_hexahedra
+from flexmb_cli.read.fe_files.node_table import read_node_table
+from scripts.brick_beam import Beam, run_calculix
+from tests.fe.calculix import needs_ccx
+from tests.fe.supplied import FILES, body, nodes, pendulum, spin_up
+from tests.fe.trusses import write_matrix
+from tests.read.vsdf_decks import build, supplied, told
+
+# 30 x 1 x 1 bricks with incompatible modes; four nodes a section, in the order (y, z).
+SPIN_UP = np.array([[4 * i + a for a in (1, 5, 7, 3, 2, 6, 8, 4)] for i in range(30)])
+YOUNG, POISSON = 7e10, 0.3
+
+
+def spin_up_bricks(folder, young=YOUNG, poisson=POISSON, **choices):
+    """The cantilever of the spin-up with its elements instead of the supplied matrices."""
+    table = nodes("spinup_nodes.txt")
+    rows = [f"{i}, " + ", ".join(map(str, brick)) for i, brick in enumerate(SPIN_UP, start=1)]
+    places = [
+        f"{n}, {x!r}, {y!r}, {z!r}"
+        for n, (x, y, z) in zip(table.numbers, table.positions.tolist(), strict=True)
+    ]
+    path = folder / "spinup.inp"
+    path.write_text("\n".join(["*NODE", *places, "*ELEMENT, TYPE=C3D8I", *rows]) + "\n")
+    given = replace(spin_up(**choices), unit_loads=())
+    return replace(given, bricks=BrickMaterial(FEFile(path, "INP"), young, poisson))
+
+
+def test_the_supplied_matrices_of_the_spin_up_are_found_to_their_digits(tmp_path):
+    """spinup_KG_xx and _yy have twelve digits; yy is a thousandth of xx."""
+    found, wanted = body(spin_up_bricks(tmp_path, modes=12)).KG, body(spin_up(modes=12)).KG
+    for i in (0, 1):
+        np.testing.assert_allclose(found[i, i], wanted[i, i], rtol=0, atol=1e-8 * np.abs(wanted[i, i]).max())
+
+
+def test_the_formulation_is_told_from_the_stiffness_and_decides_on_the_stresses():
+    """Bricks of full integration are stiffer by 7 % and would have another stress in every direction."""
+    table, K = nodes("spinup_nodes.txt"), mmread(FILES / "spinup_K.mtx").tocsc()
+    found = matching_bricks(table.positions, SPIN_UP - 1, (YOUNG, POISSON), K)
+    assert found.bricks.formulation.name == "incompatible modes"
+    assert found.deviation < 1e-10
+
+
+def pendulum_bricks(**choices):
+    """The rod of 8 x 2 x 1 bricks, its joint's face clamped; elements of the archive."""
+    given = pendulum(clamped=(1, 2, 3, 4, 5, 6), modes=6, **choices)
+    return replace(given, bricks=BrickMaterial(FEFile(FILES / "pendulum.cdb", "CDB"), 1e7, 0.49))
+
+
+def test_six_loads_make_the_stiffening_independent_of_the_axes(tmp_path):
+    """A rod in axes turned about a line off all axes has the same K_G for the same spin."""
+    turn = Rotation.from_rotvec([0.4, -0.7, 0.5]).as_matrix()
+    straight, block = body(pendulum_bricks()), sparse.kron(sparse.identity(54), sparse.csc_matrix(turn))
+    for letter in "MK":
+        matrix = block @ mmread(FILES / f"pendulum_{letter}.mtx").tocsc() @ block.T
+        write_matrix(tmp_path / f"{letter}.mtx", matrix.toarray())
+    given = replace(
+        pendulum_bricks(),
+        mass=FEFile(tmp_path / "M.mtx", "MM"),
+        stiffness=FEFile(tmp_path / "K.mtx", "MM"),
+        positions=nodes().positions @ turn.T,
+    )
+    turned, spin = body(given), np.array([3.0, -5.0, 9.0])
+    wanted = np.einsum("ij,ijkl->kl", _squared(spin), straight.KG)
+    found = np.einsum("ij,ijkl->kl", _squared(turn @ spin), turned.KG)
+    # Which sign a mode has depends on the axes.
+    signs = np.sign(np.einsum("ik,ik->k", block @ straight.Phi, turned.Phi))
+    np.testing.assert_allclose(found * np.outer(signs, signs), wanted, atol=1e-8 * np.abs(wanted).max())
+
+
+def _squared(w):
+    tilde = np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+    return tilde @ tilde
+
+
+def test_a_free_rod_in_mean_axes_is_stiffened_by_its_pull():
+    """Pull of a uniform rod that turns about its middle, mu w² (L²/4 - x²)/2, on its first free-free mode.
+
+    Per w² and unit modal mass: the integral of (L²/4 - x²)/2 f'² over that of f², beta L = 4.730041.
+    """
+    x = np.linspace(0.0, 1.0, 4001)
+    b, s = 4.730041, 0.982502
+    mode = np.cosh(b * x) + np.cos(b * x) - s * (np.sinh(b * x) + np.sin(b * x))
+    slope = np.gradient(mode, x, edge_order=2)
+    expected = trapezoid(x * (1 - x) / 2 * slope**2, x) / trapezoid(mode**2, x)
+    given = replace(pendulum(modes=2, mean=True), bricks=pendulum_bricks().bricks)
+    KG = body(given).KG
+    found = np.diag(-(KG[0, 0] + KG[1, 1]))
+    # A depth of a tenth to a seventh of the length bends by shear too.
+    assert found == pytest.approx([expected] * 2, rel=0.08)
+
+
+@pytest.mark.parametrize("change, message", [
+    ({"young": 2 * YOUNG}, "check E and nu"),
+    ({"poisson": 0.0}, "check E and nu"),
+])  # fmt: skip
+def test_a_material_that_does_not_make_the_stiffness_is_refused(tmp_path, change, message):
+    with pytest.raises(ModelError) as refused:
+        flexible_body(spin_up_bricks(tmp_path, modes=3, **change), cached=False)
+    assert message in str(refused.value)
+
+
+@needs_ccx
+@pytest.mark.parametrize(
+    "element, cells", [("C3D20R", (12, 1, 2)), ("C3D20", (12, 1, 1)), ("C3D8I", (24, 1, 1))]
+)
+def test_a_beam_of_calculix_stiffens_as_southwell_says(tmp_path, element, cells):
+    """Cantilever turning about its root: omega² grows by 1.193 w² out of plane, by 0.193 w² in plane.
+
+    Southwell and Gough, A. R. C. R. & M. 766 (1921); the softening in plane is the body's J_ww, not K_G's.
+    """
+    beam = Beam((0.5, 0.01, 0.02), cells, element)
+    (tmp_path / "b.inp").write_text(beam.input())
+    run_calculix(tmp_path, "b")
+    table = read_node_table(tmp_path / "b.inp", "INP")
+    given = replace(
+        spin_up(),
+        mass=FEFile(tmp_path / "b.mas", "CCX"),
+        stiffness=FEFile(tmp_path / "b.sti", "CCX"),
+        mapping=FEFile(tmp_path / "b.dof", "CCX"),
+        numbers=table.numbers,
+        positions=table.positions - [0.0, 0.005, 0.01],
+        clamped=tuple(beam.section(0.0)),
+        unit_loads=(),
+        modes=2,
+        bricks=BrickMaterial(FEFile(tmp_path / "b.inp", "INP"), beam.young, beam.poisson),
+    )
+    KG = body(given).KG
+    # The first mode bends along y, the second along z; spins about z and about y stiffen both.
+    for i, j in ((0, 1), (0, 2)):
+        stiffening = -(KG[i, i] + KG[j, j])
+        assert np.diag(stiffening) == pytest.approx([1.193, 1.193], rel=0.01)
+
+
+@pytest.mark.parametrize("count", [8, 20])
+def test_shape_functions_interpolate_positions_exactly(count):
+    """The sum of x_a dN_a/dxi is the unit matrix on the reference cube, that of dN_a/dxi zero."""
+    points = np.random.default_rng(1).uniform(-1, 1, (20, 3))
+    slopes = shape_slopes(points, count)
+    np.testing.assert_allclose(
+        np.einsum("gkj,ki->gij", slopes, CUBE[:count]), np.tile(np.eye(3), (20, 1, 1)), atol=1e-14
+    )
+    np.testing.assert_allclose(slopes.sum(axis=1), 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("count", [8, 20])
+def test_a_bar_under_pull_has_the_string_stiffness_of_its_pull(count):
+    """sigma = E strain in x alone, nu = 0: w' K_G w over the linear field w = x is sigma A L."""
+    beam = Beam((2.0, 0.1, 0.1), (4, 1, 1), "C3D8I" if count == 8 else "C3D20", poisson=0.0)
+    placed, elements = beam.mesh()
+    positions = np.array(list(placed.values()))
+    rows = np.array(elements) - 1
+    for formulation in FORMULATIONS[count]:
+        made = bricks(positions, rows, formulation)
+        assert made.volumes.sum() == pytest.approx(0.02, rel=1e-13)
+    found = matching_bricks(positions, rows, (beam.young, 0.0), sparse.identity(3 * len(positions)).tocsc())
+    stretched = np.zeros(positions.shape)
+    stretched[:, 0] = 1e-3 * positions[:, 0]
+    scalars = initial_stress_matrix(found, stretched.ravel())
+    x = positions[:, 0]
+    assert x @ (scalars @ x) == pytest.approx(1e-3 * beam.young * 0.01 * 2.0, rel=1e-12)
+
+
+def test_hookes_law_in_pure_shear_and_under_pressure():
+    D = elasticity(2.0e11, 0.25)
+    assert D[3, 3] == pytest.approx(8.0e10)
+    assert D[:3, :3].sum() / 9 == pytest.approx(2.0e11 / (3 * (1 - 0.5)))
+
+
+def test_elements_come_in_the_same_order_from_every_format():
+    archive = read_hexahedra(FILES / "pendulum.cdb", "CDB")
+    wanted = read_hexahedra(FILES / "calculix/pendulum.inp", "INP")
+    np.testing.assert_array_equal(archive.nodes, wanted.nodes)
+    np.testing.assert_array_equal(archive.numbers, np.arange(1, 17))
+
+
+def deck(*changes):
+    """The pendulum on the archive's elements."""
+    return supplied(
+        "pendulum",
+        ("TXT  fe/pendulum_nodes.txt", "CDB  fe/pendulum.cdb"),
+        ("GRAV", "GEOS\n{}\nGRAV".format(*changes)),
+    )
+
+
+def test_a_deck_asks_for_it_by_the_material_on_geos():
+    mechanism, doubts = flexible_mechanism(build(deck("    1    1     1.0E7      0.49")), cached=False)
+    assert mechanism.bodies[0].stiffened
+    assert mechanism.bodies[0].flexible.KG.shape == (3, 3, 9, 9)
+    assert doubts == []
+
+
+FAULTS = {
+    "    1    1": "stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the bricks",
+    "    1    1    -1.0E7      0.49": "Young's modulus must be above zero; read -1.0E7",
+    "    1    1     1.0E7      0.50": "Poisson's ratio lies between -1 and 0.5; read 0.50",
+}
+
+
+@pytest.mark.parametrize("card", FAULTS)
+def test_a_material_that_cannot_be_is_refused_at_its_card(card):
+    assert any(FAULTS[card] in fault for fault in told(deck(card)))
+
+
+def test_matrices_and_bricks_at_once_are_refused():
+    text = supplied("spinup", ("GEOS\n    1    1\n", "GEOS\n    1    1     7.E10       0.3\n"))
+    assert any("either from the matrices of FEMG or from bricks" in fault for fault in told(text))
