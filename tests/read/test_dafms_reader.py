@@ -23,8 +23,8 @@ def test_supplied_decks_have_no_fault(name):
     assert faults(deck_text(name)) == []
 
 
-def test_fifteen_decks_are_supplied():
-    assert len(NAMES) == 15
+def test_nineteen_decks_are_supplied():
+    assert len(NAMES) == 19
 
 
 def test_a_list_goes_on_over_records():

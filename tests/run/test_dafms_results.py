@@ -24,8 +24,8 @@ def outcomes(tmp_path_factory):
     return {name: run(name, folder) for name in NAMES}, folder
 
 
-def test_fifteen_decks_are_supplied():
-    assert len(NAMES) == 15
+def test_nineteen_decks_are_supplied():
+    assert len(NAMES) == 19
 
 
 @pytest.mark.parametrize("name", NAMES)
