@@ -19,29 +19,48 @@ from .finite import Finite
 @click.option("--tol", "kinds", multiple=True, metavar="KIND=ATOL[,RTOL]",
               help="Tolerance of one kind of column (acceleration=1e-3); inf leaves it out.")  # fmt: skip
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
+@click.option("--explain", is_flag=True,
+              help="Mark differences that are known errors of the historic programs.")  # fmt: skip
+@click.option("--update", is_flag=True, help="Where they differ, put a copy of B in the place of A.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
-def diff(a, b, last_digit, atol, rtol, kinds, same_attitude, as_json, quiet):
-    """Compare two OUT tables, or two HDF5 results, number by number.
+def diff(a, b, update, as_json, quiet, **options):
+    """Compare two OUT tables, DAFMS echoes or series, or HDF5 results, number by number.
 
-    A value differs when it exceeds all tolerances given; by default every printed digit counts.
+    A is the reference.  A value differs when it exceeds all tolerances given; by default every printed
+    digit counts.
 
     \b
     Example:
-        flexmb diff OUT4-BAR.dat reference/OUT4-BAR.dat --last-digit 1
+        flexmb diff reference/OUT4-BAR.dat OUT4-BAR.dat --last-digit 1
     """
-    from ..write.diff import compare
-    from ..write.out_table import TableError
-    from ..write.tolerances import Tolerances, parse_kinds
+    from ..write.accept import accept, is_missing
+    from ..write.listing import TableError
 
-    tolerances = Tolerances(atol, rtol, last_digit, parse_kinds(kinds))
+    if update and "-" in (a, b):
+        raise click.UsageError("--update copies files; standard input is none")
+    new = update and is_missing(a)
     try:
-        report = compare(a, b, tolerances, same_attitude)
+        # A result that can be compared with itself can be read.
+        report = _compared(b if new else a, b, **options)
+        updated = update and (new or not report.equal)
+        if updated:
+            accept(a, b)
     except TableError as failure:
         click.echo(compiler_style(failure.name, failure.faults, failure.lines), err=True)
         sys.exit(failure.exit_code)
     if as_json:
-        click.echo(json.dumps(report.as_dict()))
+        click.echo(json.dumps(report.as_dict() | {"updated": updated}))
     elif not quiet:
-        click.echo(report.text(), nl=False)
-    sys.exit(DONE if report.equal else 1)
+        click.echo("" if new else report.text(), nl=False)
+        if update:
+            done = f"taken from {b}" if updated else "left as it is"
+            click.echo(f"{a}: {'new reference, ' if new else ''}{done}")
+    sys.exit(DONE if report.equal or updated else 1)
+
+
+def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain):
+    from ..write.diff import compare
+    from ..write.tolerances import Tolerances, parse_kinds
+
+    return compare(a, b, Tolerances(atol, rtol, last_digit, parse_kinds(kinds)), same_attitude, explain)

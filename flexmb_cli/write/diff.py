@@ -3,20 +3,42 @@
 import numpy as np
 
 from ..errors import Fault
+from .dafms_listing import parse_echo, parse_series
+from .diff_echo import as_stars, compare_echo
 from .diff_report import Found, Report
-from .out_table import LARGEST_INDEX, Listing, Section, TableError, parse_listing, read_bytes
+from .known_errors import young_errors
+from .listing import (
+    DAFMS_ECHO,
+    DAFMS_SERIES,
+    LARGEST_INDEX,
+    YOUNG_TABLE,
+    Listing,
+    Section,
+    TableError,
+    plain_text,
+    read_bytes,
+)
+from .out_table import parse_listing
 from .tolerances import Tolerances
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+MARK_OF_FAILURE = {
+    YOUNG_TABLE: "CONVERGENCE FAILED",
+    DAFMS_ECHO: "a note of failure",
+    DAFMS_SERIES: "the note of a stop",
+}
 # The parts of the sections that change sign with the Euler parameters.
 SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
 
 
-def compare(path_a, path_b, tolerances: Tolerances | None = None, same_attitude: bool = False) -> Report:
+def compare(
+    path_a, path_b, tolerances: Tolerances | None = None, same_attitude: bool = False, explain: bool = False
+) -> Report:
     """Compare two results of the same format.
 
-    `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  Raises `TableError`
-    when a file cannot be read, or when one is an HDF5 result and the other is not.
+    `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
+    that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
+    cannot be read, or when the two are of different kinds.
     """
     tolerances = tolerances or Tolerances()
     kinds = [_is_hdf5(path) for path in (path_a, path_b)]
@@ -28,14 +50,20 @@ def compare(path_a, path_b, tolerances: Tolerances | None = None, same_attitude:
         other = path_b if kinds[0] else path_a
         message = "this is no HDF5 result, the other file is; compare two tables, or two HDF5 results"
         raise TableError(str(other), [Fault("error", message)])
-    listings = [_read_listing(path) for path in (path_a, path_b)]
-    return compare_listings(*listings, tolerances, same_attitude)
+    a, b = (_read_listing(path) for path in (path_a, path_b))
+    if a.form != b.form:
+        raise TableError(
+            b.name, [Fault("error", f"it is of another kind ({b.form}) than {a.name} ({a.form})")]
+        )
+    return compare_listings(a, b, tolerances, same_attitude, explain)
 
 
-def compare_listings(a: Listing, b: Listing, tolerances: Tolerances, same_attitude: bool = False) -> Report:
-    """Compare two OUT tables that were read."""
-    report = Report(a.name, b.name)
-    _compare_echo(report, a, b, tolerances)
+def compare_listings(
+    a: Listing, b: Listing, tolerances: Tolerances, same_attitude: bool = False, explain: bool = False
+) -> Report:
+    """Compare two listings of the same form that were read; see `compare`."""
+    report = Report(a.name, b.name, explaining=explain)
+    compare_echo(report, a, b, tolerances)
     rows_a, rows_b = _matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
     flips = _flips((a, b), (rows_a, rows_b)) if same_attitude else None
@@ -47,7 +75,7 @@ def compare_listings(a: Listing, b: Listing, tolerances: Tolerances, same_attitu
                 f"{name}: there is no such section in {(b if name in a.sections else a).name}"
             )
     if a.failed != b.failed:
-        report.missing.append(f"only {(a if a.failed else b).name} ends with CONVERGENCE FAILED")
+        report.missing.append(f"only {(a if a.failed else b).name} ends with {MARK_OF_FAILURE[a.form]}")
     return report
 
 
@@ -64,9 +92,14 @@ def _is_hdf5(path):
 
 def _read_listing(path):
     name = str(path)
-    listing = parse_listing(name, read_bytes(path))
+    content = read_bytes(path)
+    text = plain_text(content)
+    listing = parse_echo(name, text) or parse_listing(name, content) or parse_series(name, text)
     if listing is None:
-        message = "no OUT table is found in it: there is neither a line TIME= nor an echo of a YOUNG deck"
+        message = (
+            "no OUT table is found in it: there is neither a line TIME= nor an echo of a YOUNG deck, "
+            "no echo of a DAFMS deck (==N==NDM==) and no time series of one"
+        )
         raise TableError(name, [Fault("error", message)])
     return listing
 
@@ -105,6 +138,8 @@ def _common(keys_a, keys_b):
 
 
 def _compare_times(report, a, b, rows_a, rows_b, tolerances):
+    if not len(a.time) and not len(b.time):
+        return
     time_a, time_b = a.time[rows_a], b.time[rows_b]
 
     def describe(position, distance):
@@ -116,25 +151,52 @@ def _compare_times(report, a, b, rows_a, rows_b, tolerances):
 
 def _compare_section(report, name, listings, rows, tolerances, flips):
     sections = [listing.sections[name] for listing in listings]
-    pick_a, pick_b = _matching_lines(name, listings, rows)
-    first, second = sections
-    _report_lines(report, name, listings, rows, (pick_a, pick_b))
-    shared = [column for column in first.columns if column in second.columns]
+    picks = _matching_lines(name, listings, rows)
+    first = sections[0]
+    _report_lines(report, name, listings, rows, picks)
+    shared = [column for column in first.columns if column in sections[1].columns]
     _report_columns(report, name, listings, sections)
-    values = [
-        section.values[pick][:, [section.columns.index(column) for column in shared]]
-        for section, pick in ((first, pick_a), (second, pick_b))
-    ]
+    values, units = zip(*map(_shared_block, sections, picks, (shared, shared)), strict=True)
     kinds = np.array([first.kinds[first.columns.index(column)] for column in shared])
-    units = np.maximum(*[section.units[[section.columns.index(c) for c in shared]] for section in sections])
+    if first.edits:
+        edits = [first.edits[first.columns.index(column)] for column in shared]
+        values = as_stars(*values, lambda position: edits[position[1]])
     if flips is not None:
-        signs = np.where(np.isin(_keys(first, pick_a), flips), -1.0, 1.0)
-        values[1] = np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])
+        signs = np.where(np.isin(_keys(first, picks[0]), flips), -1.0, 1.0)
+        values = values[0], np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])
+    unit = np.maximum(*units)
+    # Where one file prints fewer decimals, the other can agree no better than to half a unit; numbers with
+    # exponents all have the same number of digits.
+    slack = np.where((units[0] == units[1]) | bool(first.edits), 0.0, 0.5 * unit)
+    known = _known_errors(report, name, listings[0], picks[0], shared)
     for kind in dict.fromkeys(kinds.tolist()):
         columns = np.flatnonzero(kinds == kind)
-        describe = _describer(name, listings[0], pick_a, columns, shared, values)
-        a, b = (block[:, columns] for block in values)
-        report.compare(kind, a, b, tolerances.of(kind), describe, units[columns])
+        describe = _describer(name, listings[0], picks[0], columns, shared, values)
+        a, b, unit_here, slack_here = (block[:, columns] for block in (*values, unit, slack))
+        marked = [(cause, mask[:, columns]) for cause, mask in known]
+        report.compare(kind, a, b, tolerances.of(kind), describe, unit_here, slack_here, marked)
+
+
+def _shared_block(section, pick, shared):
+    """Values and units of the last digits, both (lines, columns), of the lines `pick`."""
+    columns = [section.columns.index(column) for column in shared]
+    units = np.broadcast_to(section.units, section.values.shape)
+    return section.values[pick][:, columns], units[pick][:, columns]
+
+
+def _known_errors(report, name, listing, pick, shared):
+    """Causes, each with the mask (lines, columns) of the cells that it spoils."""
+    if not report.explaining or listing.form != YOUNG_TABLE:
+        return []
+    section = listing.sections[name]
+    columns = np.array([section.columns.index(column) + 1 for column in shared])
+    index, step = section.index[pick, None], section.step[pick, None]
+    errors = [error for error in young_errors(report.a, report.b) if error.section == name]
+    places = [f"{error.deck}, {name}, {section.item} {error.index}" for error in errors]
+    return [
+        (f"{place}: {error.cause}", error.holds(index, columns, step))
+        for place, error in zip(places, errors, strict=True)
+    ]
 
 
 def _describer(name, listing, pick, columns, shared, values):
@@ -143,7 +205,7 @@ def _describer(name, listing, pick, columns, shared, values):
     def describe(position, distance):
         row, column = position[0], columns[position[1]]
         line = pick[row]
-        item = f"{'point' if name == 'point' else 'body'} {section.index[line]}"
+        item = f"{section.item} {section.index[line]}" if section.item else ""
         time = float(listing.time[section.step[line]])
         a, b = (float(block[row, column]) for block in values)
         return Found(name, item, shared[column], time, a, b, distance)
@@ -179,8 +241,9 @@ def _report_lines(report, name, listings, rows, picks):
         rank, _ = _ranked(listing, name, rows[k])
         alone = np.setdiff1d(np.flatnonzero(rank >= 0), picks[k])
         if alone.size:
-            item = "point" if name == "point" else "body"
-            places = [f"{item} {section.index[n]} at t = {listing.time[section.step[n]]:.10g}" for n in alone]
+            times = [f"t = {listing.time[section.step[n]]:.10g}" for n in alone]
+            numbers = [f"{section.item} {section.index[n]} at " if section.item else "" for n in alone]
+            places = list(map("".join, zip(numbers, times, strict=True)))
             lines = f"{name}: {alone.size} lines of {listing.name} are not in {other.name}"
             report.missing.append(f"{lines}: {_few(places)}")
 
@@ -213,32 +276,6 @@ def _attitudes(section):
 
 def _keys(section, lines):
     return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
-
-
-def _compare_echo(report, a, b, tolerances):
-    tolerance = tolerances.of("echo")
-    if tolerance.ignores:
-        return
-    if [len(line.values) for line in a.echo] != [len(line.values) for line in b.echo]:
-        report.missing.append(_echo_sentence(a, b))
-        return
-    titles = [line.title for line in a.echo for _ in line.values]
-    values = [np.array([value for line in x.echo for value in line.values]) for x in (a, b)]
-    units = [np.array([unit for line in x.echo for unit in line.units]) for x in (a, b)]
-
-    def describe(position, distance):
-        k = position[0]
-        return Found("echo", titles[k], "", None, float(values[0][k]), float(values[1][k]), distance)
-
-    if titles:
-        report.compare("echo", *values, tolerance, describe, np.maximum(*units))
-
-
-def _echo_sentence(a, b):
-    counts = [sum(len(line.values) for line in x.echo) for x in (a, b)]
-    if counts[0] != counts[1]:
-        return f"echo of the input: {counts[0]} numbers in {a.name}, {counts[1]} in {b.name}"
-    return f"echo of the input: the numbers of {a.name} and {b.name} stand on different lines"
 
 
 def _few(words, most=3):

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..errors import Fault
 from .diff_report import Found, Report
-from .out_table import TableError
+from .listing import TableError
 from .tolerances import Tolerances
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
@@ -24,7 +24,15 @@ KIND_OF = {
     "point/position": "point_position",
     "point/velocity": "point_velocity",
     "point/acceleration": "point_acceleration",
+    "coordinate/q": "coordinate",
+    "coordinate/u": "speed",
+    "reaction/force": "force",
+    "reaction/torque": "torque",
+    "held/force": "force",
+    "held/torque": "torque",
+    "driver/effort": "effort",
 }
+KIND_OF_GROUP = {"audit": "audit", "energy": "energy", "elastic": "elastic", "modal": "modal"}
 SIGNED = ("body/euler_parameters", "body/euler_parameter_rates", "body/euler_parameter_accelerations")
 # The text of the decks may differ where the results do not: a comment, the order of the spaces.
 NOT_COMPARED = ("deck",)
@@ -54,7 +62,7 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
 
 def kind_of(name: str) -> str:
     """Kind of a dataset, as tolerances name it."""
-    return KIND_OF.get(name) or ("audit" if name.startswith("audit/") else "other")
+    return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
 
 
 def _opened(path):

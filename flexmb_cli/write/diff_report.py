@@ -44,14 +44,18 @@ class Found:
 
 @dataclass
 class Tally:
-    """Numbers of one kind: how many were compared and differ, and the largest distances."""
+    """Numbers of one kind: how many were compared and differ, and the largest distances.
+
+    `explained` of the differing ones are known errors; `worst` is the worst of the others.
+    """
 
     compared: int = 0
     differing: int = 0
+    explained: int = 0
     largest: float = 0.0
     worst: Found | None = None
 
-    def add(self, differs: np.ndarray, distance: np.ndarray, describe) -> None:
+    def add(self, differs: np.ndarray, distance: np.ndarray, known: np.ndarray, describe) -> None:
         """Count a block; `describe(position)` gives the `Found` at an index of the block."""
         self.compared += distance.size
         if not distance.size:
@@ -61,7 +65,11 @@ class Tally:
         if not count:
             return
         self.differing += count
-        position = np.unravel_index(int(np.argmax(np.where(differs, distance, -1.0))), distance.shape)
+        self.explained += int(np.count_nonzero(differs & known))
+        unknown = differs & ~known
+        if not unknown.any():
+            return
+        position = np.unravel_index(int(np.argmax(np.where(unknown, distance, -1.0))), distance.shape)
         if self.worst is None or float(distance[position]) > self.worst.distance:
             self.worst = describe(position)
 
@@ -74,6 +82,8 @@ class Report:
     b: str
     missing: list[str] = field(default_factory=list)
     tallies: dict[str, Tally] = field(default_factory=dict)
+    explaining: bool = False
+    causes: dict[str, int] = field(default_factory=dict)
 
     @property
     def equal(self) -> bool:
@@ -91,23 +101,39 @@ class Report:
         return sum(tally.differing for tally in self.tallies.values())
 
     @property
+    def explained(self) -> int:
+        """How many of these are known errors of the historic programs."""
+        return sum(tally.explained for tally in self.tallies.values())
+
+    @property
     def exit_code(self) -> int:
         """0: no difference; 1: they differ."""
         return 0 if self.equal else 1
 
     @property
     def worst(self) -> Found | None:
-        """The place of the largest distance among the numbers that differ."""
+        """The place of the largest distance among the numbers that differ and are not explained."""
         places = [tally.worst for tally in self.tallies.values() if tally.worst is not None]
         return max(places, key=lambda place: place.distance, default=None)
 
-    def compare(self, kind: str, a, b, tolerance: Tolerance, describe, unit=None) -> None:
-        """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there."""
+    def compare(
+        self, kind: str, a, b, tolerance: Tolerance, describe, unit=None, slack=0.0, known=()
+    ) -> None:
+        """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there.
+
+        `unit` and `slack` as in `Tolerance.exceeded`; `known` are pairs (cause, mask of the block).
+        """
         if tolerance.ignores:
             return
-        differs, distance = tolerance.exceeded(a, b, unit)
+        differs, distance = tolerance.exceeded(a, b, unit, slack)
+        marked = np.zeros(distance.shape, dtype=bool)
+        for cause, mask in known:
+            count = int(np.count_nonzero(differs & mask))
+            if count:
+                self.causes[cause] = self.causes.get(cause, 0) + count
+            marked |= mask
         tally = self.tallies.setdefault(kind, Tally())
-        tally.add(differs, distance, lambda position: describe(position, float(distance[position])))
+        tally.add(differs, distance, marked, lambda position: describe(position, float(distance[position])))
 
     def text(self) -> str:
         """Summary for a reader: what is missing, a table of kinds, the worst place."""
@@ -116,7 +142,9 @@ class Report:
             lines.append(f"… and {len(self.missing) - SHOWN_MISSING} more of this sort")
         if self.differing:
             lines += self._table()
-            lines.append(f"worst: {self.worst.sentence}")
+            lines += [f"known: {cause}: {count} numbers" for cause, count in self.causes.items()]
+            if self.worst:
+                lines.append(f"worst: {self.worst.sentence}")
         lines.append(self._verdict())
         return "\n".join(lines) + "\n"
 
@@ -128,6 +156,8 @@ class Report:
             "equal": self.equal,
             "compared": self.compared,
             "differing": self.differing,
+            "explained": self.explained,
+            "known_errors": [{"cause": cause, "count": count} for cause, count in self.causes.items()],
             "missing": self.missing,
             "worst": self.worst and self.worst.as_dict(),
             "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
@@ -137,30 +167,35 @@ class Report:
         return [kind for kind in KINDS if kind in self.tallies]
 
     def _table(self):
-        rows = [("kind", "compared", "differ", "largest", "worst place")]
+        known = self.explaining
+        rows = [("kind", "compared", "differ", *known * ("known",), "largest", "worst place")]
         for kind in self._kinds():
             tally = self.tallies[kind]
+            counts = (tally.compared, tally.differing, *known * (tally.explained,))
             place = tally.worst.sentence if tally.worst else ""
-            rows.append((kind, str(tally.compared), str(tally.differing), f"{tally.largest:.3g}", place))
-        widths = [max(len(row[k]) for row in rows) for k in range(4)]
-        return [
-            "  ".join(
-                [row[0].ljust(widths[0]), *(row[k].rjust(widths[k]) for k in range(1, 4)), row[4]]
-            ).rstrip()
-            for row in rows
-        ]
+            rows.append((kind, *map(str, counts), f"{tally.largest:.3g}", place))
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return [_aligned(row, widths) for row in rows]
 
     def _verdict(self):
         if self.equal:
             return f"{self.a}, {self.b}: no difference in {self.compared} numbers"
-        counts = f"{self.differing} of {self.compared} numbers differ, {len(self.missing)} things are missing"
-        return f"{self.a}, {self.b}: {counts}"
+        known = f", {self.explained} of them by known errors" if self.explaining else ""
+        counts = f"{self.differing} of {self.compared} numbers differ{known}"
+        return f"{self.a}, {self.b}: {counts}, {len(self.missing)} things are missing"
+
+
+def _aligned(row, widths):
+    """The kind to the left, figures to the right, the place as it is."""
+    figures = [cell.rjust(width) for cell, width in zip(row[1:-1], widths[1:-1], strict=True)]
+    return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
 
 
 def _tally_record(tally):
     return {
         "compared": tally.compared,
         "differing": tally.differing,
+        "explained": tally.explained,
         "largest": _json_number(tally.largest),
         "worst": tally.worst and tally.worst.as_dict(),
     }

@@ -6,63 +6,16 @@ do not matter.  Lines that are no part of the layout are passed over.
 """
 
 import re
-import sys
 import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import DeckError, Fault, Place
+from ..errors import Fault, Place
+from .listing import LARGEST_INDEX, EchoLine, Listing, Section, TableError, plain_text
 from .table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
 
-# No deck has more bodies; a larger number at the start of a line is another slip.
-LARGEST_INDEX = 99999
-
 FAST_LINES = 4096
-
-
-@dataclass(frozen=True)
-class Section:
-    """All lines of one section: line r is body or point `index[r]` of report row `step[r]`."""
-
-    columns: tuple[str, ...]
-    kinds: tuple[str, ...]
-    step: np.ndarray  # (lines,) from 0
-    index: np.ndarray  # (lines,) from 1
-    line: np.ndarray  # (lines,) in the file, from 1
-    values: np.ndarray  # (lines, columns)
-    units: np.ndarray  # (columns,) one unit of the last printed digit
-
-
-@dataclass(frozen=True)
-class EchoLine:
-    """A line of numbers in the echo of the input, and the text above it."""
-
-    line: int
-    title: str
-    values: tuple[float, ...]
-    units: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Listing:
-    """An OUT table as read; `failed`: it ends with the mark of a failed run."""
-
-    name: str
-    echo: tuple[EchoLine, ...]
-    time: np.ndarray  # (rows,)
-    time_unit: float
-    sections: dict[str, Section]
-    failed: bool
-
-
-class TableError(DeckError):
-    """A file to compare cannot be read (exit 2); `name` and `lines` are its own."""
-
-    def __init__(self, name: str, faults, lines=()):
-        super().__init__(faults)
-        self.name = name
-        self.lines = lines
 
 
 @dataclass
@@ -75,29 +28,12 @@ class _Gathered:
     line: list[int] = field(default_factory=list)
 
 
-def read_bytes(path) -> bytes:
-    """Content of a file; "-" is standard input.  Raises `TableError`."""
-    if str(path) == "-":
-        return sys.stdin.buffer.read()
-    try:
-        with open(path, "rb") as file:
-            return file.read()
-    except FileNotFoundError:
-        reason = "no such file"
-    except IsADirectoryError:
-        reason = "it is a folder"
-    except OSError as error:
-        reason = f"cannot be read: {error.strerror}"
-    raise TableError(str(path), [Fault("error", reason)])
-
-
 def parse_listing(name: str, content: bytes) -> Listing | None:
     """The OUT table in `content`; None when it has no block and no echo of a YOUNG table.
 
     Raises `TableError` with the place of every line that cannot be read.
     """
-    text = content.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
-    lines = text.split("\n")
+    lines = plain_text(content).split("\n")
     scan = _Scan()
     for number, line in enumerate(lines, 1):
         scan.take(number, line)
@@ -204,6 +140,7 @@ def _section(key, lines, gathered, faults):
         np.array(gathered.line, dtype=np.int64),
         table[:, 1:],
         units,
+        columns.item,
     )
 
 

@@ -21,6 +21,20 @@ KINDS = (
     "point_position",
     "point_velocity",
     "point_acceleration",
+    "speed",
+    "coordinate",
+    "state",
+    "count",
+    "length",
+    "mass",
+    "inertia",
+    "stiffness",
+    "force",
+    "torque",
+    "effort",
+    "energy",
+    "elastic",
+    "modal",
     "echo",
     "audit",
     "other",
@@ -46,11 +60,11 @@ class Tolerance:
         """Whether nothing of this kind counts, not even that it is missing."""
         return math.isinf(self.atol)
 
-    def exceeded(self, a: np.ndarray, b: np.ndarray, unit=None) -> tuple[np.ndarray, np.ndarray]:
+    def exceeded(self, a: np.ndarray, b: np.ndarray, unit=None, slack=0.0) -> tuple[np.ndarray, np.ndarray]:
         """(differs, distance) for values of equal shape; NaN equals NaN only.
 
         `unit` is one unit of the last printed digit, broadcast to `a`; None for values that were not
-        printed.
+        printed.  `slack` is allowed in any case: half a unit where one was printed with fewer decimals.
         """
         with np.errstate(invalid="ignore", over="ignore"):
             distance = np.abs(a - b)
@@ -59,7 +73,7 @@ class Tolerance:
         same = (a == b) | (np.isnan(a) & np.isnan(b))
         distance = np.where(same, 0.0, np.where(np.isnan(distance), np.inf, distance))
         if unit is not None:
-            allowed = np.maximum(allowed, self.last_digit * unit)
+            allowed = np.maximum(np.maximum(allowed, slack), self.last_digit * unit)
             # 0.003 - 0.002 is a little more than 0.001: the round-off of printed numbers is no difference.
             allowed = np.where(allowed > 0, allowed + 4 * np.finfo(float).eps * size, allowed)
         # An infinite value has an infinite relative allowance, but equals only itself.

@@ -10,7 +10,7 @@ import pytest
 
 from flexmb_cli.write.diff import compare
 from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
-from flexmb_cli.write.out_table import TableError
+from flexmb_cli.write.listing import TableError
 from flexmb_cli.write.result_file import ResultFile
 from flexmb_cli.write.tolerances import KINDS, Tolerance, ToleranceError, Tolerances, parse_kinds
 from flexmb_cli.write.young import OutTable
@@ -217,7 +217,7 @@ def test_settings_of_kinds_are_understood():
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("speed=1", "speed=1: there is no kind 'speed'; the kinds are time, position, euler, "),
+        ("spin=1", "spin=1: there is no kind 'spin'; the kinds are time, position, euler, "),
         ("omega", "omega: write omega=ATOL or omega=ATOL,RTOL with numbers not below zero"),
         ("omega=-1", "omega=-1: write omega=ATOL"),
         ("omega=nan", "omega=nan: write omega=ATOL"),

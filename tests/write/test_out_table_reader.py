@@ -5,7 +5,8 @@ import io
 import numpy as np
 import pytest
 
-from flexmb_cli.write.out_table import TableError, parse_listing
+from flexmb_cli.write.listing import TableError
+from flexmb_cli.write.out_table import parse_listing
 from flexmb_cli.write.young import OutTable, report_block
 
 BLOCK = """

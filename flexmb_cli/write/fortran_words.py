@@ -1,0 +1,73 @@
+"""The fields of a printed line: parted by blanks, or by their columns where they touch.
+
+A field that is just full touches its left neighbour, and an overfull one is stars, so that a historic line
+keeps its columns; flexmb's own lines keep a blank between fields and may lose their columns instead.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from .fortran_format import Edit
+
+_WORDS = {
+    "d": re.compile(r"[-+]?\d+|\*+"),
+    "f": re.compile(r"[-+]?(\d+\.?\d*|\.\d+)|\*+|[-+]?(nan|inf(inity)?)", re.IGNORECASE),
+    "e": re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([ed]?[-+]?\d+)?|\*+|[-+]?(nan|inf(inity)?)", re.IGNORECASE),
+}
+_BARE_EXPONENT = re.compile(r"([\d.])([-+]\d+)$")
+
+
+def split_fields(text: str, edits: Sequence[Edit]) -> list[str] | None:
+    """Spellings of the fields `edits`, which fill `text` from its first column; None when they do not."""
+    words = text.split()
+    if len(words) == len(edits) and all(map(_is_word, words, edits)):
+        return words
+    columns = _columns(text, edits)
+    return columns if columns and len(columns) == len(edits) else None
+
+
+def split_list(text: str, edit: Edit) -> list[str] | None:
+    """Spellings of a list of any length under one edit; None when `text` is none."""
+    words = text.split()
+    columns = _columns(text, [edit] * (len(text.rstrip()) // edit.width))
+    good = all(_is_word(word, edit) for word in words)
+    return columns if columns and (not good or len(columns) > len(words)) else words if good else None
+
+
+def value_of(word: str) -> float:
+    """Number of a field; stars stand for a number too large for it: inf."""
+    if word.startswith("*"):
+        return float("inf")
+    return float(_BARE_EXPONENT.sub(r"\1E\2", word.upper().replace("D", "E")))
+
+
+def unit_of(word: str) -> float:
+    """One unit of the last printed digit; 1 where there are no digits."""
+    mantissa, _, exponent = _BARE_EXPONENT.sub(r"\1E\2", word.upper().replace("D", "E")).partition("E")
+    decimals = len(mantissa.partition(".")[2]) if mantissa[-1:].isdigit() or mantissa.endswith(".") else 0
+    return float(f"1e{int(exponent or 0) - decimals}")
+
+
+def overflows(value: float, edit: Edit) -> bool:
+    """Whether a number prints as stars."""
+    text = replace(edit, stars=False).text(value, separated=False)
+    return len(text.strip()) > edit.width
+
+
+def _columns(text, edits):
+    """The fields by their columns, when each is right-justified there and nothing is left over."""
+    words, start = [], 0
+    text = text.rstrip()
+    for edit in edits:
+        field = text[start : start + edit.width]
+        word = field.lstrip()
+        if len(field) != edit.width or not _is_word(word, edit):
+            return None
+        words.append(word)
+        start += edit.width
+    return words if start == len(text) else None
+
+
+def _is_word(word, edit):
+    return bool(_WORDS[edit.kind].fullmatch(word))

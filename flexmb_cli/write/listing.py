@@ -1,0 +1,96 @@
+"""A printed listing as numbers: what the readers of the dialects yield and `diff` compares."""
+
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import DeckError, Fault
+from .fortran_format import Edit
+
+# No deck has more bodies; a larger number at the start of a line is another slip.
+LARGEST_INDEX = 99999
+
+YOUNG_TABLE, DAFMS_ECHO, DAFMS_SERIES = "YOUNG OUT table", "echo of a DAFMS deck", "DAFMS time series"
+
+
+@dataclass(frozen=True)
+class Section:
+    """All lines of one section: line r is body or point `index[r]` of report row `step[r]`."""
+
+    columns: tuple[str, ...]
+    kinds: tuple[str, ...]
+    step: np.ndarray  # (lines,) from 0
+    index: np.ndarray  # (lines,) from 1
+    line: np.ndarray  # (lines,) in the file, from 1
+    values: np.ndarray  # (lines, columns)
+    units: np.ndarray  # (columns,) or (lines, columns) one unit of the last printed digit
+    item: str  # what the lines are of: body, point; empty when there is one line a row
+    edits: tuple[Edit, ...] = ()  # of the columns, where an overfull field prints stars
+
+
+@dataclass(frozen=True)
+class EchoLine:
+    """A line of numbers in the echo of the input, and the text above it."""
+
+    line: int
+    title: str
+    values: tuple[float, ...]
+    units: tuple[float, ...]
+    columns: tuple[str, ...] = ()
+    kind: str = "echo"
+    edits: tuple[Edit, ...] = ()
+
+    def where(self, place: int) -> tuple[str, str, str]:
+        """Section, item and column of one of its numbers, for a reader."""
+        if not self.edits:
+            return "echo", self.title, ""
+        column = self.columns[place] if self.columns else f"number {place + 1}"
+        return self.title, f"line {self.line}", column
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A listing as read; `form` says whose, `failed`: it ends with the mark of a failed run.
+
+    Stars, which FORTRAN prints for a number that does not fit, are infinite.
+    """
+
+    name: str
+    echo: tuple[EchoLine, ...]
+    time: np.ndarray  # (rows,)
+    time_unit: float
+    sections: dict[str, Section]
+    failed: bool = False
+    form: str = YOUNG_TABLE
+    headings: tuple[str, ...] = ()
+
+
+class TableError(DeckError):
+    """A file to compare cannot be read (exit 2); `name` and `lines` are its own."""
+
+    def __init__(self, name: str, faults, lines=()):
+        super().__init__(faults)
+        self.name = name
+        self.lines = lines
+
+
+def read_bytes(path) -> bytes:
+    """Content of a file; "-" is standard input.  Raises `TableError`."""
+    if str(path) == "-":
+        return sys.stdin.buffer.read()
+    try:
+        with open(path, "rb") as file:
+            return file.read()
+    except FileNotFoundError:
+        reason = "no such file"
+    except IsADirectoryError:
+        reason = "it is a folder"
+    except OSError as error:
+        reason = f"cannot be read: {error.strerror}"
+    raise TableError(str(path), [Fault("error", reason)])
+
+
+def plain_text(content: bytes) -> str:
+    """Text of a listing with LF line ends; what is no UTF-8 is replaced."""
+    return content.decode("utf-8", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
