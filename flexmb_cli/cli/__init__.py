@@ -16,6 +16,7 @@ from .beam import beam
 from .check import check
 from .diff import diff
 from .modes import modes
+from .report import report
 from .run import run
 from .sweep import sweep
 from .table import table
@@ -41,7 +42,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, modes, diff, table, sweep, beam):
+for command in (run, check, modes, diff, table, report, sweep, beam):
     cli.add_command(command)
 
 

@@ -19,47 +19,63 @@ def apply_settings(deck: Deck, settings: list[str]) -> Deck:
     A number set has no place in the deck any more.  Raises DeckError with the fault of every
     setting: an unknown name, a count (the deck's layout hangs on it), no number, no integer.
     """
-    known = dict(deck.numbers())
-    changes, faults = {}, []
-    for setting in settings:
+    return SettableDeck(deck).with_settings(settings) if settings else deck
+
+
+class SettableDeck:
+    """A deck whose numbers are looked up by name again and again."""
+
+    def __init__(self, deck: Deck):
+        self.deck = deck
+        self._known = dict(deck.numbers())
+        self._record_of = {
+            f"{record.prefix}.{number.key}": index
+            for index, record in enumerate(deck.records)
+            for number in record.numbers
+        }
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._known
+
+    def unknown(self, name: str) -> str:
+        """What to say of a name that the deck lacks."""
+        close = get_close_matches(name, self._known, n=_NEAREST, cutoff=0.0)
+        return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
+
+    def with_settings(self, settings: list[str]) -> Deck:
+        """As `apply_settings`."""
+        changes, faults = {}, []
+        for setting in settings:
+            try:
+                name, changed = self._change(setting)
+                changes[name] = changed
+            except number.Misspelt as fault:
+                faults.append(Fault("error", f"--set {setting}: {fault}"))
+        if faults:
+            raise DeckError(faults)
+        return self._changed(changes)
+
+    def _change(self, setting: str) -> tuple[str, Number]:
+        name, equals, word = (part.strip() for part in setting.partition("="))
+        if not equals:
+            raise number.Misspelt("write NAME=VALUE, such as time.end=2.5")
+        if name not in self._known:
+            raise number.Misspelt(self.unknown(name))
+        if name.startswith(f"{COUNTS}."):
+            raise number.Misspelt("a count cannot be set: the deck's layout hangs on it")
+        read = number.integer if isinstance(self._known[name].value, int) else number.real
         try:
-            name, changed = _change(setting, known)
-            changes[name] = changed
+            value, _ = read(word)
         except number.Misspelt as fault:
-            faults.append(Fault("error", f"--set {setting}: {fault}"))
-    if faults:
-        raise DeckError(faults)
-    return _changed(deck, changes)
+            raise number.Misspelt(f"{name} {fault}") from None
+        return name, replace(self._known[name], value=value, text=word, place=None)
 
-
-def _change(setting: str, known: dict[str, Number]) -> tuple[str, Number]:
-    name, equals, word = (part.strip() for part in setting.partition("="))
-    if not equals:
-        raise number.Misspelt("write NAME=VALUE, such as time.end=2.5")
-    if name not in known:
-        raise number.Misspelt(f"the deck has no number {name!r}{_nearest(name, known)}")
-    if name.startswith(f"{COUNTS}."):
-        raise number.Misspelt("a count cannot be set: the deck's layout hangs on it")
-    read = number.integer if isinstance(known[name].value, int) else number.real
-    try:
-        value, _ = read(word)
-    except number.Misspelt as fault:
-        raise number.Misspelt(f"{name} {fault}") from None
-    return name, replace(known[name], value=value, text=word, place=None)
-
-
-def _nearest(name, known):
-    found = get_close_matches(name, known, n=_NEAREST, cutoff=0.0)
-    return f"; the nearest are {', '.join(found)}"
-
-
-def _changed(deck, changes):
-    """The deck with new numbers; records left alone stay the same objects."""
-    records = []
-    for record in deck.records:
-        named = [(f"{record.prefix}.{old.key}", old) for old in record.numbers]
-        if any(name in changes for name, _ in named):
-            record = replace(record, numbers=tuple(changes.get(name, old) for name, old in named))
-            record = labelled(record) if deck.dialect == YOUNG else record
-        records.append(record)
-    return replace(deck, records=tuple(records))
+    def _changed(self, changes):
+        """The deck with new numbers; records left alone stay the same objects."""
+        records = list(self.deck.records)
+        for index in {self._record_of[name] for name in changes}:
+            record = records[index]
+            numbers = tuple(changes.get(f"{record.prefix}.{old.key}", old) for old in record.numbers)
+            record = replace(record, numbers=numbers)
+            records[index] = labelled(record) if self.deck.dialect == YOUNG else record
+        return replace(self.deck, records=tuple(records))

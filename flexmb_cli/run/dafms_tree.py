@@ -1,11 +1,13 @@
-"""The tree of a DAFMS deck as the options of a run want it integrated."""
+"""The tree of a DAFMS deck as the options of a run want it integrated, and its solution in memory."""
 
 from dataclasses import replace
 
 from ..model.build_dafms import build_dafms
 from ..model.tree import Tree
 from ..read.deck import Deck
+from .compiling import tell_of_compiling
 from .outcome import Outcome, RunOptions, refuse_warnings
+from .young import Contents, Solution
 
 
 def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
@@ -14,3 +16,18 @@ def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
     outcome.faults += warnings
     refuse_warnings(outcome, options)
     return replace(tree, integration=replace(tree.integration, **options.integration))
+
+
+def dafms_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
+    """The motion of a deck's tree, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
+    tree = tree_of(deck, options, outcome)
+    from ..solve.tree_dynamics import TreeAnalysis
+    from ..solve.tree_points import point_motion, point_names
+    from ..write.hdf5_tree import tree_layout, tree_values
+
+    tell_of_compiling(listener, "tree_march.call")
+    contents = Contents(
+        lambda: tree_layout(tree, point_names(tree)),
+        lambda rows: tree_values(tree, rows, point_motion(tree, rows)),
+    )
+    return Solution(TreeAnalysis(tree), tree.time.rows, contents)

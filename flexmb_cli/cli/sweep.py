@@ -1,0 +1,142 @@
+"""`flexmb sweep`: many variants of one deck."""
+
+import json
+import os
+import sys
+from pathlib import PurePath
+
+import click
+
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
+
+INTERRUPTED = 130
+
+
+@click.command()
+@click.argument("study")
+@click.option("-o", "--output", metavar="PATH", help="Table: .h5, or .parquet.  [default: STUDY's name, .h5]")
+@click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler.")
+@click.option("--parts", metavar="DIR", help="Folder of the cases so far, which all workers must share; "
+              "goes away at the end.  [default: beside the table]")  # fmt: skip
+@click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
+    """Solve the variants of a deck that STUDY (TOML) describes, and write a table with a row for each.
+
+    A study that was stopped goes on where it was when the same command is given again.  A case that
+    fails is recorded with its message and stops nothing; the exit code is then 1.
+
+    \b
+    Example:
+        flexmb sweep study.toml -j 4
+    """
+    output = output or f"{PurePath(study).stem}.h5"
+    parts = parts or f"{output}.parts"
+    made = _begun(study, output, parts, fresh)
+    try:
+        _solve(made, jobs, scheduler, quiet)
+        failures = _first_failures(made)
+        _write(made, output)
+    except KeyboardInterrupt:
+        kept = sum(1 for _ in made.results())
+        _say(f"{study}: interrupted; {kept} of {made.job.study.cases} cases are kept in {parts}, the same "
+             "command goes on", False)  # fmt: skip
+        # Workers may still be solving; what they finish is kept.
+        os._exit(INTERRUPTED)
+    _report(study, output, made, failures, as_json, quiet)
+    sys.exit(ANALYSIS_FAILED if made.failed else DONE)
+
+
+def _begun(study, output, parts, fresh):
+    from ..run.sweep import StudyDeckError, Sweep
+
+    if PurePath(output).suffix not in (".h5", ".parquet"):
+        raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
+    try:
+        return Sweep.of(study, parts, fresh)
+    except StudyDeckError as failure:
+        click.echo(compiler_style(failure.path, failure.faults, failure.lines), err=True)
+    except DeckError as failure:
+        click.echo(compiler_style(study, failure.faults, _lines(study)), err=True)
+    sys.exit(BAD_INPUT)
+
+
+def _lines(study):
+    from ..read.text import read_text
+
+    try:
+        return read_text(study).lines
+    except DeckError:
+        return ()
+
+
+def _solve(made, jobs, scheduler, quiet):
+    from ..run import study_workers
+
+    blocks = made.pending()
+    cases = made.job.study.cases
+    left = sum(len(made.job.cases(block)) for block in blocks)
+    if made.restored:
+        _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
+    with _progress(left, quiet) as advance:
+        if scheduler:
+            study_workers.solve_on_cluster(made, blocks, advance, scheduler)
+        elif jobs > 1:
+            study_workers.solve_in_processes(made, blocks, advance, jobs)
+        else:
+            study_workers.solve_here(made, blocks, advance)
+
+
+def _progress(cases, quiet):
+    """A bar on a terminal; its estimate counts only the cases of this call."""
+    from contextlib import nullcontext
+
+    if quiet or not cases or not sys.stderr.isatty():
+        return nullcontext(lambda solved: None)
+    return _Bar(cases)
+
+
+class _Bar:
+    def __init__(self, cases):
+        self.bar = click.progressbar(length=cases, label="cases", file=sys.stderr, show_pos=True,
+                                     update_min_steps=max(1, cases // 1000))  # fmt: skip
+
+    def __enter__(self):
+        self.bar.__enter__()
+        return self.bar.update
+
+    def __exit__(self, *failure):
+        self.bar.__exit__(None, None, None)
+
+
+def _first_failures(made, most=3):
+    if not made.failed:
+        return []
+    from itertools import islice
+
+    failed = ((result.case + 1, result.message) for result in made.results() if result.exit_code)
+    return list(islice(failed, most))
+
+
+def _write(made, output):
+    from ..run.study_table import write_study_table
+
+    write_study_table(output, made)
+
+
+def _report(study, output, made, failures, as_json, quiet):
+    cases = made.job.study.cases
+    for case, message in failures:
+        _say(f"{study}: case {case}: {message}", quiet)
+    told = f", {made.failed} failed" if made.failed else ""
+    _say(f"{study}: {cases} cases{told} → {output}", quiet)
+    if as_json:
+        record = {"study": study, "cases": cases, "failed": made.failed, "file": output}
+        click.echo(json.dumps(record))
+
+
+def _say(sentence, quiet):
+    if not quiet:
+        click.echo(sentence, err=True)

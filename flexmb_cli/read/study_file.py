@@ -1,0 +1,173 @@
+"""Study files (TOML): which numbers of a deck vary, and what is kept of every case.
+
+A study is data: names are looked up and numbers taken, nothing is evaluated.
+"""
+
+import math
+import re
+import tomllib
+
+from ..errors import DeckError, Fault, Place
+from .deck import DeckText
+from .study import GRID, LATIN, SAMPLINGS, TAKES, TOGETHER, Kept, Study, Varied
+
+MOST_CASES = 100_000_000
+MOST_VALUES = 1_000_000  # of one parameter
+KEYS = ("deck", "dialect", "sampling", "count", "seed", "parameters", "results")
+RANGE_KEYS = ("from", "to", "count", "scale")
+SCALES = ("linear", "log")
+DIALECTS = ("auto", "young", "dafms", "vsdf")
+_SYNTAX = re.compile(r"(.*) \(at line (\d+), column (\d+)\)")
+
+
+def read_study(source: DeckText) -> Study:
+    """The study of a TOML text; raises DeckError with every fault, each at the line of its name."""
+    reader = _Reader(source, _table(source))
+    study = reader.study()
+    if reader.faults:
+        raise DeckError(reader.faults)
+    return study
+
+
+def _table(source):
+    try:
+        return tomllib.loads(source.text.replace("\r\n", "\n"))
+    except (tomllib.TOMLDecodeError, RecursionError) as fault:
+        found = _SYNTAX.match(str(fault))
+        place = Place(int(found[2]), int(found[3])) if found else None
+        message = f"not TOML: {found[1] if found else fault}"
+        raise DeckError([Fault("error", message, place)]) from None
+
+
+class _Reader:
+    """Walks the tables of a study and collects faults."""
+
+    def __init__(self, source, table):
+        self.source, self.table = source, table
+        self.faults: list[Fault] = []
+
+    def study(self):
+        self._refuse_unknown(self.table, KEYS, "study")
+        sampling = self._choice("sampling", SAMPLINGS, GRID)
+        sampled = sampling == LATIN
+        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]
+        results = [self._kept(*item) for item in self._entries("results")]
+        count = self._whole("count", 1, MOST_CASES) if sampled else 0
+        if not sampled and "count" in self.table:
+            self._fault("count", f"belongs to sampling = {LATIN!r}; others take all values given")
+        study = Study(
+            self._text("deck"),
+            self._choice("dialect", DIALECTS, DIALECTS[0]),
+            sampling,
+            tuple(item for item in parameters if item),
+            tuple(item for item in results if item),
+            count or 0,
+            self._whole("seed", 0, 2**32 - 1, 0),
+        )
+        if not self.faults:
+            self._check_size(study)
+        return study
+
+    def _check_size(self, study):
+        lengths = {len(item.values) for item in study.parameters}
+        if study.sampling == TOGETHER and len(lengths) > 1:
+            self._fault("parameters", f"with sampling = {TOGETHER!r} all need as many values: {lengths}")
+        elif study.cases > MOST_CASES:
+            self._fault("parameters", f"make {study.cases} cases; more than {MOST_CASES} are refused")
+        elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
+            self._fault("count", f"times parameters may be {MOST_CASES} at most")
+
+    def _entries(self, key):
+        """Names and contents of a table that must not be empty."""
+        table = self.table.get(key)
+        if not isinstance(table, dict) or not table:
+            example = '"driver.1.B" = [1.0, 2.0]' if key == "parameters" else 'top = "max body.3.z"'
+            self._fault(key, f"the table [{key}] is missing or empty; it has entries such as {example}")
+            return []
+        return list(table.items())
+
+    def _varied(self, name, given, sampled) -> Varied | None:
+        if isinstance(given, dict):
+            return self._range(name, given, sampled)
+        if sampled:
+            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")
+        if not isinstance(given, list) or not given:
+            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
+        if not all(map(_is_number, given)):
+            return self._fault(name, "a list holds finite numbers only")
+        return Varied(name, tuple(given))
+
+    def _range(self, name, given, sampled):
+        self._refuse_unknown(given, RANGE_KEYS, name)
+        start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
+        if not (_is_number(start) and _is_number(end)):
+            return self._fault(name, "a range needs finite numbers `from` and `to`")
+        if scale not in SCALES:
+            return self._fault(name, f"scale is one of {', '.join(SCALES)}")
+        if scale == "log" and not (start > 0 and end > 0):
+            return self._fault(name, "a logarithmic range needs positive ends")
+        if sampled:
+            if "count" in given:
+                return self._fault(name, "a sample takes its count from the study's `count`")
+            return Varied(name, (float(start), float(end)), scale == "log")
+        count = given.get("count")
+        if type(count) is not int or not 2 <= count <= MOST_VALUES:
+            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
+        return Varied(name, _spaced(start, end, count, scale == "log"))
+
+    def _kept(self, name, given) -> Kept | None:
+        take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
+        if take not in TAKES or not quantity.strip():
+            forms = ", ".join(TAKES)
+            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+        return Kept(name, quantity.strip(), take)
+
+    def _text(self, key):
+        given = self.table.get(key)
+        if isinstance(given, str) and given.strip():
+            return given
+        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""
+
+    def _choice(self, key, choices, default):
+        given = self.table.get(key, default)
+        if given not in choices:
+            self._fault(key, f"is one of {', '.join(choices)}")
+            return default
+        return given
+
+    def _whole(self, key, low, high, default=None):
+        given = self.table.get(key, default)
+        if type(given) is not int or not low <= given <= high:
+            return self._fault(key, f"is an integer from {low} to {high}")
+        return given
+
+    def _refuse_unknown(self, table, known, owner):
+        for key in table:
+            if key not in known:
+                self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
+
+    def _fault(self, name, message):
+        self.faults.append(Fault("error", message, self._place(name), name))
+
+    def _place(self, name):
+        """The first line on which the name stands as a key or a table's head."""
+        head = re.compile(r"\s*\[?\s*[\"']?(" + re.escape(name) + r")[\"']?\s*[\]=]")
+        for number, line in enumerate(self.source.lines, 1):
+            found = head.match(line)
+            if found:
+                return Place(number, found.start(1) + 1, len(name))
+        return None
+
+
+def _is_number(value):
+    return type(value) in (int, float) and math.isfinite(value)
+
+
+def _spaced(start, end, count, logarithmic):
+    """Evenly spaced values, the ends exact."""
+    parts = [k / (count - 1) for k in range(1, count - 1)]
+    if logarithmic:
+        between = [math.exp((1 - x) * math.log(start) + x * math.log(end)) for x in parts]
+    else:
+        between = [(1 - x) * start + x * end for x in parts]
+    return (float(start), *between, float(end))

@@ -1,0 +1,152 @@
+"""One case of a study: the deck with other numbers, solved in memory; what is kept of it."""
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
+from ..read.deck import Deck
+from ..read.settings import SettableDeck
+from ..read.study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
+from ..write.quantities import Quantity, ResultError, resolve
+from ..write.result_file import ResultFile
+from .dafms_tree import dafms_solution
+from .outcome import Listener, Outcome, RunOptions
+from .study_cases import Cases
+from .young import Solution
+from .young_dynamics import young_solution
+
+SOLUTIONS: dict[str, Callable] = {"young": young_solution, "dafms": dafms_solution}
+MESSAGE_LENGTH = 2000
+_NO_SERIES = np.zeros((0, 0))
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What is kept of a case: its number from 0, exit code, rows solved, values and series by position."""
+
+    case: int
+    exit_code: int
+    rows: int
+    parameters: np.ndarray  # (parameters,)
+    values: np.ndarray  # (results that are one number,)
+    series: np.ndarray  # (results that are series, rows of the study)
+    message: str = ""
+
+
+@dataclass
+class CaseSolver:
+    """Solves cases of `study` on `deck`, which has been read already."""
+
+    deck: Deck
+    study: Study
+    options: RunOptions = field(default_factory=RunOptions)
+
+    def __post_init__(self):
+        self.cases = Cases(self.study)
+        self._settable = SettableDeck(self.deck)
+        self._refuse_unknown_numbers()
+        solution = self._solution(self.deck, Outcome(self.deck.source.name))
+        self.rows = solution.rows
+        self.quantities = _quantities(self.study, self.deck, solution)
+        self.takes = [item.take for item in self.study.results]
+
+    @property
+    def single(self) -> int:
+        """How many of the results are one number."""
+        return sum(take != SERIES for take in self.takes)
+
+    def _refuse_unknown_numbers(self):
+        """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
+        names = [item.name for item in self.study.parameters if item.name not in self._settable]
+        if names:
+            raise DeckError([Fault("error", self._settable.unknown(name)) for name in names])
+
+    def _solution(self, deck, outcome) -> Solution:
+        return SOLUTIONS[deck.dialect](deck, self.options, outcome, Listener())
+
+    def solve(self, case: int) -> CaseResult:
+        """The result of a case; what fails is told in it."""
+        taken, rows, code, message = self._nothing_taken(), 0, DONE, ""
+        try:
+            deck = self._settable.with_settings(self.cases.settings(case))
+            solution = self._solution(deck, Outcome(deck.source.name))
+            self._refuse_other_grid(solution)
+            for block in solution.analysis.rows():
+                values = solution.contents.values(block)
+                rows += len(values["time"])
+                for quantity, part in zip(self.quantities, taken, strict=True):
+                    part.add(values[quantity.dataset][(slice(None), *quantity.index)])
+        except FlexmbError as failure:
+            code, message = failure.exit_code, failure.faults[0].sentence
+        except (ArithmeticError, ValueError, MemoryError) as fault:
+            code, message = INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
+        return self._result(case, code, rows, taken, message)
+
+    def unsolved(self, case: int, code: int, message: str) -> CaseResult:
+        """The result of a case of which nothing is known but that it failed."""
+        return self._result(case, code, 0, self._nothing_taken(), message)
+
+    def _nothing_taken(self):
+        return [_Taken(take, self.rows) for take in self.takes]
+
+    def _result(self, case, code, rows, taken, message):
+        parameters = np.array(self.cases.row(case), dtype=float)
+        single = np.array([part.value for part in taken if part.take != SERIES], dtype=float)
+        series = np.array([part.series for part in taken if part.take == SERIES], dtype=float)
+        series = series.reshape(len(taken) - single.size, -1) if self.study.keeps_series else _NO_SERIES
+        return CaseResult(case, code, rows, parameters, single, series, message[:MESSAGE_LENGTH])
+
+    def _refuse_other_grid(self, solution):
+        if self.study.keeps_series and solution.rows != self.rows:
+            message = (
+                f"the case has {solution.rows} report times, the study's deck {self.rows}; "
+                "vary no times where series are kept"
+            )
+            raise DeckError([Fault("error", message)])
+
+
+def _quantities(study, deck, solution) -> list[Quantity]:
+    """What the study keeps, looked up in a result without rows.  Raises ResultError."""
+    import h5py
+
+    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
+        path = os.path.join(folder, "empty.h5")
+        ResultFile(path, deck, solution.contents.layout()).close()
+        with h5py.File(path, "r") as result:
+            return [_one(result, item) for item in study.results]
+
+
+def _one(result, item):
+    found = resolve(result, [item.quantity])
+    if len(found) > 1:
+        names = ", ".join(quantity.name for quantity in found[:6])
+        raise ResultError(f"result {item.name}: {item.quantity} is more than one number: {names} …; name one")
+    return found[0]
+
+
+class _Taken:
+    """The wanted values of one quantity, block by block; nan where there are none."""
+
+    def __init__(self, take, rows):
+        self.take, self.value, self.count = take, np.nan, 0
+        self.series = np.full(rows, np.nan) if take == SERIES else None
+
+    def add(self, values):
+        before, self.count = self.count, self.count + len(values)
+        if self.take == SERIES:
+            self.series[before : self.count] = values
+        elif self.take == LAST:
+            self.value = values[-1]
+        elif self.take == FIRST:
+            self.value = values[0] if before == 0 else self.value
+        elif self.take == LARGEST:
+            self.value = np.fmax(self.value, values.max())
+        elif self.take == SMALLEST:
+            self.value = np.fmin(self.value, values.min())
+        elif self.take == MEAN:
+            total = values.sum() + (self.value * before if before else 0.0)
+            self.value = total / self.count

@@ -1,0 +1,166 @@
+"""A study from its file to its table: blocks of cases that workers take, each case kept once solved."""
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from .. import __version__
+from ..errors import INTERNAL_FAULT, DeckError
+from ..read.deck import Deck, DeckText
+from ..read.dialects import read_deck
+from ..read.study import Study
+from ..read.study_file import read_study
+from ..read.text import read_text
+from .outcome import RunOptions
+from .study_parts import Parts
+from .study_solver import CaseResult, CaseSolver
+
+LARGEST_BLOCK = 200  # cases
+BLOCKS_WANTED = 200
+MOST_DEATHS = 3  # of workers at one case
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a worker needs for any block; texts, not paths: it may be on another machine."""
+
+    deck: DeckText
+    deck_folder: str
+    study: Study
+    block_size: int
+    parts_folder: str
+    identity: tuple[tuple[str, str], ...]
+
+    @property
+    def parts(self) -> Parts:
+        """Where the cases are kept."""
+        return Parts(self.parts_folder, dict(self.identity))
+
+    @property
+    def blocks(self) -> int:
+        """How many blocks there are."""
+        return -(-self.study.cases // self.block_size)
+
+    def cases(self, block: int) -> range:
+        """Numbers of the cases of a block."""
+        first = block * self.block_size
+        return range(first, min(first + self.block_size, self.study.cases))
+
+
+@dataclass(frozen=True)
+class BlockDone:
+    """How many cases of a block this call solved, and how many of all its cases failed."""
+
+    block: int
+    solved: int
+    failed: int
+
+
+@dataclass
+class Sweep:
+    """A study ready to be solved.  Raises DeckError where study or deck cannot be read as they are.
+
+    `restored`: the study was stopped before and goes on.
+    """
+
+    job: Job
+    study_text: DeckText
+    deck: Deck
+    solver: CaseSolver
+    restored: bool = False
+    done: dict[int, BlockDone] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, path: str, parts_folder: str, fresh: bool = False) -> "Sweep":
+        """The study in the file at `path`; begins its folder of parts or goes on with it."""
+        text = read_text(path)
+        study = read_study(text)
+        deck_path = os.path.join(os.path.dirname(path), study.deck)
+        deck_text = _readable_deck(deck_path, study)
+        folder = os.path.dirname(os.path.abspath(deck_path))
+        size = max(1, min(LARGEST_BLOCK, study.cases // BLOCKS_WANTED))
+        identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
+        job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
+        solver = solver_of(job)
+        restored = job.parts.begin(fresh)
+        return cls(job, text, solver.deck, solver, restored)
+
+    def pending(self) -> list[int]:
+        """Blocks that lack cases; the others count as done."""
+        missing = []
+        for block in range(self.job.blocks):
+            codes = [result.exit_code for result in self.job.parts.stored(block)] if self.restored else []
+            if len(codes) == len(self.job.cases(block)):
+                self.done[block] = BlockDone(block, 0, sum(code != 0 for code in codes))
+            else:
+                missing.append(block)
+        return missing
+
+    def results(self) -> Iterator[CaseResult]:
+        """Every case that is kept, in order."""
+        for block in range(self.job.blocks):
+            yield from self.job.parts.stored(block)
+
+    @property
+    def failed(self) -> int:
+        """How many of the cases done failed."""
+        return sum(block.failed for block in self.done.values())
+
+
+class StudyDeckError(DeckError):
+    """The deck of a study cannot be read: its path as the study has it, and its lines."""
+
+    def __init__(self, path: str, faults, lines=()):
+        super().__init__(faults)
+        self.path, self.lines = path, lines
+
+
+def _readable_deck(path, study) -> DeckText:
+    """The text of the study's deck; what is wrong with it is told at its own lines."""
+    text = None
+    try:
+        text = read_text(path)
+        read_deck(text, study.dialect)
+    except DeckError as failure:
+        raise StudyDeckError(path, failure.faults, text.lines if text else ()) from failure
+    return text
+
+
+def solver_of(job: Job) -> CaseSolver:
+    """The solver of a job, made once in a process."""
+    return _solver(job.deck, job.deck_folder, job.study)
+
+
+@lru_cache(maxsize=2)
+def _solver(text, folder, study):
+    return CaseSolver(read_deck(text, study.dialect), study, RunOptions())
+
+
+def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda cases: None) -> BlockDone:
+    """Solve what a block lacks; every case is kept before the next begins."""
+    parts = job.parts
+    parts.check_shared()
+    solver = solver_of(job)
+    with parts.block(block) as part:
+        missing = job.cases(block)[part.count :]
+        for case in missing:
+            part.append(solver.solve(case))
+            advance(1)
+        return BlockDone(block, len(missing), part.failed)
+
+
+def give_up_case(job: Job, block: int) -> None:
+    """Record that the next case of a block ends the process that solves it."""
+    with job.parts.block(block) as part:
+        if part.count < len(job.cases(block)):
+            message = (
+                f"the process that solved this case ended {MOST_DEATHS} times: killed from outside, or out "
+                "of memory"
+            )
+            part.append(solver_of(job).unsolved(job.cases(block)[part.count], INTERNAL_FAULT, message))
+
+
+def next_case(job: Job, block: int) -> int:
+    """Number of the case of a block that comes next."""
+    return job.cases(block).start + sum(1 for _ in job.parts.stored(block))

@@ -1,0 +1,91 @@
+"""What a study costs beside its solver, and what a second worker brings.
+
+Usage: scripts/bench/run sweep [overhead] [workers]   (both without arguments)
+"""
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from flexmb_cli.model.build_young import build_young
+from flexmb_cli.read.settings import apply_settings
+from flexmb_cli.run.study_table import write_study_table
+from flexmb_cli.run.study_workers import solve_here, solve_on_cluster
+from flexmb_cli.run.sweep import Sweep
+from flexmb_cli.solve.kinematics import KinematicAnalysis
+
+DECK = Path(__file__).resolve().parents[2] / "decks/young/IN-RSSR.dat"
+STUDY = """
+deck = "{deck}"
+sampling = "latin-hypercube"
+count = {count}
+seed = 1
+
+[parameters]
+"driver.1.B" = {{ from = 100.0, to = 200.0 }}
+"point.1.x" = {{ from = 0.0, to = 0.1 }}
+
+[results]
+top = "max body.3.z"
+spin = "last body.2.omega.x"
+"""
+
+
+def study_of(count, folder):
+    """A sweep of `count` variants of the RSSR in a fresh folder."""
+    path = Path(folder) / "study.toml"
+    path.write_text(STUDY.format(deck=DECK, count=count))
+    return Sweep.of(str(path), str(Path(folder) / "parts"), fresh=True)
+
+
+def overhead(count=20_000):
+    """Processor time of a study in one process against that of its solver alone."""
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = study_of(count, folder)
+        sweep.solver.solve(0)
+        start = time.process_time()
+        solve_here(sweep, sweep.pending(), lambda cases: None)
+        write_study_table(str(Path(folder) / "table.h5"), sweep)
+        whole = time.process_time() - start
+        alone = solver_time(sweep, count)
+    ratio = f"{whole / alone:.3f} times"
+    print(f"{count} cases in one process: {whole:.1f} s, their solver alone {alone:.1f} s: {ratio}")
+
+
+def solver_time(sweep, count):
+    """Processor time of the kinematic analyses of all cases, models made beforehand."""
+    spent = 0.0
+    for case in range(count):
+        mechanism, _ = build_young(apply_settings(sweep.deck, sweep.solver.cases.settings(case)))
+        start = time.process_time()
+        for _ in KinematicAnalysis(mechanism).rows():
+            pass
+        spent += time.process_time() - start
+    return spent
+
+
+def workers(count=2000, repeats=5):
+    """Wall time of a study on one and on two Dask workers of this machine."""
+    from distributed import LocalCluster
+
+    times = {}
+    for number in (1, 2):
+        with LocalCluster(n_workers=number, threads_per_worker=1, dashboard_address=None) as cluster:
+            times[number] = [on_cluster(count, cluster.scheduler_address) for _ in range(repeats + 1)][1:]
+    one, two = (sorted(times[number])[repeats // 2] for number in (1, 2))
+    print(f"{count} cases: one worker {one:.2f} s, two {two:.2f} s: {one / two:.2f} times as fast")
+
+
+def on_cluster(count, address):
+    """Wall time of solving a study on the cluster."""
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = study_of(count, folder)
+        start = time.perf_counter()
+        solve_on_cluster(sweep, sweep.pending(), lambda cases: None, address)
+        return time.perf_counter() - start
+
+
+if __name__ == "__main__":
+    for part in sys.argv[1:] or ["overhead", "workers"]:
+        {"overhead": overhead, "workers": workers}[part]()

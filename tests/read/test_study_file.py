@@ -1,0 +1,96 @@
+"""Study files: what is understood, and what is said of the rest."""
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from flexmb_cli.errors import DeckError
+from flexmb_cli.read.study_file import read_study
+from flexmb_cli.read.text import decode
+
+HEAD = 'deck = "a.dat"\n'
+RESULTS = '[results]\ntop = "max body.3.z"\n'
+PARAMETERS = '[parameters]\n"driver.1.B" = [1, 2.5]\n"point.1.x" = { from = 0, to = 1, count = 3 }\n'
+GRID = HEAD + PARAMETERS + RESULTS
+
+
+def study(text):
+    return read_study(decode("study.toml", text.encode()))
+
+
+def test_a_grid_takes_every_combination_and_varies_the_last_parameter_fastest():
+    found = study(GRID)
+    assert found.cases == 6
+    rows = [found.row_of(case) for case in range(6)]
+    assert rows == [[1, 0], [1, 0.5], [1, 1], [2.5, 0], [2.5, 0.5], [2.5, 1]]
+
+
+def test_parameters_that_go_together():
+    text = GRID.replace(HEAD, HEAD + 'sampling = "together"\n').replace("count = 3", "count = 2")
+    assert [study(text).row_of(case) for case in range(2)] == [[1, 0], [2.5, 1]]
+
+
+def test_logarithmic_steps_keep_their_ratio_and_their_ends():
+    text = GRID.replace("from = 0, to = 1, count = 3", 'from = 0.1, to = 1000, count = 5, scale = "log"')
+    values = study(text).parameters[1].values
+    assert (values[0], values[-1]) == (0.1, 1000.0)
+    assert [b / a for a, b in pairwise(values)] == pytest.approx([10] * 4, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text, message, line",
+    [
+        ("deck = \n", "not TOML: Invalid value", 1),
+        (GRID.replace(HEAD, ""), 'names the deck: deck = "IN-RSSR.dat"', None),
+        (HEAD + RESULTS, "the table [parameters] is missing or empty; it has entries such as", None),
+        (GRID.replace("max body", "most body"), "TAKE one of last, first, max, min, mean, series", 6),
+        (GRID.replace("max body.3.z", "max"), 'a result is written "TAKE QUANTITY"', 6),
+        (GRID.replace("[1, 2.5]", "[]"), "needs a list of numbers or a range", 3),
+        (GRID.replace("[1, 2.5]", '[1, "2"]'), "a list holds finite numbers only", 3),
+        (GRID.replace("[1, 2.5]", "[1, inf]"), "a list holds finite numbers only", 3),
+        (GRID.replace("[1, 2.5]", "[1, true]"), "a list holds finite numbers only", 3),
+        (GRID.replace("count = 3", "count = 1"), "a range needs a count from 2 to 1000000", 4),
+        (GRID.replace("to = 1", "upto = 1"), "unknown in point.1.x; known are from, to, count, scale", None),
+        (GRID.replace("count = 3", 'count = 3, scale = "log"'), "a logarithmic range needs positive ends", 4),
+        (GRID.replace("count = 3", 'count = 3, scale = "ln"'), "scale is one of linear, log", 4),
+        (HEAD + 'sampling = "random"\n' + GRID[len(HEAD) :], "is one of grid, together, latin-hypercube", 2),
+        (HEAD + "sample = 3\n" + GRID[len(HEAD) :], "unknown in study; known are deck, dialect,", 2),
+        (HEAD + "count = 3\n" + GRID[len(HEAD) :], "belongs to sampling = 'latin-hypercube'", 2),
+        (HEAD + "seed = -1\n" + GRID[len(HEAD) :], "is an integer from 0 to 4294967295", 2),
+        (
+            HEAD + 'sampling = "latin-hypercube"\n' + GRID[len(HEAD) :],
+            "is an integer from 1 to 100000000",
+            None,
+        ),
+        (
+            HEAD + 'sampling = "together"\n' + GRID[len(HEAD) :],
+            "with sampling = 'together' all need as many values",
+            3,
+        ),
+        (
+            HEAD + "[parameters]\n"
+            + "".join(f'"p.{k}" = {{ from = 0, to = 1, count = 1000 }}\n' for k in range(3)) + RESULTS,
+            "make 1000000000 cases; more than 100000000 are refused",
+            2,
+        ),
+    ],
+)  # fmt: skip
+def test_faults_of_a_study(text, message, line):
+    with pytest.raises(DeckError) as caught:
+        study(text)
+    faults = [fault for fault in caught.value.faults if message in fault.message]
+    assert faults, [fault.message for fault in caught.value.faults]
+    assert (faults[0].place.line if faults[0].place else None) == line
+
+
+def test_all_faults_are_told_at_once():
+    text = GRID.replace("[1, 2.5]", "[]").replace("max body", "most body")
+    with pytest.raises(DeckError) as caught:
+        study(text)
+    assert [fault.subject for fault in caught.value.faults] == ["driver.1.B", "top"]
+
+
+def test_the_middle_of_a_range_is_between_its_ends():
+    values = study(GRID.replace("from = 0, to = 1", "from = -1, to = 1")).parameters[1].values
+    assert values == (-1.0, 0.0, 1.0) and not math.copysign(1, values[0]) > 0

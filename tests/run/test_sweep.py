@@ -1,0 +1,264 @@
+"""Studies: every case as its own run gives it, failures recorded, and nothing lost when they are stopped."""
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from flexmb_cli.errors import ModelError
+from flexmb_cli.run import study_workers
+from flexmb_cli.run.study_cases import Cases
+from flexmb_cli.run.study_parts import Parts
+from flexmb_cli.run.sweep import Sweep, give_up_case, next_case, solve_block
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+RSSR, PENDULUM = DECKS / "young/IN-RSSR.dat", DECKS / "dafms/pendulum.DAT"
+FLEXMB = [sys.executable, "-m", "flexmb_cli"]
+
+SMALL = """
+deck = "{deck}"
+[parameters]
+"driver.1.B" = [100.0, 146.6, 150]
+"point.1.x" = [0.0, 0.05]
+[results]
+top = "max point.1.z"
+last = "last body.2.omega.x"
+path = "series point.1.y"
+"""
+SAMPLED = """
+deck = "{deck}"
+sampling = "latin-hypercube"
+count = {count}
+seed = 7
+[parameters]
+"driver.1.B" = {{ from = 100.0, to = 200.0 }}
+"point.1.x" = {{ from = 0.001, to = 1.0, scale = "log" }}
+[results]
+mean = "mean point.1.z"
+"""
+
+
+def written(folder, text, **values):
+    folder.mkdir(exist_ok=True)
+    path = folder / "study.toml"
+    path.write_text(text.format(deck=RSSR, **values))
+    return path
+
+
+def flexmb(*arguments, cwd, check=True):
+    done = subprocess.run([*FLEXMB, *map(str, arguments)], cwd=cwd, capture_output=True, text=True)
+    assert done.returncode == 0 or not check, done.stderr
+    return done
+
+
+def table(path):
+    with h5py.File(path) as file:
+        columns = [f"{group}/{name}" for group in ("parameter", "result") for name in file[group]]
+        found = {name: file[name][:] for name in ("case", "exit_code", "rows", *columns)}
+        return found | {"message": file["message"].asstr()[:].tolist()}
+
+
+def test_every_case_is_what_run_gives_with_set(tmp_path):
+    flexmb("sweep", written(tmp_path, SMALL), "-j", 2, "-q", cwd=tmp_path)
+    found = table(tmp_path / "study.h5")
+    assert found["case"].tolist() == [1, 2, 3, 4, 5, 6] and not found["exit_code"].any()
+    for k, (speed, x) in enumerate((b, x) for b in (100.0, 146.6, 150) for x in (0.0, 0.05)):
+        assert (found["parameter/driver.1.B"][k], found["parameter/point.1.x"][k]) == (speed, x)
+        settings = ["--set", f"driver.1.B={speed}", "--set", f"point.1.x={x}"]
+        flexmb("run", RSSR, *settings, "-q", "--no-out", "--h5", f"{k}.h5", cwd=tmp_path)
+        with h5py.File(tmp_path / f"{k}.h5") as one:
+            point, omega = one["point/position"][:, 0], one["body/angular_velocity"][:, 1, 0]
+        assert found["result/top"][k] == point[:, 2].max()
+        assert found["result/last"][k] == omega[-1]
+        np.testing.assert_array_equal(found["result/path"][k], point[:, 1])
+    assert not (tmp_path / "study.h5.parts").exists()
+
+
+def test_a_latin_hypercube_has_one_case_in_every_stratum(tmp_path):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=50)), str(tmp_path / "parts"))
+    rows = np.array([Cases(sweep.job.study).row(case) for case in range(50)])
+    linear = (rows[:, 0] - 100.0) / 100.0
+    logarithmic = np.log(rows[:, 1] / 0.001) / np.log(1000.0)
+    for column in (linear, logarithmic):
+        assert sorted(np.floor(50 * column).astype(int)) == list(range(50))
+
+
+def test_a_case_that_fails_is_recorded_and_stops_nothing(tmp_path):
+    text = SMALL.replace('"point.1.x" = [0.0, 0.05]', '"spherical.1.P_j.z" = [4.0, 400.0]')
+    done = flexmb("sweep", written(tmp_path, text), "--json", cwd=tmp_path, check=False)
+    assert done.returncode == 1
+    assert '"cases": 6, "failed": 6' in done.stdout or '"cases": 6, "failed": 3' in done.stdout
+    found = table(tmp_path / "study.h5")
+    failed = found["exit_code"] == 1
+    assert failed[found["parameter/spherical.1.P_j.z"] == 400.0].all()
+    assert "cannot be assembled" in found["message"][1]
+    assert np.isnan(found["result/top"][failed]).all() and np.isnan(found["result/path"][failed]).all()
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (('"point.1.x"', '"point.9.x"'), "the deck has no number 'point.9.x'; the nearest are point.2.x"),
+        (("max point.1.z", "max point.1.q"), "point.1.q: the result has no such quantity"),
+        (("max point.1.z", "max point.1"), "result top: point.1 is more than one number"),
+        (("IN-RSSR.dat", "none.dat"), "none.dat: error: no such file"),
+        (("IN-RSSR.dat", "../../README.md"), "README.md:1:1: error: no dialect begins like this"),
+    ],
+)
+def test_what_a_deck_does_not_have_is_refused_before_anything_is_solved(tmp_path, change, message):
+    study = written(tmp_path, SMALL)
+    study.write_text(study.read_text().replace(*change))
+    done = flexmb("sweep", study, cwd=tmp_path, check=False)
+    assert done.returncode == 2 and message in done.stderr, done.stderr
+    assert not list(tmp_path.glob("*.parts"))
+
+
+def test_a_tree_is_swept_too(tmp_path):
+    """Elastic pendulum: IT steps make IT + 1 rows, the last at IT x H = 0.1 and 0.2 s."""
+    text = f'deck = "{PENDULUM}"\n[parameters]\n"time.IT" = [10, 20]\n[results]\nlast = "last time"\n'
+    (tmp_path / "study.toml").write_text(text)
+    flexmb("sweep", "study.toml", "-q", cwd=tmp_path)
+    found = table(tmp_path / "study.h5")
+    assert found["rows"].tolist() == [11, 21]
+    assert found["result/last"].tolist() == pytest.approx([0.1, 0.2], rel=1e-15)
+
+
+class Killed:
+    """A sweep in a process group of its own, killed after a while."""
+
+    def __init__(self, study, folder, *arguments):
+        self.process = subprocess.Popen(
+            [*FLEXMB, "sweep", str(study), *arguments],
+            cwd=folder, stderr=subprocess.DEVNULL, start_new_session=True,
+        )  # fmt: skip
+
+    def after(self, seconds):
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(seconds)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        return self.process.wait()
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_one(tmp_path, jobs):
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    flexmb("sweep", written(whole, SAMPLED, count=400), "-q", cwd=whole)
+    study, moments = written(killed, SAMPLED, count=400), random.Random(11)
+    kept = [0]
+    for attempt in range(60):
+        Killed(study, killed, "-j", jobs).after(0.7 + moments.random() * attempt)
+        if (killed / "study.h5").exists():
+            break
+        parts = list((killed / "study.h5.parts").glob("*.part"))
+        kept.append(sum(len(list(Parts(str(p.parent), {}).stored(int(p.stem[6:])))) for p in parts))
+    assert kept == sorted(kept) and any(kept)
+    assert (whole / "study.h5").read_bytes() == (killed / "study.h5").read_bytes()
+
+
+def test_a_worker_that_is_killed_is_replaced(tmp_path, monkeypatch):
+    """Its blocks go on with the case that was being solved."""
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
+    kills = []
+
+    def advance(cases):
+        if len(kills) < 2:
+            children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
+            workers = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+            kills.append(workers[-1])
+            os.kill(int(workers[-1]), signal.SIGKILL)
+
+    study_workers.solve_in_processes(sweep, sweep.pending(), advance, 2)
+    assert len(kills) == 2
+    assert [result.case for result in sweep.results()] == list(range(300))
+    assert sweep.failed == 0
+
+
+def test_a_case_that_ends_its_process_three_times_is_recorded(tmp_path):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=2)), str(tmp_path / "parts"))
+    assert next_case(sweep.job, 0) == 0
+    give_up_case(sweep.job, 0)
+    assert solve_block(sweep.job, 0).failed == 1
+    assert solve_block(sweep.job, 1).failed == 0
+    first, second = sweep.results()
+    assert (first.exit_code, second.exit_code) == (3, 0)
+    assert "ended 3 times" in first.message
+
+
+def test_the_torn_end_of_a_part_does_not_count(tmp_path):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=400)), str(tmp_path / "parts"))
+    solve_block(sweep.job, 0)
+    part = tmp_path / "parts/block-00000000.part"
+    whole = part.read_bytes()
+    for cut in (1, 7, 30):
+        part.write_bytes(whole[:-cut])
+        assert next_case(sweep.job, 0) == 1
+        assert solve_block(sweep.job, 0).solved == 1
+        assert part.read_bytes() == whole
+
+
+def test_another_study_in_the_same_folder_is_refused(tmp_path):
+    study, parts = written(tmp_path, SAMPLED, count=5), str(tmp_path / "parts")
+    Sweep.of(str(study), parts)
+    study.write_text(study.read_text().replace("200.0", "201.0"))
+    with pytest.raises(ModelError, match="holds a stopped study that differs in study; --fresh"):
+        Sweep.of(str(study), parts)
+    assert not Sweep.of(str(study), parts, fresh=True).restored
+
+
+def test_a_folder_that_is_no_study_is_left_alone(tmp_path):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts/thesis.txt").write_text("dear to me")
+    with pytest.raises(ModelError, match="is not empty and holds no study"):
+        Sweep.of(str(written(tmp_path, SAMPLED, count=5)), str(tmp_path / "parts"), fresh=True)
+    assert (tmp_path / "parts/thesis.txt").exists()
+
+
+def test_parquet_holds_the_same_numbers(tmp_path):
+    import pyarrow.parquet
+
+    study = written(tmp_path, SMALL)
+    flexmb("sweep", study, "-q", cwd=tmp_path)
+    flexmb("sweep", study, "-q", "-o", "study.parquet", cwd=tmp_path)
+    hdf5 = table(tmp_path / "study.h5")
+    columns = pyarrow.parquet.read_table(tmp_path / "study.parquet").to_pydict()
+    for name, values in hdf5.items():
+        np.testing.assert_array_equal(values, columns[name.replace("/", ".", 1)])
+
+
+def test_a_dask_cluster_survives_the_kill_of_a_worker(tmp_path):
+    """Two worker processes, one killed while they solve: every case is there once, as solved here."""
+    from distributed import LocalCluster
+
+    here = Sweep.of(str(written(tmp_path / "here", SAMPLED, count=300)), str(tmp_path / "here/parts"))
+    study_workers.solve_here(here, here.pending(), lambda cases: None)
+    sweep = Sweep.of(str(written(tmp_path / "there", SAMPLED, count=300)), str(tmp_path / "there/parts"))
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        victims = [worker.pid for worker in cluster.workers.values()][:1]
+
+        def advance(cases):
+            while victims:
+                os.kill(victims.pop(), signal.SIGKILL)
+
+        start = time.monotonic()
+        study_workers.solve_on_cluster(sweep, sweep.pending(), advance, cluster.scheduler_address)
+        assert time.monotonic() - start < 120
+    one, other = (list(found.results()) for found in (here, sweep))
+    assert [r.case for r in other] == list(range(300))
+    for a, b in zip(one, other, strict=True):
+        assert (a.exit_code, a.rows, a.values.tolist()) == (b.exit_code, b.rows, b.values.tolist())
+
+
+def test_no_scheduler_is_told(tmp_path):
+    done = flexmb(
+        "sweep", written(tmp_path, SMALL), "--scheduler", "tcp://127.0.0.1:1", cwd=tmp_path, check=False
+    )
+    assert done.returncode == 2 and "no Dask scheduler answers at tcp://127.0.0.1:1" in done.stderr
