@@ -2,13 +2,18 @@
 
 import io
 import json
+import re
+import subprocess
+import sys
 from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
+from results import SERIES, write_result
 
 from flexmb_cli.write.diff import compare
+from flexmb_cli.write.diff_hdf5 import kind_of
 from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
 from flexmb_cli.write.listing import TableError
 from flexmb_cli.write.result_file import ResultFile
@@ -433,3 +438,84 @@ def test_the_summary_shows_every_kind_and_the_worst_place(table, rows):
     )
     assert text[-2] == "worst: velocity, body 1, dX at t = 2: 0.0 against 0.25"
     assert text[-1] == f"{a}, {b}: 1 of 519 numbers differ, 0 things are missing"
+
+
+@pytest.mark.parametrize("series", SERIES, ids=lambda series: series.path)
+def test_a_change_in_any_dataset_is_found_in_its_kind(tmp_path, series):
+    a, b = write_result(tmp_path / "a.h5", 5), write_result(tmp_path / "b.h5", 5)
+    with h5py.File(b, "a") as file:
+        dataset = file[series.path]
+        place = tuple(length - 1 for length in dataset.shape)
+        dataset[place] *= 1 + 1e-8
+    report = compare(a, b)
+    kind = kind_of(series.path)
+    assert kind in KINDS
+    assert {name: tally.differing for name, tally in report.tallies.items() if tally.differing} == {kind: 1}
+    assert report.worst.section == f"/{series.path}"
+    assert report.worst.time == 1.0
+
+
+def flexmb(*arguments, cwd):
+    return subprocess.run(
+        [sys.executable, "-m", "flexmb_cli", "diff", *map(str, arguments)],
+        cwd=cwd, capture_output=True, text=True, encoding="utf-8", timeout=60,
+    )  # fmt: skip
+
+
+def test_update_takes_the_second_file_as_reference(table, rows, tmp_path):
+    base = rows(TIMES)
+    a, b = table("a", base), table("b", shifted(base, "velocity", 0.25, item=0))
+    a.chmod(0o640)
+    done = flexmb("a", "b", "--update", cwd=tmp_path)
+    assert done.returncode == 0
+    verdict = "a, b: 1 of 519 numbers differ, 0 things are missing"
+    assert done.stdout.splitlines()[-2:] == [verdict, "a: taken from b"]
+    assert a.read_bytes() == b.read_bytes()
+    assert a.stat().st_mode & 0o777 == 0o640
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
+
+
+def test_update_leaves_a_reference_that_agrees(table, rows, tmp_path):
+    base = rows(TIMES)
+    a, _ = table("a", base), table("b", shifted(base, "velocity", 0.001, item=0))
+    before = a.read_bytes()
+    done = flexmb("a", "b", "--update", "--last-digit", "1", cwd=tmp_path)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "a: left as it is")
+    assert a.read_bytes() == before
+
+
+def test_update_makes_a_reference_that_is_not_there(store, rows, tmp_path):
+    b = store("b", rows(TIMES))
+    told = json.loads(flexmb("new", b, "--update", "--json", cwd=tmp_path).stdout)
+    assert told["updated"] is True
+    assert (tmp_path / "new").read_bytes() == b.read_bytes()
+
+
+def test_update_refuses_what_is_no_result_and_what_cannot_be_written(table, rows, tmp_path):
+    a = table("a", rows(TIMES))
+    before = a.read_bytes()
+    (tmp_path / "letter").write_text("Dear Sir,\n")
+    for arguments, message in (
+        (["a", "letter"], "no OUT table is found in it"),
+        (["new", "letter"], "no OUT table is found in it"),
+        (["a", "none"], "no such file"),
+        (["none/new", "a"], "its folder does not exist"),
+        (["a", "-"], "standard input"),
+    ):
+        done = flexmb(*arguments, "--update", cwd=tmp_path)
+        assert done.returncode == 2
+        assert message in done.stderr
+    assert a.read_bytes() == before
+    assert not (tmp_path / "new").exists()
+
+
+def test_fewer_decimals_agree_when_they_are_the_rounded_ones(table, rows):
+    """OUT1-4-3 of Appendix B has two decimals where later listings have three."""
+    a = table("a", rows(TIMES))
+    text = a.read_text()
+    b, c = a.with_name("b"), a.with_name("c")
+    b.write_text(re.sub(r"(\d\.\d\d\d)(?=\s)", lambda match: f"{float(match[1]):.2f}", text))
+    c.write_text(b.read_text().replace("-0.87", "-0.88"))
+    assert b.read_text() != text
+    assert compare(a, b).equal
+    assert compare(a, c).tallies["position"].differing > 0
