@@ -5,6 +5,7 @@ from dataclasses import replace
 from ..model.dynamics import DynamicModel, holders
 from .hdf5_kinematic import kinematic_layout, kinematic_values
 from .result_file import Axis, Layout, Series, Values, numbered_axis
+from .result_geometry import gravity
 
 JOINT_VECTOR = ("joint/joint", "xyz")
 HELD_VECTOR = ("held/held", "xyz")
@@ -43,7 +44,9 @@ def dynamic_layout(model: DynamicModel) -> Layout:
     axes = (*motion.axes, *_held_axis(model))
     present = {axis.path for axis in axes}
     forces = tuple(item for item in _series(model).values() if present.issuperset(item.axes))
-    return replace(motion, analysis="dynamic", axes=axes, series=(*motion.series, *forces))
+    constants = (*motion.constants, *gravity(model.gravity))
+    series = (*motion.series, *forces)
+    return replace(motion, analysis="dynamic", axes=axes, series=series, constants=constants)
 
 
 def dynamic_values(model: DynamicModel, rows) -> Values:

@@ -14,6 +14,13 @@ SIDE = Axis("side", ("I", "J"), "first and second body of a joint")
 OF_JOINT = ("joint/joint", SIDE.path)
 
 
+def gravity(acceleration) -> tuple[Constant, ...]:
+    """The acceleration of gravity (3,), global axes, where there is any: it tells which way is up."""
+    g = np.array(acceleration, float)
+    found = (Constant("gravity", (XYZ.path,), g, "m/s2", "acceleration of gravity, global axes"),)
+    return found if g.any() else ()
+
+
 def mechanism_geometry(mechanism: Mechanism) -> tuple[Constant, ...]:
     """Bodies, points and axes of the joints, bodies of the points of interest."""
     found = []
@@ -31,9 +38,9 @@ def mechanism_geometry(mechanism: Mechanism) -> tuple[Constant, ...]:
 
 
 def tree_geometry(tree: Tree) -> tuple[Constant, ...]:
-    """Bodies of hinge points and nodes, undeformed nodes, bodies and points of the closures."""
+    """Gravity, bodies of hinge points and nodes, undeformed nodes, bodies and points of the closures."""
     bodies = [hinge.parent for hinge in tree.hinges]
-    found = []
+    found = [*gravity(tree.gravity)]
     for k, body in enumerate(tree.bodies):
         if body.elastic is not None:
             bodies += len(body.elastic.masses) * [k]

@@ -1,0 +1,39 @@
+"""`flexmb report`: a page on a result."""
+
+import click
+
+
+@click.command()
+@click.argument("result", metavar="RESULT.h5")
+@click.option("-o", "--output", metavar="PAGE.html",
+              help="The page [default: the result's name with .html, in the current folder].")  # fmt: skip
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+def report(result, output, quiet):
+    """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
+
+    The page needs no network and shows the motion in any browser with WebGL: play, scrub, turn.
+    Needs plotly: pip install 'flexmb[report]'.
+
+    \b
+    Example:
+        flexmb report OUT4-BAR.h5 -o four-bar.html
+    """
+    from pathlib import Path
+
+    from ..write.atomic import ReplacedText
+    from ..write.quantities import open_result
+    from ..write.report_page import report_page
+    from .extras import needed
+
+    library = needed("plotly.offline", "plotly", "report").get_plotlyjs()
+    output = output or f"{Path(result).stem}.html"
+    with open_result(result) as file:
+        page = report_page(file, library)
+    text = ReplacedText(output)
+    text.write(page)
+    text.commit()
+    if not quiet:
+        size = len(page.encode("utf-8")) / 1e6
+        click.echo(
+            f"{result} → {output}, {size:.1f} MB, of them {len(library) / 1e6:.1f} MB plotly.js", err=True
+        )
