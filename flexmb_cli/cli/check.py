@@ -53,11 +53,13 @@ def _check_jacobian_option(jacobian):
 def _print_check(report, with_echo):
     from ..write.check_text import check_text, jacobian_text
     from ..write.check_tree_text import check_tree_text
+    from ..write.check_vsdf_text import check_vsdf_text
     from ..write.echo import echo
 
     if with_echo:
         click.echo(echo(report.deck), nl=False)
     if report.counts:
-        click.echo(check_text(report) if report.tree is None else check_tree_text(report), nl=False)
+        texts = {"dafms": check_tree_text, "vsdf": check_vsdf_text}
+        click.echo(texts.get(report.deck.dialect, check_text)(report), nl=False)
     if report.jacobian:
         click.echo(jacobian_text(report.jacobian), nl=False)

@@ -7,9 +7,10 @@ than the tolerance allows.  Report rows come from the dense output and are proje
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), sections
 II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 
-The state z (13 b + 1,) holds coordinates, speeds and the work of drivers and loads since the start.
-The steps do not depend on how the report rows are cut into calls.  As in `tree_march` the march is a
-machine that asks for one evaluation after another, so that the equations are compiled in one place.
+The state z (2 n + b + 1,) of b bodies with n speeds holds coordinates, speeds and the work of drivers and
+loads since the start.  The steps do not depend on how the report rows are cut into calls.  As in `tree_march`
+the march is a machine that asks for one evaluation after another, so that the equations are compiled in one
+place.
 """
 
 from collections import namedtuple
@@ -17,13 +18,13 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import kernel
-from .constrained_report import complete
+from .constrained_report import complete, coordinates_and_speeds
 from .constrained_solve import accelerations
 from .constrained_system import SOLVED
 from .constraint_projection import largest_gap, project_position, project_speeds
 from .dop853_table import ALL_STAGES, DENSE_TERMS, ERROR_3, ERROR_5, STAGE_TIMES, STAGES
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage
-from .screw_turns import NEAR, NEW, OLD, expect_turns, note_turns
+from .screw_turns import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
 from .speeds import coordinate_rates, normalise
 
 # What a call may be asked for, and what it answers.
@@ -69,13 +70,12 @@ March = namedtuple("March", "clock z old trial slopes dense units turns")
 March.__doc__ = """What a march keeps from call to call, for states of N numbers.
 
 clock (1,) CLOCK.  z, old, trial (N,).  slopes (16, N).  dense (7, N).  units (N,): a state's unit.
-turns (3, screws): see `screw_turns`.
+turns (3, angles): see `screw_turns`.
 """
 
 
-def new_march(bodies, screws):
-    """A march at time 0 with an empty state."""
-    n = 13 * bodies + 1
+def new_march(n, turns):
+    """A march at time 0 with an empty state of n numbers."""
     return March(
         np.zeros(1, CLOCK),
         np.zeros(n),
@@ -84,7 +84,7 @@ def new_march(bodies, screws):
         np.zeros((ALL_STAGES, n)),
         np.zeros((DENSE_TERMS, n)),
         np.ones(n),
-        np.zeros((3, screws)),
+        np.zeros((3, turns)),
     )
 
 
@@ -115,23 +115,24 @@ def _ask(clock, phase, stage, at, projects):
 def _evaluate(system, work, march, report):
     """The slope at `trial`, brought onto the constraints first where asked, or a whole report row; a code."""
     clock, z, row = march.clock[0], march.trial, march.clock[0]["row"]
-    bodies = z.shape[0] // 13
-    q, u = z[: 7 * bodies], z[7 * bodies : 13 * bodies]
+    q, u = coordinates_and_speeds(system, z)
+    reports = clock["phase"] == ROW
+    _copy(march.turns[NEAR if reports or clock["phase"] == STEP_END else NEW], work.turns)
     if clock["projects"]:
         clock["moved"] = _project(system, work, march, z, clock["at"])
         if not clock["moved"] < np.inf:
             return clock["fault"]
-    reports = clock["phase"] == ROW
     out = march.slopes[clock["stage"]]
-    ud = report.rates[row] if reports else out[7 * bodies : 13 * bodies]
+    qd, slopes = coordinates_and_speeds(system, out)
+    ud = report.rates[row] if reports else slopes
     code, power = accelerations(system, work, q, u, clock["at"], ud)
     if code != SOLVED:
         return code
     if reports:
         complete(system, work, z, clock["at"], march.turns[NEAR], power, report, row)
     else:
-        coordinate_rates(q, u, out[: 7 * bodies])
-        out[13 * bodies] = power
+        coordinate_rates(system.masses.shape[0], q, u, qd)
+        out[out.shape[0] - 1] = power
     return code
 
 
@@ -240,7 +241,8 @@ def _next_stage(system, work, march):
     # `not <` rejects a nan as well.
     if not error < 1.0:
         return _reject(march, next_factor(error, 1) if error < HOPELESS else 0.2)
-    expect_turns(system, work, march, h)
+    if not expect_turns(system, work, march, h) < MOST_TURNED:
+        return _reject(march, 0.5)
     return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
 
 
@@ -266,10 +268,10 @@ def _step_error(march, h):
 @kernel
 def _project(system, work, march, z, t):
     """Bring a state onto the constraints at t; returns by how many tolerances it moved, or infinity."""
-    clock, bodies = march.clock[0], z.shape[0] // 13
-    q, u = z[: 7 * bodies], z[7 * bodies : 13 * bodies]
+    clock = march.clock[0]
+    q, u = coordinates_and_speeds(system, z)
     before = z.copy()
-    normalise(q)
+    normalise(system.masses.shape[0], q)
     code = project_position(system, work, q, t, march.turns[NEAR])
     if code == SOLVED:
         code = project_speeds(system, work, q, u, t)[0]

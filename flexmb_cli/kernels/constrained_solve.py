@@ -12,6 +12,7 @@ accelerations and projections.
 
 from . import constraints as equations
 from ._jit import kernel
+from .arms import move_arms, place_arms
 from .constrained_system import (
     FORCES,
     FREE,
@@ -37,7 +38,8 @@ from .independent_rows import (
     factorise,
     free_motions,
 )
-from .mass_matrix import gyroscopic_forces, mass_matrices, mass_times
+from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
+from .measures import equation_accelerations, equation_rows
 from .rotation import rotation_matrices, rotation_rates
 from .speeds import add_turning, coordinate_rates, speed_jacobian
 
@@ -46,10 +48,12 @@ SMALLEST_INERTIA = 1e-13  # pivot of the reduced mass matrix, of its diagonal en
 
 @kernel
 def evaluate_jacobian(system, work, q):
-    """Fill A, Φ_q and the scaled Jacobian on speeds of `work` at q."""
+    """Fill A, the arms, Φ_q and the scaled Jacobian on speeds of `work` at q."""
     rotation_matrices(q, work.rotations[A])
+    place_arms(system, work, q)
     equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
     speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
+    equation_rows(system, work, work.jacobian)
     for row in range(work.jacobian.shape[0]):
         for k in range(work.jacobian.shape[1]):
             if work.jacobian[row, k] != 0.0:
@@ -67,8 +71,18 @@ def choose_order(work, most):
 @kernel
 def factorise_at(system, work, q):
     """Factors at q of the constraints and of the mass matrix of the free motions: a code."""
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    return _reduce_mass(system, work, work.jacobian.shape[1] - work.rank[0])
+
+
+@kernel
+def factorise_constraints(system, work, q):
+    """Factors at q of the constraints, and the motions they leave free: a code."""
     evaluate_jacobian(system, work, q)
-    rank, (m, n) = work.rank[0], work.jacobian.shape
+    rank, m = work.rank[0], work.jacobian.shape[0]
     quality = factorise(work.jacobian, work.order, rank, work.factors)
     if not quality > WORN * work.quality[0]:
         if choose(work.jacobian, work.left, work.order, rank) < rank:
@@ -77,8 +91,7 @@ def factorise_at(system, work, q):
         if not quality > 0.0:
             return SINGULAR
     free_motions(work.factors, work.order, rank, m, work.motions)
-    mass_matrices(system.masses, work.rotations[A], work.mass)
-    return _reduce_mass(system, work, n - rank)
+    return SOLVED
 
 
 @kernel
@@ -89,7 +102,7 @@ def _reduce_mass(system, work, free):
     for f in range(free):
         for k in range(n):
             column[k] = work.motions[k, f] * system.speed_scale[k]
-        mass_times(work.mass, column, product)
+        mass_times(system, work, column, product)
         for g in range(f, free):
             total = 0.0
             for k in range(n):
@@ -110,7 +123,7 @@ def solve(system, work, forces, gamma, x):
     dependent_speeds(work.factors, work.order, rank, m, right_side, scaled)
     for k in range(n):
         x[k] = scaled[k] * system.speed_scale[k]
-    mass_times(work.mass, x, product)
+    mass_times(system, work, x, product)
     for f in range(n - rank):
         y[f] = 0.0
         for k in range(n):
@@ -137,7 +150,7 @@ def accelerations(system, work, q, u, t, ud):
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
     solve(system, work, forces, work.rows[GAMMA], ud)
     # Constraints that do not move do no work: what is left of their power is the drivers'.
-    mass_times(work.mass, ud, product)
+    mass_times(system, work, ud, product)
     for k in range(u.shape[0]):
         power += (product[k] - forces[k]) * u[k]
     return code, power
@@ -145,16 +158,21 @@ def accelerations(system, work, q, u, t, ud):
 
 @kernel
 def fill_forces(system, work, q, u, t):
-    """Fill FORCES with all but the constraint forces; returns the power of those that store no energy."""
-    gyroscopic_forces(system.masses, work.rotations[A], u, work.vectors[FORCES])
-    return add_applied_forces(system, q, u, work.rotations[A], t, work.vectors[FORCES])
+    """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
+
+    Mass matrices and arms belong to q.
+    """
+    move_arms(system, work, u)
+    power = inertia_and_elastic_forces(system, work, q, u, work.vectors[FORCES])
+    return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
 
 
 @kernel
 def fill_gamma(system, work, q, u, t):
-    """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q belongs to q."""
+    """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved arms belong to q and u."""
     qd, gamma = work.vectors[QD], work.rows[GAMMA]
-    coordinate_rates(q, u, qd)
+    coordinate_rates(system.masses.shape[0], q, u, qd)
     rotation_rates(q, qd, work.rotations[RATE], work.rotations[REMAINDER])
     equations.acceleration(system.constraints, q, qd, t, work.rotations, gamma)
     add_turning(system.bodies, q, u, work.phi_q, gamma)
+    equation_accelerations(system, work, t, gamma)

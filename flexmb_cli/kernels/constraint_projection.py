@@ -7,8 +7,10 @@ import numpy as np
 
 from . import constraints as equations
 from ._jit import kernel
+from .arms import place_arms
 from .constrained_solve import factorise_at, solve
 from .constrained_system import CORRECTION, GAMMA, PHI, QD, SOLVED, A
+from .measures import equation_residuals, equation_velocities
 from .rotation import rotation_matrices
 from .speeds import move
 
@@ -31,7 +33,9 @@ def largest_gap(system, work):
 def evaluate_residual(system, work, q, t, near):
     """Fill PHI at q; returns the largest scaled equation of the independent ones."""
     rotation_matrices(q, work.rotations[A])
+    place_arms(system, work, q)
     equations.residual(system.constraints, q, t, near, work.rotations[A], work.rows[PHI])
+    equation_residuals(system, work, t, near, work.rows[PHI])
     found = 0.0
     for k in range(work.rank[0]):
         row = work.order[k]
@@ -60,15 +64,22 @@ def project_position(system, work, q, t, near):
         for k in range(zero.shape[0]):
             zero[k] = 0.0
         solve(system, work, zero, gamma, step)
-        move(q, step)
+        move(system.masses.shape[0], q, step)
     return code
+
+
+@kernel
+def fill_nu(system, t, nu):
+    """Fill nu (m,), the right-hand side of J u = ν."""
+    equations.velocity(system.constraints, t, nu)
+    equation_velocities(system, t, nu)
 
 
 @kernel
 def rate_gap(system, work, u, t):
     """Fill GAMMA with ν - J u, where the Jacobian belongs to the position; returns the largest scaled."""
     gamma = work.rows[GAMMA]
-    equations.velocity(system.constraints, t, gamma)
+    fill_nu(system, t, gamma)
     found = 0.0
     for row in range(gamma.shape[0]):
         total = 0.0

@@ -10,21 +10,22 @@ from ._jit import kernel
 
 
 @kernel
-def moving_inertia(eta, etad, J0, J1, J2, C0, C1, S_tt, Sd_tt, S_tf):
-    """Fill S_tt, its rate Sd_tt (3, 3), and S_tf (3, N), at the modal coordinates eta and rates etad (N,)."""
+def moving_inertia(eta, J0, J1, J2, C0, C1, T, S_tt, S_tf):
+    """Fill T (N, 3, 3), S_tt (3, 3) and S_tf (3, N) at the modal coordinates eta (N,).
+
+    T_k = sum_l eta_l J2_kl is all that the rates and forces need of J2.
+    """
     N = eta.shape[0]
     for a in range(3):
         for b in range(3):
-            inertia, rate = J0[a, b], 0.0
+            inertia = J0[a, b]
             for k in range(N):
-                column, turned = J1[k, a, b], 0.0
+                turned = 0.0
                 for l in range(N):
                     turned += eta[l] * J2[k, l, a, b]
-                    rate += etad[k] * eta[l] * (J2[k, l, a, b] + J2[k, l, b, a])
-                inertia += eta[k] * (column + turned)
-                rate += etad[k] * column
+                T[k, a, b] = turned
+                inertia += eta[k] * (J1[k, a, b] + turned)
             S_tt[a, b] = inertia
-            Sd_tt[a, b] = rate
         for l in range(N):
             coupling = C0[a, l]
             for k in range(N):
@@ -66,9 +67,9 @@ def mass_matrix(A, m, s, S1, S_tt, S_tf, Mff, M):
 
 
 @kernel
-def velocity_forces(A, w, eta, etad, s, S1, S_tt, Sd_tt, S_tf, J1, J2, C1, f):
+def velocity_forces(A, w, etad, s, S1, S_tt, S_tf, J1, T, C1, f):
     """Fill f (6 + N,) with the quadratic velocity forces at the angular velocity w (3,), body axes."""
-    N = eta.shape[0]
+    N = etad.shape[0]
     v0, v1, v2 = 0.0, 0.0, 0.0
     for k in range(N):
         v0 += S1[0, k] * etad[k]
@@ -81,33 +82,32 @@ def velocity_forces(A, w, eta, etad, s, S1, S_tt, Sd_tt, S_tf, J1, J2, C1, f):
     g0, g1, g2 = w[1] * c2 - w[2] * c1, w[2] * c0 - w[0] * c2, w[0] * c1 - w[1] * c0
     for a in range(3):
         f[a] = -(A[a, 0] * g0 + A[a, 1] * g1 + A[a, 2] * g2)
-    _turning_forces(w, etad, S_tt, Sd_tt, S_tf, f)
+    _turning_forces(w, etad, S_tt, S_tf, J1, T, f)
     for l in range(N):
         total = 0.0
         for k in range(N):
             total += 2.0 * etad[k] * (w[0] * C1[k, 0, l] + w[1] * C1[k, 1, l] + w[2] * C1[k, 2, l])
         for a in range(3):
             for b in range(3):
-                inertia = 0.5 * J1[l, a, b]
-                for k in range(N):
-                    inertia += eta[k] * J2[l, k, a, b]
-                total += w[a] * inertia * w[b]
+                total += w[a] * (0.5 * J1[l, a, b] + T[l, a, b]) * w[b]
         f[6 + l] = total
 
 
 @kernel
-def _turning_forces(w, etad, S_tt, Sd_tt, S_tf, f):
-    """Rows 3 to 5: -w × (S_tt w - S_tf η̇) - Ṡ_tt w."""
+def _turning_forces(w, etad, S_tt, S_tf, J1, T, f):
+    """Rows 3 to 5: -w × (S_tt w - S_tf η̇) - Ṡ_tt w, with Ṡ_tt = sum_k η̇_k (J1_k + T_k + T_kᵀ)."""
     h = (0.0, 0.0, 0.0)
-    rate = (0.0, 0.0, 0.0)
     for b in range(3):
         h = (h[0] + S_tt[0, b] * w[b], h[1] + S_tt[1, b] * w[b], h[2] + S_tt[2, b] * w[b])
-        rate = (rate[0] + Sd_tt[0, b] * w[b], rate[1] + Sd_tt[1, b] * w[b], rate[2] + Sd_tt[2, b] * w[b])
     for k in range(etad.shape[0]):
         h = (h[0] - S_tf[0, k] * etad[k], h[1] - S_tf[1, k] * etad[k], h[2] - S_tf[2, k] * etad[k])
-    f[3] = h[1] * w[2] - h[2] * w[1] - rate[0]
-    f[4] = h[2] * w[0] - h[0] * w[2] - rate[1]
-    f[5] = h[0] * w[1] - h[1] * w[0] - rate[2]
+    f[3] = h[1] * w[2] - h[2] * w[1]
+    f[4] = h[2] * w[0] - h[0] * w[2]
+    f[5] = h[0] * w[1] - h[1] * w[0]
+    for k in range(etad.shape[0]):
+        for a in range(3):
+            for b in range(3):
+                f[3 + a] -= etad[k] * (J1[k, a, b] + T[k, a, b] + T[k, b, a]) * w[b]
 
 
 @kernel
@@ -127,16 +127,23 @@ def add_gravity(A, m, s, S1, g, f):
 
 @kernel
 def add_elastic_forces(w, eta, etad, Kr, Dr, KG, f):
-    """Add -(K η + D η̇) and the centrifugal stiffening, -sum (w~ w~)_ij KG_ij η; KG (3, 3, N, N) or empty."""
+    """Add -(K η + D η̇) and the centrifugal stiffening, -sum (w~ w~)_ij KG_ij η; KG (3, 3, N, N) or empty.
+
+    Returns the power of damping and stiffening, W: that of K η is stored.
+    """
     N = eta.shape[0]
     square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+    power = 0.0
     for k in range(N):
-        total = 0.0
+        stored = lost = 0.0
         for l in range(N):
-            stiffness = Kr[k, l]
-            for i in range(KG.shape[0]):
-                for j in range(KG.shape[1]):
-                    amplitude = w[i] * w[j] - (square if i == j else 0.0)
-                    stiffness += amplitude * KG[i, j, k, l]
-            total += stiffness * eta[l] + Dr[k, l] * etad[l]
-        f[6 + k] -= total
+            stored += Kr[k, l] * eta[l]
+            lost += Dr[k, l] * etad[l]
+        for i in range(KG.shape[0]):
+            for j in range(KG.shape[1]):
+                amplitude = w[i] * w[j] - (square if i == j else 0.0)
+                for l in range(N):
+                    lost += amplitude * KG[i, j, k, l] * eta[l]
+        f[6 + k] -= stored + lost
+        power -= lost * etad[k]
+    return power

@@ -20,7 +20,7 @@ def fill_multipliers(system, work, ud, lam):
     """Fill lam (m,) from the rates ud of the speeds, by the factors and forces at hand."""
     rank, m = work.rank[0], lam.shape[0]
     forces, product, borne = work.vectors[FORCES], work.vectors[PRODUCT], work.vectors[FREE]
-    mass_times(work.mass, ud, product)
+    mass_times(system, work, ud, product)
     for i in range(rank):
         k = work.order[m + i]
         borne[i] = (product[k] - forces[k]) * system.speed_scale[k]
@@ -66,17 +66,16 @@ def _share(work, borne, lam):
 
 @kernel
 def fill_wrenches(system, work, lam, wrenches):
-    """Fill wrenches (constraints, 2, 6): on the bodies i and j of every constraint its force, global
-    axes, N, and its torque about the body's origin, body axes, N m."""
-    count, m = system.constraints.shape[0], lam.shape[0]
-    for c in range(count):
-        first = system.constraints[c]["first_row"]
-        end = system.constraints[c + 1]["first_row"] if c + 1 < count else m
-        i, j = system.constraints[c]["body_i"], system.constraints[c]["body_j"]
+    """Fill wrenches (groups, 2, 6): on the bodies i and j of every group its force, global
+    axes, N, and its torque about the body's origin, body axes, N m; 0 on the ground."""
+    for c in range(system.groups.shape[0]):
+        group = system.groups[c]
+        i, j = group["body_i"], group["body_j"]
         for k in range(6):
             wrenches[c, 0, k] = wrenches[c, 1, k] = 0.0
-            for row in range(first, end):
+            for row in range(group["first_row"], group["end_row"]):
                 scale = lam[row] * system.row_scale[row]
-                wrenches[c, 0, k] += scale * work.jacobian[row, 6 * i + k] / system.speed_scale[6 * i + k]
-                if j != i:
+                if i >= 0:
+                    wrenches[c, 0, k] += scale * work.jacobian[row, 6 * i + k] / system.speed_scale[6 * i + k]
+                if j >= 0 and j != i:
                     wrenches[c, 1, k] += scale * work.jacobian[row, 6 * j + k] / system.speed_scale[6 * j + k]

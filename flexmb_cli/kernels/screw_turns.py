@@ -1,17 +1,22 @@
-"""Angles of screw joints during a march: they count whole turns, which a position alone does not show."""
+"""Angles of screws, drivers and joint springs during a march: they count whole turns, which a position
+alone does not show."""
 
 from ._jit import kernel
+from .arms import move_arms, place_arms
+from .constrained_report import coordinates_and_speeds
 from .constrained_system import A
 from .constraints import SCREW
 from .joints import screw
+from .measures import angle_rates, measure_angle
 from .rotation import rotate, rotation_matrices
 
-# Rows of the angles kept (3, screws), rad: at the end of the last step, at its start, and those expected.
+# Rows of the angles kept (3, angles), rad: at the end of the last step, at its start, and those expected.
 NEW, OLD, NEAR = 0, 1, 2
+MOST_TURNED = 2.5  # rad in a step, less than half a turn: the stages of a step then find their angles
 
 
 @kernel
-def _turn_rate(system, work, c, u):
+def _turn_rate(work, c, u):
     """Rate of a screw's angle: the relative turning along its axis, rad/s."""
     i, j = 6 * c["body_i"] + 3, 6 * c["body_j"] + 3
     axis = rotate(work.rotations[A], c["body_i"], c["s_i"])
@@ -22,38 +27,64 @@ def _turn_rate(system, work, c, u):
 
 @kernel
 def expect_turns(system, work, march, h):
-    """Angles of the screws at the end of a step, by the mean of their rates: they settle whole turns."""
-    bodies = march.z.shape[0] // 13
+    """Angles at the end of a step, by the mean of their rates: they settle whole turns.
+
+    Returns the largest turn between bodies of a flexible mechanism in the step, rad.
+    """
     for s in range(march.turns.shape[1]):
         march.turns[NEAR, s] = march.turns[NEW, s]
     for end in range(2 if march.turns.shape[1] else 0):
-        z = march.z if end == 0 else march.trial
-        rotation_matrices(z[: 7 * bodies], work.rotations[A])
-        for k in range(system.constraints.shape[0]):
-            c = system.constraints[k]
-            if c["kind"] == SCREW:
-                rate = _turn_rate(system, work, c, z[7 * bodies : 13 * bodies])
-                march.turns[NEAR, c["screw"]] += 0.5 * h * rate
+        q, u = coordinates_and_speeds(system, march.z if end == 0 else march.trial)
+        rotation_matrices(q, work.rotations[A])
+        place_arms(system, work, q)
+        move_arms(system, work, u)
+        _add_turns(system, work, u, 0.5 * h, march.turns[NEAR])
+    largest = 0.0
+    for k in range(system.measures.shape[0]):
+        s = system.measures[k]["turn"]
+        if s >= 0:
+            largest = max(largest, abs(march.turns[NEAR, s] - march.turns[NEW, s]))
+    return largest
+
+
+@kernel
+def _add_turns(system, work, u, h, turns):
+    """Add h times the rates of all angles."""
+    for k in range(system.constraints.shape[0]):
+        c = system.constraints[k]
+        if c["kind"] == SCREW:
+            turns[c["screw"]] += h * _turn_rate(work, c, u)
+    for k in range(system.measures.shape[0]):
+        if system.measures[k]["turn"] >= 0:
+            turns[system.measures[k]["turn"]] += h * angle_rates(work, system.measures[k])[0]
+
+
+@kernel
+def find_turns(system, work, near, turns):
+    """Fill turns (angles,) with those nearest to `near`, where A and the arms belong to the position."""
+    for k in range(system.constraints.shape[0]):
+        c = system.constraints[k]
+        if c["kind"] == SCREW:
+            turns[c["screw"]] = screw.angle(c, work.rotations[A], near[c["screw"]])
+    for k in range(system.measures.shape[0]):
+        s = system.measures[k]["turn"]
+        if s >= 0:
+            turns[s] = measure_angle(work, system.measures[k], near[s])
 
 
 @kernel
 def note_turns(system, work, march):
-    """Angles of the screws at the end of a step, where A belongs to it."""
-    for k in range(system.constraints.shape[0]):
-        c = system.constraints[k]
-        if c["kind"] == SCREW:
-            s = c["screw"]
-            march.turns[OLD, s] = march.turns[NEW, s]
-            march.turns[NEW, s] = screw.angle(c, work.rotations[A], march.turns[NEAR, s])
+    """Angles at the end of a step, where A and the arms belong to it."""
+    for s in range(march.turns.shape[1]):
+        march.turns[OLD, s] = march.turns[NEW, s]
+    find_turns(system, work, march.turns[NEAR], march.turns[NEW])
 
 
 @kernel
-def screw_angles(system, work, q, near):
-    """Angles (screws,) of the screws at q, those nearest to `near`, rad."""
+def angles_at(system, work, q, near):
+    """Angles (angles,) at q, those nearest to `near`, rad."""
     angles = near.copy()
     rotation_matrices(q, work.rotations[A])
-    for k in range(system.constraints.shape[0]):
-        c = system.constraints[k]
-        if c["kind"] == SCREW:
-            angles[c["screw"]] = screw.angle(c, work.rotations[A], near[c["screw"]])
+    place_arms(system, work, q)
+    find_turns(system, work, near, angles)
     return angles

@@ -1,4 +1,4 @@
-"""Speeds of rigid bodies in place of coordinate rates: v of the origin, global axes, ω in body axes.
+"""Speeds of bodies in place of coordinate rates: v of the origin, global axes, ω in body axes, then η̇.
 
 Young (1996), chapter 3: ω = 2 L ṗ in body axes as 2 G ṗ (3.35) in global ones, so ṗ = ½ Lᵀ ω, and
 p̈ = ½ Lᵀ ω̇ - ¼ ω² p for |p| = 1.  A constraint row Φ_r, Φ_p on coordinate rates is Φ_r, ½ Φ_p Lᵀ on speeds.
@@ -18,9 +18,11 @@ def parameter_rates(p, at, w, out, to):
 
 
 @kernel
-def coordinate_rates(q, u, qd):
-    """Fill qd (7 bodies,) from coordinates q and speeds u (6 bodies,)."""
-    for body in range(q.shape[0] // 7):
+def coordinate_rates(bodies, q, u, qd):
+    """Fill qd (7 bodies + modes,) from coordinates q and speeds u (6 bodies + modes,)."""
+    for mode in range(q.shape[0] - 7 * bodies):
+        qd[7 * bodies + mode] = u[6 * bodies + mode]
+    for body in range(bodies):
         k, s = 7 * body, 6 * body
         for i in range(3):
             qd[k + i] = u[s + i]
@@ -28,23 +30,10 @@ def coordinate_rates(q, u, qd):
 
 
 @kernel
-def coordinate_accelerations(q, u, ud, qdd):
-    """Fill qdd (7 bodies,) from coordinates, speeds and their rates ud."""
-    for body in range(q.shape[0] // 7):
-        k, s = 7 * body, 6 * body
-        for i in range(3):
-            qdd[k + i] = ud[s + i]
-        parameter_rates(q, k + 3, (ud[s + 3], ud[s + 4], ud[s + 5]), qdd, k + 3)
-        square = u[s + 3] ** 2 + u[s + 4] ** 2 + u[s + 5] ** 2
-        for i in range(3, 7):
-            qdd[k + i] -= 0.25 * square * q[k + i]
-
-
-@kernel
 def speed_jacobian(bodies, q, phi_q, jacobian):
-    """Fill jacobian (m, 6 bodies) with the rows phi_q (m, 14) turned from coordinates to speeds.
+    """Fill the first rows of jacobian (m, n) with phi_q (r, 14) turned from coordinates to speeds.
 
-    bodies (m, 2): bodies of the two halves of each row.
+    bodies (r, 2): bodies of the two halves of each row.
     """
     for row in range(phi_q.shape[0]):
         for k in range(jacobian.shape[1]):
@@ -75,9 +64,11 @@ def add_turning(bodies, q, u, phi_q, gamma):
 
 
 @kernel
-def move(q, step):
-    """Move q by small displacements and turns `step` (6 bodies,), and give every p length 1."""
-    for body in range(q.shape[0] // 7):
+def move(bodies, q, step):
+    """Move q by small displacements and turns `step` (6 bodies + modes,), and give every p length 1."""
+    for mode in range(q.shape[0] - 7 * bodies):
+        q[7 * bodies + mode] += step[6 * bodies + mode]
+    for body in range(bodies):
         k, s = 7 * body, 6 * body
         for i in range(3):
             q[k + i] += step[s + i]
@@ -87,13 +78,13 @@ def move(q, step):
         q[k + 4] += e0 * w[0] - e3 * w[1] + e2 * w[2]
         q[k + 5] += e3 * w[0] + e0 * w[1] - e1 * w[2]
         q[k + 6] += -e2 * w[0] + e1 * w[1] + e0 * w[2]
-    normalise(q)
+    normalise(bodies, q)
 
 
 @kernel
-def normalise(q):
+def normalise(bodies, q):
     """Give the Euler parameters of every body length 1."""
-    for body in range(q.shape[0] // 7):
+    for body in range(bodies):
         k = 7 * body + 3
         length = (q[k] ** 2 + q[k + 1] ** 2 + q[k + 2] ** 2 + q[k + 3] ** 2) ** 0.5
         for i in range(4):

@@ -12,70 +12,72 @@ import numpy as np
 from .arrays import KinematicArrays, kinematic_arrays
 from .dynamics import DynamicModel, Table
 from .joint_types import NORMALISATION
-
-COORDINATES_OF_BODY, SPEEDS_OF_BODY = 7, 6
-FORCE, TORQUE, LINE = 1, 2, 3
-
-MASS = np.dtype(
-    [
-        ("mass", np.float64),  # kg
-        ("moment", np.float64, 3),  # mass times centre of mass, body axes, kg m
-        ("inertia", np.float64, (3, 3)),  # about the origin, body axes, kg m²
-    ]
-)
-
-LOAD = np.dtype(
-    [
-        ("kind", np.int64),  # FORCE, TORQUE or LINE
-        ("body_i", np.int64),
-        ("body_j", np.int64),  # equals body_i for forces and torques
-        ("following", np.int64),  # 1: the vector is in body axes
-        ("table", np.int64),  # number of the table that multiplies the vector, -1 for none
-        ("P_i", np.float64, 3),  # points of action, body axes, m
-        ("P_j", np.float64, 3),
-        ("vector", np.float64, 3),  # N or N m
-        ("stiffness", np.float64),  # N/m
-        ("free_length", np.float64),  # m
-        ("damping", np.float64),  # N s/m
-    ]
+from .system_arrays import SystemArrays
+from .system_records import (
+    FLEXIBLE,
+    FORCE,
+    GROUP,
+    HELD_TABLE,
+    LAW,
+    LINE,
+    LOAD,
+    MASS,
+    MEASURE,
+    NONE,
+    TORQUE,
+    ArmTable,
+    blank_load,
+    law_record,
+    line_measure,
 )
 
 
 @dataclass(frozen=True)
-class DynamicArrays:
-    """What the kernels need to know of a dynamic model with n bodies, m equations and 6 n speeds."""
+class DynamicArrays(SystemArrays):
+    """The arrays of a dynamic model of a YOUNG deck; `kinematic` without the normalisation."""
 
-    kinematic: KinematicArrays  # without the normalisation: m equations
-    masses: np.ndarray  # (n,) MASS
-    loads: np.ndarray  # (k,) LOAD
-    tables: np.ndarray  # (knots of all tables, 3): time, value, second derivative
-    table_ends: np.ndarray  # (tables + 1,) first knot of each table
-    gravity: np.ndarray  # (3,) global axes, m/s²
-    row_scale: np.ndarray  # (m,)
-    speed_scale: np.ndarray  # (6 n,)
-
-    @property
-    def speeds(self) -> int:
-        """Number of speeds."""
-        return self.speed_scale.size
+    kinematic: KinematicArrays
 
 
 def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
     """Arrays of a model whose data have been checked."""
     kinematic = _without_normalisation(kinematic_arrays(model.mechanism))
     bodies = len(model.mechanism.bodies)
-    tables = [load.table for load in (*model.forces, *model.torques) if load.table is not None]
-    knots = [spline(table) for table in tables]
+    loads, arms, lines, laws, knots = _loads(model)
+    records, shapes = arms.arrays()
     return DynamicArrays(
-        kinematic=kinematic,
-        masses=_masses(model, bodies),
-        loads=_loads(model),
-        tables=np.concatenate(knots) if knots else np.zeros((0, 3)),
-        table_ends=np.cumsum([0, *(len(rows) for rows in knots)]),
-        gravity=np.array(model.gravity, dtype=float),
-        row_scale=kinematic.row_scale,
+        body_names=kinematic.body_names,
+        equations=kinematic.equations,
+        q=kinematic.q,
+        turns=kinematic.screw_angles,
+        coordinate_scale=kinematic.column_scale,
         speed_scale=np.tile([kinematic.length] * 3 + [1.0] * 3, bodies),
+        row_scale=kinematic.row_scale,
+        constraints=kinematic.constraints,
+        bodies_of=kinematic.bodies_of,
+        groups=_groups(kinematic),
+        masses=_masses(model, bodies),
+        flexible=np.zeros(0, FLEXIBLE),
+        modal=np.zeros(0),
+        arms=records,
+        shapes=shapes,
+        measures=lines,
+        loads=loads,
+        laws=laws,
+        knots=knots,
+        gravity=np.array(model.gravity, dtype=float),
+        kinematic=kinematic,
     )
+
+
+def _groups(arrays: KinematicArrays):
+    """Every constraint is a group of its own."""
+    constraints = arrays.constraints
+    groups = np.zeros(len(constraints), GROUP)
+    groups["first_row"] = constraints["first_row"]
+    groups["end_row"] = np.append(constraints["first_row"][1:], len(arrays.equations))
+    groups["body_i"], groups["body_j"] = constraints["body_i"], constraints["body_j"]
+    return groups
 
 
 def _without_normalisation(arrays: KinematicArrays) -> KinematicArrays:
@@ -99,10 +101,11 @@ def _without_normalisation(arrays: KinematicArrays) -> KinematicArrays:
 
 def _masses(model, bodies):
     masses = np.zeros(bodies, MASS)
+    masses["flexible"] = NONE
     for item in model.masses:
         c = np.array(item.centre)
         about_origin = inertia_matrix(item.inertia) + item.mass * (c @ c * np.eye(3) - np.outer(c, c))
-        masses[item.body] = item.mass, item.mass * c, about_origin
+        masses[item.body] = item.mass, item.mass * c, about_origin, NONE
     return masses
 
 
@@ -113,29 +116,28 @@ def inertia_matrix(elements) -> np.ndarray:
 
 
 def _loads(model):
-    records = []
-    table = 0
+    """LOAD records, and the arms, measures, laws and knots they refer to."""
+    arms, records, lines, laws, knots = ArmTable(), [], [], [], [np.zeros((0, 3))]
     for kind, items in ((FORCE, model.forces), (TORQUE, model.torques)):
         for item in items:
-            record = np.zeros((), LOAD)
-            record["kind"], record["body_i"], record["body_j"] = kind, item.body, item.body
-            record["following"], record["table"] = item.following, -1
-            if item.table is not None:
-                record["table"], table = table, table + 1
+            record = blank_load(kind)
+            record["following"] = item.following
             record["vector"] = item.force if kind == FORCE else item.torque
-            record["P_i"] = item.point if kind == FORCE else 0.0
+            record["arm"] = arms.add(item.body, item.point if kind == FORCE else (0.0,) * 3)
+            if item.table is not None:
+                record["law"], first = len(laws), sum(map(len, knots))
+                knots.append(spline(item.table))
+                laws.append(law_record(HELD_TABLE, first=first, last=first + len(knots[-1]) - 1))
             records.append(record)
-    records += [_line(spring) for spring in model.springs]
-    return np.array(records, dtype=LOAD).reshape(-1)
-
-
-def _line(spring):
-    record = np.zeros((), LOAD)
-    record["kind"], record["table"] = LINE, -1
-    record["body_i"], record["body_j"] = spring.i, spring.j
-    for field in ("P_i", "P_j", "stiffness", "free_length", "damping"):
-        record[field] = getattr(spring, field)
-    return record
+    for spring in model.springs:
+        record = blank_load(LINE)
+        record["measure"] = len(lines)
+        lines.append(line_measure(arms.add(spring.j, spring.P_j), arms.add(spring.i, spring.P_i)))
+        for field in ("stiffness", "free_length", "damping"):
+            record[field] = getattr(spring, field)
+        records.append(record)
+    records, laws = np.array(records, dtype=LOAD).reshape(-1), np.array(laws, dtype=LAW).reshape(-1)
+    return records, arms, np.array(lines, dtype=MEASURE).reshape(-1), laws, np.concatenate(knots)
 
 
 def spline(table: Table) -> np.ndarray:

@@ -24,6 +24,7 @@ RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes min
 class CheckReport:
     """What `check` found; `outcome` holds faults and the exit code.
 
+    `bodies`: those of a VSDF deck.
     `gaps`: (owner, largest residual of the estimates, of the assembled position, unit) per owner.
     `redundant`, `free`: groups of names; None where the rank was not looked at.  `tree` is what was found
     of a tree, which has none of these.
@@ -37,6 +38,7 @@ class CheckReport:
     redundant: list | None = None
     free: list | None = None
     tree: TreeFindings | None = None
+    bodies: list | None = None
     smallest: float | None = None
     gaps: list = field(default_factory=list)
     jacobian: "LabelledJacobian | None" = None
@@ -48,6 +50,8 @@ class CheckReport:
         record |= {"dialect": self.deck.dialect if self.deck else None, "counts": self.counts}
         if self.tree is not None:
             return record | self.tree.as_dict()
+        if self.bodies is not None:
+            record["bodies"] = self.bodies
         names = ("owner", "estimate", "assembled", "unit")
         return record | {
             "rank": self.rank,
@@ -77,8 +81,13 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
     try:
         report.deck = open_deck(path, options, report.outcome)
         if report.deck.dialect == "dafms":
-            _refuse_jacobian(jacobian)
+            _refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
             check_tree(report, options)
+        elif report.deck.dialect == "vsdf":
+            from .check_vsdf import check_vsdf
+
+            _refuse_jacobian(jacobian, "it is printed of YOUNG decks only")
+            check_vsdf(report, options)
         else:
             _check_mechanism(report, options, jacobian)
     except FlexmbError as failure:
@@ -90,10 +99,9 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
     return report
 
 
-def _refuse_jacobian(jacobian):
+def _refuse_jacobian(jacobian, reason):
     if jacobian is not None:
-        message = "--jacobian: a tree has relative coordinates and no constraint Jacobian"
-        raise ModelError([Fault("error", message)])
+        raise ModelError([Fault("error", f"--jacobian: {reason}")])
 
 
 def _check_mechanism(report, options, jacobian):

@@ -11,9 +11,10 @@ from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
 from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
+from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
 
-RUNNERS = {"young": run_young_deck, "dafms": run_dafms}
+RUNNERS = {"young": run_young_deck, "dafms": run_dafms, "vsdf": run_vsdf}
 
 
 def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout=None) -> Outcome:

@@ -88,10 +88,14 @@ class _NewtonCount:
 
 @dataclass(frozen=True)
 class Contents:
-    """What the HDF5 file of an analysis holds: its layout, and report rows as values by path."""
+    """What the HDF5 file of an analysis holds: its layout, and report rows as values by path.
+
+    `table` makes the OUT table of (stream, deck, layout), by default YOUNG's.
+    """
 
     layout: Callable
     values: Callable
+    table: Callable | None = None
 
 
 @dataclass(frozen=True)
@@ -131,7 +135,8 @@ class ResultFiles:
 
         if self.paths.out != STANDARD_OUTPUT:
             self.table_file = replaced_text(self.paths.out)
-        self.table = OutTable(self.table_file or stdout, deck, options.layout)
+        make = self.contents.table or OutTable
+        self.table = make(self.table_file or stdout, deck, options.layout)
 
     def _begin(self):
         if self.table and not self.begun:

@@ -33,7 +33,7 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     refuse_warnings(outcome, options)
     analysis = _analysis(model, options, listener)
     contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
-    count = _Count(None if model.analysis == INVERSE else analysis.clock)
+    count = StepCount(None if model.analysis == INVERSE else analysis.clock)
     return Solution(analysis, model.mechanism.time.rows, contents, count)
 
 
@@ -51,13 +51,14 @@ def _analysis(model, options, listener: Listener):
 
 
 @dataclass
-class _Count:
+class StepCount:
     """Steps and residuals so far; an inverse run takes no steps of its own."""
 
     clock: object
     residual: float = 0.0
 
     def add(self, rows):
+        """Count report rows."""
         self.residual = max(self.residual, float(rows.constraint_residual.max()))
 
     def __str__(self):

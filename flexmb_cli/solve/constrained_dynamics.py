@@ -1,132 +1,38 @@
-"""Forward dynamics of a mechanism: report rows of its motion under loads and drivers, block by block."""
-
-from collections.abc import Iterator
+"""Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
 
 import numpy as np
 
-from ..errors import AnalysisError, Fault
-from ..kernels import constrained_march
-from ..kernels.constrained_system import NO_INERTIA
-from ..kernels.screw_turns import NEAR, NEW, OLD, screw_angles
+from ..kernels.constrained_report import Report
 from ..model.dynamic_arrays import dynamic_arrays
 from ..model.dynamics import DynamicModel
-from .constrained_start import assembled, inertia_failure, order_of_elimination, start_speeds
-from .constrained_system import AnyCountEvaluator, blank_report, constrained_system, new_work
-from .diagnosis import Gap, Mobility
+from .constrained_motion import ConstrainedMotion
+from .constrained_start import assembled, given_speeds
+from .constrained_system import AnyCountEvaluator
 from .dynamic_rows import DynamicRows, dynamic_rows
 
-CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
-LARGEST_BLOCK = 256  # rows
-SHOWN_OWNERS = 6
 
-
-class ForwardDynamics:
-    """One run over the report times of a dynamic model.
-
-    `warnings` fills while the run goes on.
-    """
+class ForwardDynamics(ConstrainedMotion):
+    """One run over the report times of a dynamic model."""
 
     def __init__(self, model: DynamicModel):
+        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance)
         self.model = model
         self.mechanism = model.mechanism
-        self.arrays = dynamic_arrays(model)
-        self.system = constrained_system(self.arrays)
-        self.work = new_work(self.arrays)
-        self.warnings: list[Fault] = []
-        bodies = len(self.mechanism.bodies)
-        self.march = constrained_march.new_march(bodies, self.arrays.kinematic.screw_angles.size)
-        self.march.units[: 7 * bodies] = self.arrays.kinematic.column_scale
-        self.march.units[7 * bodies : 13 * bodies] = self.arrays.speed_scale
-        self.clock = self.march.clock
-        self.clock["rtol"] = self.clock["atol"] = model.tolerance
+        self.velocities = model.velocities
 
     @property
     def evaluator(self) -> AnyCountEvaluator:
         """Residuals and Jacobians in coordinates."""
         return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
 
-    def rows(self) -> Iterator[DynamicRows]:
-        """Yield the report rows in blocks.
+    def assembled(self, t: float) -> np.ndarray:
+        """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
+        return assembled(self, t)
 
-        Raises ModelError when the drivers contradict the joints, AnalysisError when the mechanism
-        cannot be assembled, reaches a singular position or has a motion without inertia; all rows
-        before have been yielded.
-        """
-        self.start()
-        grid, row = self.mechanism.time, 0
-        while row < grid.rows:
-            end = min(row + LARGEST_BLOCK, grid.rows)
-            report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
-            answer = self._call(constrained_march.MARCH, report)
-            filled = int(self.clock["row"][0])
-            if filled:
-                yield dynamic_rows(self.mechanism, report._replace(**_first(report, filled)))
-            row += filled
-            if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
-                raise self._failure(answer)
+    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+        """Which of the speeds the deck gives, and their values."""
+        return given_speeds(self.velocities, self.arrays.bodies, q)
 
-    def start(self) -> Mobility:
-        """Assemble positions and speeds at the first time and choose the first step.
-
-        Returns what the equations leave free, and which of them repeat others; raises as `rows`.
-        """
-        grid, march = self.mechanism.time, self.march
-        bodies = len(self.mechanism.bodies)
-        q = assembled(self, grid.start)
-        march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
-        found = order_of_elimination(self, q, grid.start)
-        if found.redundant:
-            self.warnings.append(_repetition_warning(found))
-        march.z[: 7 * bodies] = q
-        march.z[7 * bodies : 13 * bodies] = start_speeds(self, q, grid.start)
-        self.clock["t"] = grid.start
-        self.clock["stop"] = grid.time(grid.rows - 1)
-        answer = self._call(constrained_march.BEGIN, blank_report(self.arrays, np.zeros(0)))
-        if answer != constrained_march.READY:
-            raise self._failure(answer)
-        return found
-
-    def _call(self, task, report):
-        march = self.march
-        return constrained_march.march_rows(task, self.system, self.work, march, report, CALL_EVALUATIONS)
-
-    def screw_angles(self, q):
-        """Angles of the screws at q, those nearest to the deck's estimates."""
-        return screw_angles(self.system, self.work, q, self.arrays.kinematic.screw_angles)
-
-    def _failure(self, answer) -> AnalysisError:
-        clock = self.clock[0]
-        t, step = float(clock["t"]), float(clock["step"])
-        norms = {"reached": t, "step": step}
-        if answer == constrained_march.CONTRADICTION:
-            worst = self.arrays.kinematic.equations[int(clock["worst"])]
-            gap = Gap(worst, float(clock["gap"]) * worst.scale)
-            message = (
-                f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; a driver or "
-                "a joint asks for a motion that the others forbid"
-            )
-            return AnalysisError(Fault("error", message, worst.place), t, norms)
-        if clock["fault"] == NO_INERTIA:
-            return inertia_failure(self, t)
-        message = (
-            f"at t = {t:.6g} s the step length falls to {step:.1e} s: the mechanism reaches a singular "
-            "position (a dead centre or branching), or its forces grow beyond all bounds"
-        )
-        return AnalysisError(Fault("error", message), t, norms)
-
-
-def _repetition_warning(found):
-    """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
-    owners = list(dict.fromkeys(equation.owner for group in found.redundant for equation in group))
-    place = next((e.place for group in found.redundant for e in group if e.place), None)
-    count = len(found.redundant)
-    shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
-    message = (
-        f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
-        "motion is unique, reactions are those of least norm"
-    )
-    return Fault("warning", message, place)
-
-
-def _first(report, filled):
-    return {name: array[:filled] for name, array in report._asdict().items()}
+    def block(self, report: Report) -> DynamicRows:
+        """The rows of a report in the terms of the model."""
+        return dynamic_rows(self.mechanism, report)

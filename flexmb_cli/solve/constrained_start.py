@@ -3,17 +3,16 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
-from ..kernels import constraints as equations
 from ..kernels.constrained_solve import choose_order, evaluate_jacobian
 from ..kernels.constrained_system import GAMMA, NO_INERTIA
-from ..kernels.constraint_projection import project_position
+from ..kernels.constraint_projection import fill_nu, project_position
+from ..kernels.mass_matrix import mass_times
 from ..kernels.speeds import normalise
 from .assembly import assemble_by_search, assembly_failure
 from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
 from .dynamic_rows import body_axes, global_axes
 
 SINGULAR_VALUE = 1e-9  # of the largest
-SPEEDS = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
 FITS = 1e-6  # of the largest speed: what initial velocities may be changed without a warning
 
 
@@ -24,15 +23,15 @@ def assembled(analysis, t: float) -> np.ndarray:
     evaluator = analysis.evaluator
     if len(arrays.equations):
         q, gap = assemble_by_search(evaluator, q, t, near)
-        normalise(q)
+        normalise(analysis.arrays.bodies, q)
         gap = evaluator.residual(q, t, near)
         if np.max(np.abs(gap)) > CLOSED:
             q, gap = assemble_by_search(evaluator, q, t, near)
-            normalise(q)
+            normalise(analysis.arrays.bodies, q)
             gap = evaluator.residual(q, t, near)
         if np.max(np.abs(gap)) > CLOSED:
             raise assembly_failure(evaluator, gap, t)
-    normalise(q)
+    normalise(analysis.arrays.bodies, q)
     return q
 
 
@@ -48,7 +47,7 @@ def order_of_elimination(analysis, q, t: float) -> Mobility:
     found = choose_order(work, rank)
     if project_position(system, work, q, t, analysis.march.turns[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)
-    names = arrays.kinematic.equations
+    names = arrays.equations
     dependencies, _ = sparse_basis(left[:, rank:].T)
     groups = [tuple(names[k] for k in involved(row)) for row in dependencies]
     motions, pivots = sparse_basis(right[rank:])
@@ -58,14 +57,10 @@ def order_of_elimination(analysis, q, t: float) -> Mobility:
         rank=found,
         smallest=float(values[-1] / values[0]) if values.size else 1.0,
         redundant=tuple(group for group in groups if not _of_one_attitude(group)),
-        free=tuple(tuple(_speed_name(arrays, k) for k in involved(row)) for row in motions),
+        free=tuple(tuple(arrays.speed_name(k) for k in involved(row)) for row in motions),
         motions=motions,
         pivots=pivots,
     )
-
-
-def _speed_name(arrays, k):
-    return f"{arrays.kinematic.body_names[k // 6]} {SPEEDS[k % 6]}"
 
 
 def _of_one_attitude(group):
@@ -75,7 +70,7 @@ def _of_one_attitude(group):
 
 
 def start_speeds(analysis, q, t: float) -> np.ndarray:
-    """Speeds (6 bodies,) that fit the constraints: those given as nearly as can be, the others smallest.
+    """Speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
 
     Raises ModelError when the drivers ask for speeds that the joints forbid.
     """
@@ -83,11 +78,11 @@ def start_speeds(analysis, q, t: float) -> np.ndarray:
     evaluate_jacobian(system, work, q)
     J = work.jacobian.copy()
     nu = work.rows[GAMMA]
-    equations.velocity(system.constraints, t, nu)
+    fill_nu(system, t, nu)
     nu = nu / analysis.arrays.row_scale
     particular = np.linalg.lstsq(J, nu, rcond=SINGULAR_VALUE)[0] if len(nu) else np.zeros(scale.size)
     _refuse_contradiction(analysis, J @ particular - nu, t)
-    given, wanted = _given_speeds(analysis, q)
+    given, wanted = analysis.given_speeds(q)
     motions = np.linalg.svd(J)[2][work.rank[0] :].T
     rest = (wanted / scale - particular)[given]
     free = np.linalg.lstsq(motions[given], rest, rcond=1e-12)[0]
@@ -96,12 +91,11 @@ def start_speeds(analysis, q, t: float) -> np.ndarray:
     return u
 
 
-def _given_speeds(analysis, q):
-    """Which speeds the deck gives (6 bodies,), and their values."""
-    bodies = len(analysis.mechanism.bodies)
+def given_speeds(velocities, bodies: int, q):
+    """Which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
-    p = q.reshape(bodies, 7)[:, 3:]
-    for item in analysis.model.velocities:
+    p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
+    for item in velocities:
         given[item.body] = True
         wanted[item.body, :3] = item.velocity
         wanted[item.body, 3:] = body_axes(p[item.body], np.array(item.angular))
@@ -110,7 +104,7 @@ def _given_speeds(analysis, q):
 
 def _refuse_contradiction(analysis, rest, t):
     if rest.size and np.max(np.abs(rest)) > CLOSED:
-        worst = analysis.arrays.kinematic.equations[int(np.argmax(np.abs(rest)))]
+        worst = analysis.arrays.equations[int(np.argmax(np.abs(rest)))]
         message = (
             f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
             "remove a driver or free a joint"
@@ -122,7 +116,7 @@ def _doubt_change(analysis, u, wanted, given):
     scale = analysis.arrays.speed_scale
     change = np.abs(u - wanted) / scale * given
     largest = max(np.max(np.abs(u) / scale, initial=0.0), np.max(np.abs(wanted) / scale, initial=0.0))
-    for item in analysis.model.velocities:
+    for item in analysis.velocities:
         own = slice(6 * item.body, 6 * item.body + 6)
         if np.max(change[own]) > FITS * max(largest, FITS):
             message = f"does not fit the joints and is changed to {_shown(analysis, u[own], item)}"
@@ -131,7 +125,7 @@ def _doubt_change(analysis, u, wanted, given):
 
 def _shown(analysis, u, item):
     p = analysis.march.z[7 * item.body + 3 : 7 * item.body + 7]
-    angular = global_axes(p, u[3:])
+    angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
         *(u[:3] + 0.0), *(angular + 0.0)
     )
@@ -142,14 +136,16 @@ def inertia_failure(analysis, t: float) -> AnalysisError:
     work, scale = analysis.work, analysis.arrays.speed_scale
     free = work.jacobian.shape[1] - int(work.rank[0])
     Z = work.motions[:, :free] * scale[:, None]
-    bodies = len(scale) // 6
-    blocks = [work.mass[b] @ Z[6 * b : 6 * b + 6] for b in range(bodies)]
-    values, vectors = np.linalg.eigh(Z.T @ np.concatenate(blocks))
-    motion = (Z @ vectors[:, 0]).reshape(bodies, 6)
+    MZ = np.empty_like(Z)
+    for k in range(free):
+        product = np.empty(len(Z))
+        mass_times(analysis.system, work, Z[:, k].copy(), product)
+        MZ[:, k] = product
+    values, vectors = np.linalg.eigh(Z.T @ MZ)
+    bodies = analysis.arrays.bodies
+    motion = (Z @ vectors[:, 0])[: 6 * bodies].reshape(bodies, 6)
     size = np.max(np.abs(motion), axis=1)
-    names = [
-        analysis.arrays.kinematic.body_names[b] for b in np.argsort(-size) if size[b] > NAMED * size.max()
-    ]
+    names = [analysis.arrays.body_names[b] for b in np.argsort(-size) if size[b] > NAMED * size.max()]
     message = (
         f"at t = {t:.6g} s {', '.join(names[:3])} can move without any mass or inertia resisting "
         f"(smallest inertia {values[0]:.3g}); give masses and inertias to what can move"

@@ -6,42 +6,47 @@ from ..kernels import constraints as equations
 from ..kernels.constrained_report import Report
 from ..kernels.constrained_system import PHI, A, System, Work, make_work
 from ..kernels.rotation import rotation_matrices
-from ..model.dynamic_arrays import DynamicArrays
+from ..model.system_arrays import SystemArrays
 from .position import Evaluator
 
 
-def constrained_system(arrays: DynamicArrays) -> System:
+def constrained_system(arrays: SystemArrays) -> System:
     """The kernels' view of a dynamic model."""
     return System(
-        arrays.kinematic.constraints,
-        arrays.kinematic.bodies_of,
+        arrays.constraints,
+        arrays.bodies_of,
         arrays.row_scale,
         arrays.speed_scale,
         arrays.masses,
+        arrays.flexible,
+        arrays.modal,
+        arrays.arms,
+        arrays.shapes,
+        arrays.measures,
         arrays.loads,
-        arrays.tables,
-        arrays.table_ends,
+        arrays.laws,
+        arrays.knots,
         arrays.gravity,
+        arrays.groups,
     )
 
 
-def new_work(arrays: DynamicArrays) -> Work:
+def new_work(arrays: SystemArrays) -> Work:
     """Work for the kernels."""
-    return make_work(len(arrays.kinematic.equations), len(arrays.masses))
+    return make_work(constrained_system(arrays), arrays.turns.size)
 
 
-def blank_report(arrays: DynamicArrays, times) -> Report:
+def blank_report(arrays: SystemArrays, times) -> Report:
     """A report for the given times."""
-    rows, bodies = times.size, len(arrays.masses)
-    count, constraints = len(arrays.kinematic.equations), len(arrays.kinematic.constraints)
+    rows, n = times.size, arrays.speeds
     return Report(
         times,
-        np.zeros((rows, 13 * bodies + 1)),
-        np.zeros((rows, 6 * bodies)),
-        np.zeros((rows, constraints, 2, 6)),
-        np.zeros((rows, count)),
+        np.zeros((rows, 2 * n + arrays.bodies + 1)),
+        np.zeros((rows, n)),
+        np.zeros((rows, len(arrays.groups), 2, 6)),
+        np.zeros((rows, len(arrays.equations))),
         np.zeros(rows),
-        np.zeros((rows, 4)),
+        np.zeros((rows, 5)),
     )
 
 

@@ -45,7 +45,7 @@ def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:
     u = report.states[:, 7 * bodies : 13 * bodies].reshape(times, bodies, 6)
     ud = report.rates.reshape(times, bodies, 6)
     states = np.stack([q, coordinate_rates(q, u), coordinate_accelerations(q, u, ud)], axis=1)
-    audit = np.column_stack([report.audit[:, 2], report.audit[:, 3], np.zeros(times)])
+    audit = np.column_stack([report.audit[:, 3], report.audit[:, 4], np.zeros(times)])
     motion = rows_of(mechanism, report.times, states.reshape(times, 3, -1), audit)
     kept = {field.name: getattr(motion, field.name) for field in fields(Rows)}
     return DynamicRows(

@@ -47,7 +47,7 @@ class InverseDynamics:
         _fill_states(report, rows)
         if not self._ordered:
             self._choose_order(report)
-        near = np.zeros((rows.time.size, self.arrays.kinematic.screw_angles.size))
+        near = np.zeros((rows.time.size, self.arrays.turns.size))
         filled = observe_rows(self.system, self.work, near, report)
         if filled < rows.time.size:
             raise undetermined(rows.time[filled])

@@ -78,7 +78,7 @@ class SmallMotions:
     def displaced(self, y, yd):
         """Position and speeds with the free coordinates changed by y and the free speeds by yd, scaled."""
         analysis, q, u = self.analysis, self.q.copy(), self.u + self.motions @ yd
-        move(q, self.motions @ y)
+        move(len(self.analysis.mechanism.bodies), q, self.motions @ y)
         near = analysis.march.turns[2]
         self._refuse(project_position(analysis.system, analysis.work, q, self.t, near))
         self._refuse(project_speeds(analysis.system, analysis.work, q, u, self.t)[0])

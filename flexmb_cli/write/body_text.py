@@ -12,8 +12,13 @@ def body_text(report) -> str:
         f"{report.outcome.deck}: {report.deck.dialect.upper()} deck, flexible bodies {len(report.bodies)}"
     ]
     for body in report.bodies:
-        lines += [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body)]
+        lines += body_lines(body)
     return "".join(f"{line.rstrip()}\n" for line in lines)
+
+
+def body_lines(body) -> list[str]:
+    """Inertia, what was left out, frequencies and effective masses of one flexible body."""
+    return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body)]
 
 
 def _inertia_lines(body):

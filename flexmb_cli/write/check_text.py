@@ -16,13 +16,14 @@ def check_text(report) -> str:
         f"  equations {counts['equations']}, coordinates {counts['coordinates']}, "
         f"degrees of freedom without drivers {counts['degrees_of_freedom']}, "
         f"report times {counts['report_times']}",
-        *_assembly_lines(report),
+        *assembly_lines(report),
         *_rank_lines(report),
     ]
     return "".join(f"{line}\n" for line in lines)
 
 
-def _assembly_lines(report):
+def assembly_lines(report):
+    """Gaps of the estimates and of the assembled position, owner by owner."""
     if not report.gaps:
         return
     yield f"  assembly at t = {report.time:.6g} s: largest residual per constraint, estimates → assembled"
@@ -36,10 +37,15 @@ def _rank_lines(report):
         return
     coordinates = report.counts["coordinates"]
     yield f"  rank {report.rank} of {coordinates}, smallest singular value {report.smallest:.1e}"
-    for group in report.redundant:
-        yield "  redundant, one of: " + _few(group)
+    yield from redundant_lines(report)
     for names in report.free:
         yield "  not determined to first order: " + _few(names)
+
+
+def redundant_lines(report):
+    """Groups of equations one of which repeats the others."""
+    for group in report.redundant:
+        yield "  redundant, one of: " + _few(group)
 
 
 def _few(names):

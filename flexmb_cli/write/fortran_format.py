@@ -18,7 +18,7 @@ LAYOUTS = (SAFE, HISTORIC)
 
 @dataclass(frozen=True)
 class Edit:
-    """One field: `kind` "d" (integer), "f" (fixed point) or "e" (FORTRAN's 0.ddddE+ee).
+    """One field: `kind` "d" (integer), "f" (fixed point), "e" (FORTRAN's 0.ddddE+ee) or "E" (d.ddddE+ee).
 
     `stars`: in the historic layout a number that does not fit prints as stars (FORTRAN), instead of
     widening its field (Pascal).
@@ -45,6 +45,8 @@ class Edit:
             value = 0.0
         if self.kind == "f" or not math.isfinite(value):
             return f"{value:.{self.decimals}f}"
+        if self.kind == "E":
+            return f"{value:.{self.decimals}E}"
         return _exponent_form(value, self.decimals)
 
     @property
@@ -66,6 +68,11 @@ def F(width: int, decimals: int) -> Edit:
 def E(width: int, decimals: int) -> Edit:
     """FORTRAN Ew.d without a scale factor: a zero stands before the point."""
     return Edit("e", width, decimals, stars=True)
+
+
+def P(width: int, decimals: int) -> Edit:
+    """FORTRAN 1PEw.d: a digit that is not zero stands before the point."""
+    return Edit("E", width, decimals, stars=True)
 
 
 def integer(width: int) -> Edit:
@@ -147,7 +154,7 @@ class Layout:
     def _percent(self, field, column):
         if self._as_text[column]:
             return "%s"
-        decimals = f".{field.decimals}" if field.kind == "f" else ""
+        decimals = f".{field.decimals}" if field.kind in "fE" else ""
         if self.layout == SAFE and self._separated[column]:
             return f" %{max(field.width - 1, 0)}{decimals}{field.kind}"
         return f"%{field.width}{decimals}{field.kind}"

@@ -64,18 +64,18 @@ class Sample:
 
     def moving(self):
         b, N = self.body, self.body.modes
-        found = np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, N))
-        first_moment(self.eta, b.s0, b.S1, found[0])
-        moving_inertia(self.eta, self.etad, b.J0, b.J1, b.J2, b.C0, b.C1, *found[1:])
-        return found
+        s, T, S_tt, S_tf = np.empty(3), np.empty((N, 3, 3)), np.empty((3, 3)), np.empty((3, N))
+        first_moment(self.eta, b.s0, b.S1, s)
+        moving_inertia(self.eta, b.J0, b.J1, b.J2, b.C0, b.C1, T, S_tt, S_tf)
+        return s, T, S_tt, S_tf
 
     def equations(self):
         """M and f_v of the kernels."""
         b, N = self.body, self.body.modes
-        s, S_tt, Sd_tt, S_tf = self.moving()
+        s, T, S_tt, S_tf = self.moving()
         M, f = np.empty((6 + N, 6 + N)), np.empty(6 + N)
         mass_matrix(self.A, b.m, s, b.S1, S_tt, S_tf, b.Mff, M)
-        velocity_forces(self.A, self.w, self.eta, self.etad, s, b.S1, S_tt, Sd_tt, S_tf, b.J1, b.J2, b.C1, f)
+        velocity_forces(self.A, self.w, self.etad, s, b.S1, S_tt, S_tf, b.J1, T, b.C1, f)
         return M, f
 
     def node_jacobian(self, x):
@@ -126,7 +126,8 @@ def close(found, wanted, rtol=1e-12):
 
 
 def test_moments_of_inertia_are_the_sums_over_the_deformed_nodes(sample):
-    s, S_tt, Sd_tt, S_tf = sample.moving()
+    s, T, S_tt, S_tf = sample.moving()
+    Sd_tt = np.einsum("k,kab->ab", sample.etad, sample.body.J1 + T + T.transpose(0, 2, 1))
     rt, rdt = stacked(sample.r), stacked(sample.rd)
     close(s, sample.m.sum(axis=0) @ sample.r)
     close(S_tt, rt.T @ sample.S @ rt)

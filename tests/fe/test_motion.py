@@ -69,12 +69,12 @@ class Moving:
         f, N = self.found, self.N
         _, p, eta, _, w, etad = self.parts(y)
         A = self.rotation(p / np.linalg.norm(p))
-        s, S_tt, Sd_tt, S_tf = np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, N))
+        s, S_tt, S_tf, T = np.empty(3), np.empty((3, 3)), np.empty((3, N)), np.empty((N, 3, 3))
         M, force = np.empty((6 + N, 6 + N)), np.empty(6 + N)
         first_moment(eta, f.s0, f.S1, s)
-        moving_inertia(eta, etad, f.J0, f.J1, f.J2, f.C0, f.C1, S_tt, Sd_tt, S_tf)
+        moving_inertia(eta, f.J0, f.J1, f.J2, f.C0, f.C1, T, S_tt, S_tf)
         mass_matrix(A, f.m, s, f.S1, S_tt, S_tf, f.Mff, M)
-        velocity_forces(A, w, eta, etad, s, f.S1, S_tt, Sd_tt, S_tf, f.J1, f.J2, f.C1, force)
+        velocity_forces(A, w, etad, s, f.S1, S_tt, S_tf, f.J1, T, f.C1, force)
         add_gravity(A, f.m, s, f.S1, self.gravity, force)
         add_elastic_forces(w, eta, etad, f.Kr, f.Dr, f.KG, force)
         return A, s, M, force

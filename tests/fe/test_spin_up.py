@@ -46,11 +46,11 @@ def tip_deflections(times, stiffened):
         eta, etad = y[:N], y[N:]
         _, speed, acceleration = law.at(t)
         w, alpha = np.array([0.0, 0.0, speed]), np.array([0.0, 0.0, acceleration])
-        s, S_tt, Sd_tt, S_tf = np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, N))
+        s, S_tt, S_tf, T = np.empty(3), np.empty((3, 3)), np.empty((3, N)), np.empty((N, 3, 3))
         f = np.empty(6 + N)
         first_moment(eta, body.s0, body.S1, s)
-        moving_inertia(eta, etad, body.J0, body.J1, body.J2, body.C0, body.C1, S_tt, Sd_tt, S_tf)
-        velocity_forces(np.eye(3), w, eta, etad, s, body.S1, S_tt, Sd_tt, S_tf, body.J1, body.J2, body.C1, f)
+        moving_inertia(eta, body.J0, body.J1, body.J2, body.C0, body.C1, T, S_tt, S_tf)
+        velocity_forces(np.eye(3), w, etad, s, body.S1, S_tt, S_tf, body.J1, T, body.C1, f)
         add_elastic_forces(w, eta, etad, body.Kr, body.Dr, KG, f)
         return np.concatenate([etad, np.linalg.solve(body.Mff, f[6:] + S_tf.T @ alpha)])
 

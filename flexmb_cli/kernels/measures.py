@@ -1,0 +1,147 @@
+"""Measures between moving vectors, of which joints at deformable points, their drivers and springs are made.
+
+    μ = α V · W + β θ - constant,   θ = atan2(G · H, F · H) and whole turns.
+
+V and W are spans, F, G and H arms (`kernels.arms`), in layers 0 to 2: as they are, their rates, their
+remainders.  Components of a gap, right angles, distances, strokes, angles and threads are all of this form;
+the first measures are equations, Φ = μ - f(t).  The second derivative of a product is
+2 V̇ · Ẇ + V · Ẅ + V̈ · W; that of θ with x = F · H and y = G · H is that of atan2, as in `joints.screw`.
+"""
+
+import math
+
+from ._jit import kernel
+from .arms import ARM, add_arm_row
+from .laws import law_values
+from .rotation import dot
+
+TURN = 2.0 * math.pi
+
+
+@kernel
+def measure_value(system, work, k, near):
+    """μ of measure k at placed arms; near: the angle expected, rad."""
+    m, value = system.measures[k], -system.measures[k]["constant"]
+    if m["alpha"] != 0.0:
+        value += m["alpha"] * dot(work.spans[ARM, k, 0], work.spans[ARM, k, 1])
+    if m["beta"] != 0.0:
+        value += m["beta"] * measure_angle(work, m, near)
+    return value
+
+
+@kernel
+def measure_angle(work, m, near):
+    """θ, rad: the value nearest to `near`."""
+    x, y = _products(work, m, ARM, ARM)
+    theta = math.atan2(y, x)
+    return theta + TURN * math.floor((near - theta) / TURN + 0.5)
+
+
+@kernel
+def _products(work, m, layer, layer_of_h):
+    """F · H and G · H, F and G of one layer of the arms, H of another."""
+    H = work.arms[layer_of_h, m["h"]]
+    return dot(work.arms[layer, m["f"]], H), dot(work.arms[layer, m["g"]], H)
+
+
+@kernel
+def angle_rates(work, m):
+    """Rate of θ, rad/s, and its second derivative without those of the coordinates, at moved arms."""
+    x, y = _products(work, m, ARM, ARM)
+    xd = yd = xr = yr = 0.0
+    for a in range(3):
+        for b in range(3 - a):
+            share_x, share_y = _products(work, m, a, b)
+            if a + b == 1:
+                xd += share_x
+                yd += share_y
+            elif a + b == 2:
+                xr += share_x * (2.0 if a == b else 1.0)
+                yr += share_y * (2.0 if a == b else 1.0)
+    square, turned = x * x + y * y, x * yd - y * xd
+    return turned / square, (x * yr - y * xr) / square - 2.0 * (x * xd + y * yd) * turned / (square * square)
+
+
+@kernel
+def measure_rates(system, work, k):
+    """Rate of measure k, and its second derivative without those of the coordinates, at moved arms."""
+    m = system.measures[k]
+    rate = rest = 0.0
+    if m["alpha"] != 0.0:
+        for a in range(3):
+            for b in range(3 - a):
+                product = m["alpha"] * dot(work.spans[a, k, 0], work.spans[b, k, 1])
+                if a + b == 1:
+                    rate += product
+                elif a + b == 2:
+                    rest += product * (2.0 if a == b else 1.0)
+    if m["beta"] != 0.0:
+        turn, turn_rest = angle_rates(work, m)
+        rate += m["beta"] * turn
+        rest += m["beta"] * turn_rest
+    return rate, rest
+
+
+@kernel
+def add_measure_row(system, work, k, factor, row):
+    """Add factor times the derivative of measure k by the speeds to row (n,)."""
+    m = system.measures[k]
+    if m["alpha"] != 0.0:
+        for side in range(2):
+            head, tail = m["ends"][side, 0], m["ends"][side, 1]
+            w, share = work.spans[ARM, k, 1 - side], factor * m["alpha"]
+            apart = tail >= 0 and system.arms[head]["body"] != system.arms[tail]["body"]
+            add_arm_row(system, work, head, w, share, apart, row)
+            if tail >= 0:
+                add_arm_row(system, work, tail, w, -share, apart, row)
+    if m["beta"] != 0.0:
+        x, y = _products(work, m, ARM, ARM)
+        share = factor * m["beta"] / (x * x + y * y)
+        for arm, other, part in (
+            (m["f"], m["h"], -y),
+            (m["g"], m["h"], x),
+            (m["h"], m["g"], x),
+            (m["h"], m["f"], -y),
+        ):
+            add_arm_row(system, work, arm, work.arms[ARM, other], share * part, False, row)
+
+
+@kernel
+def equation_residuals(system, work, t, near, phi):
+    """Fill the last rows of phi (m,), those of the measures that are equations."""
+    first = system.bodies.shape[0]
+    for k in range(phi.shape[0] - first):
+        m = system.measures[k]
+        phi[first + k] = measure_value(system, work, k, near[m["turn"]] if m["turn"] >= 0 else 0.0)
+        if m["law"] >= 0:
+            phi[first + k] -= law_values(system.laws, system.knots, m["law"], t)[0]
+
+
+@kernel
+def equation_rows(system, work, jacobian):
+    """Fill the last rows of jacobian (m, n), not scaled."""
+    first = system.bodies.shape[0]
+    for k in range(jacobian.shape[0] - first):
+        for column in range(jacobian.shape[1]):
+            jacobian[first + k, column] = 0.0
+        add_measure_row(system, work, k, 1.0, jacobian[first + k])
+
+
+@kernel
+def equation_velocities(system, t, nu):
+    """Fill the last rows of nu (m,), the rates that the laws ask for."""
+    first = system.bodies.shape[0]
+    for k in range(nu.shape[0] - first):
+        law = system.measures[k]["law"]
+        nu[first + k] = law_values(system.laws, system.knots, law, t)[1] if law >= 0 else 0.0
+
+
+@kernel
+def equation_accelerations(system, work, t, gamma):
+    """Fill the last rows of gamma (m,), at moved arms."""
+    first = system.bodies.shape[0]
+    for k in range(gamma.shape[0] - first):
+        law = system.measures[k]["law"]
+        gamma[first + k] = -measure_rates(system, work, k)[1]
+        if law >= 0:
+            gamma[first + k] += law_values(system.laws, system.knots, law, t)[2]

@@ -1,0 +1,142 @@
+"""Records that the kernels of constrained dynamics read: masses, arms, measures, loads, laws, groups.
+
+An arm is c + S η in the axes of its body: a point, taken with the body's origin, or a free vector.  Body -1
+is the ground, whose axes are global.  The first coordinates are r and p of every body, seven each, the first
+speeds v and ω, six each; behind them stand the modal coordinates of the flexible bodies and their rates.
+"""
+
+import numpy as np
+
+FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
+# The kinds of laws: 1 to 4 as in `motion_law`; 5 is a table that keeps its first and last value outside.
+HELD_TABLE = 5
+NONE = -1
+
+MASS = np.dtype(
+    [
+        ("mass", np.float64),  # kg
+        ("moment", np.float64, 3),  # mass times centre of mass, undeformed, body axes, kg m
+        ("inertia", np.float64, (3, 3)),  # about the origin, undeformed, body axes, kg m²
+        ("flexible", np.int64),  # its FLEXIBLE record, -1: rigid
+    ]
+)
+
+FLEXIBLE = np.dtype(
+    [
+        ("body", np.int64),
+        ("modes", np.int64),  # N
+        ("first", np.int64),  # its first modal coordinate among all of them
+        ("constants", np.int64),  # where S1 J1 J2 C0 C1 Mff Kr Dr KG begin in `modal`
+        ("places", np.int64),  # where its numbers begin in the kernels' work
+        ("stiffened", np.int64),  # 1: KG is there
+    ]
+)
+
+ARM = np.dtype(
+    [
+        ("body", np.int64),
+        ("modes", np.int64),  # N, 0 where the arm does not deform
+        ("first", np.int64),  # first modal coordinate of its body
+        ("shape", np.int64),  # where S (3, N) begins in `shapes`
+        ("c", np.float64, 3),
+    ]
+)
+
+# α V · W + β θ - constant, θ the angle from F to H, positive towards G; V and W, the `ends`, are the point at
+# the first arm less that at the second, or the first arm as a free vector where the second is -1.
+MEASURE = np.dtype(
+    [
+        ("alpha", np.float64),
+        ("ends", np.int64, (2, 2)),
+        ("beta", np.float64),
+        ("f", np.int64),  # arms, free vectors; F and G at right angles
+        ("g", np.int64),
+        ("h", np.int64),
+        ("turn", np.int64),  # running number of the angle, -1 where there is none
+        ("law", np.int64),  # what the measure follows, -1: 0
+        ("constant", np.float64),
+    ]
+)
+
+LOAD = np.dtype(
+    [
+        ("kind", np.int64),  # FORCE, TORQUE, LINE or RELATIVE
+        ("arm", np.int64),  # point of action of a force; of a torque any arm of its body
+        ("measure", np.int64),  # RELATIVE: the angle or stroke the spring acts in; LINE: its V
+        ("following", np.int64),  # 1: the vector is in body axes
+        ("law", np.int64),  # what multiplies the vector, -1: 1
+        ("vector", np.float64, 3),  # N or N m
+        ("stiffness", np.float64),  # N/m, N m/rad
+        ("free_length", np.float64),  # m or rad
+        ("damping", np.float64),  # N s/m, N m s/rad
+    ]
+)
+
+LAW = np.dtype(
+    [
+        ("kind", np.int64),
+        ("c", np.float64, 4),
+        ("first", np.int64),  # first knot of a table,
+        ("last", np.int64),  # and its last
+    ]
+)
+
+# The equations that one joint, driver or pin consists of, and the two bodies they act on.
+GROUP = np.dtype([("first_row", np.int64), ("end_row", np.int64), ("body_i", np.int64), ("body_j", np.int64)])
+
+
+class ArmTable:
+    """Collects arms and their shapes."""
+
+    def __init__(self):
+        self.records = []
+        self.shapes = []
+        self._size = 0
+
+    def add(self, body: int, c, shape=None, first: int = 0) -> int:
+        """Number of a new arm c + shape η; `first`: the first modal coordinate of its body."""
+        record = np.zeros((), ARM)
+        record["body"], record["c"], record["first"], record["shape"] = body, c, first, self._size
+        if shape is not None and shape.shape[1]:
+            record["modes"] = shape.shape[1]
+            self.shapes.append(np.ravel(shape))
+            self._size += shape.size
+        self.records.append(record)
+        return len(self.records) - 1
+
+    def arrays(self) -> tuple[np.ndarray, np.ndarray]:
+        """ARM records, and the shapes one after the other."""
+        flat = np.concatenate(self.shapes) if self.shapes else np.zeros(0)
+        return np.array(self.records, dtype=ARM).reshape(-1), flat
+
+
+def law_record(kind: int, c=(0.0, 0.0, 0.0, 0.0), first: int = 0, last: int = 0):
+    """A LAW record."""
+    record = np.zeros((), LAW)
+    record["kind"], record["c"], record["first"], record["last"] = kind, c, first, last
+    return record
+
+
+def blank_measure():
+    """A MEASURE record that refers to nothing."""
+    record = np.zeros((), MEASURE)
+    record["ends"] = NONE
+    for field in ("f", "g", "h", "turn", "law"):
+        record[field] = NONE
+    return record
+
+
+def line_measure(head: int, tail: int):
+    """The measure whose V goes from the point at arm `tail` to that at `head`."""
+    record = blank_measure()
+    record["ends"][0] = head, tail
+    return record
+
+
+def blank_load(kind: int):
+    """A LOAD record of a kind that refers to nothing."""
+    record = np.zeros((), LOAD)
+    record["kind"] = kind
+    for field in ("arm", "measure", "law"):
+        record[field] = NONE
+    return record

@@ -1,0 +1,56 @@
+"""A VSDF deck from its records to OUT listing and HDF5 result."""
+
+from pathlib import Path
+
+from ..model.build_vsdf import build_vsdf
+from ..model.flexible_mechanism import FlexibleMechanism
+from ..read.deck import Deck
+from ..write.file_names import STANDARD_INPUT, ResultPaths
+from .compiling import tell_of_compiling
+from .outcome import Outcome, RunOptions, refuse_warnings
+from .young import Contents, Solution, write_solution
+from .young_dynamics import StepCount
+
+
+def run_vsdf(deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outcome, listener, stdout) -> None:
+    """Move the mechanism of `deck` and write its results; `outcome` records how it went.
+
+    Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
+    """
+    solution = vsdf_solution(deck, options, outcome, listener)
+    write_solution(solution, deck, paths, options, outcome, listener, stdout)
+
+
+def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
+    """The motion of the mechanism of `deck`, ready to be solved; warnings go into `outcome`."""
+    mechanism = mechanism_of(deck, options, outcome)
+    from ..solve.flexible_dynamics import FlexibleDynamics
+    from ..write.hdf5_flexible import flexible_layout, flexible_values
+    from ..write.vsdf import VsdfTable
+
+    tell_of_compiling(listener, "constrained_march.march_rows")
+    analysis = FlexibleDynamics(mechanism)
+
+    def constraints():
+        found = analysis.found
+        return found.equations, found.coordinates, found.rank, found.smallest
+
+    contents = Contents(
+        lambda: flexible_layout(mechanism),
+        lambda rows: flexible_values(mechanism, rows),
+        lambda stream, deck, layout: VsdfTable(stream, deck, layout, mechanism, constraints),
+    )
+    return Solution(analysis, mechanism.time.rows, contents, StepCount(analysis.clock))
+
+
+def mechanism_of(deck: Deck, options: RunOptions, outcome: Outcome) -> FlexibleMechanism:
+    """The mechanism of `deck`, bodies reduced; file names are relative to the deck.  Raises ModelError."""
+    from ..fe.build_mechanism import flexible_mechanism
+
+    folder = Path() if outcome.deck == STANDARD_INPUT else Path(outcome.deck).parent
+    model, doubts = build_vsdf(deck, folder)
+    outcome.faults += doubts
+    mechanism, doubts = flexible_mechanism(model)
+    outcome.faults += doubts
+    refuse_warnings(outcome, options)
+    return mechanism

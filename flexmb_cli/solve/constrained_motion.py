@@ -1,0 +1,131 @@
+"""Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..errors import AnalysisError, Fault
+from ..kernels import constrained_march
+from ..kernels.constrained_system import NO_INERTIA
+from ..kernels.screw_turns import NEAR, NEW, OLD, angles_at
+from ..model.mechanism import TimeGrid
+from ..model.system_arrays import SystemArrays
+from .constrained_start import inertia_failure, order_of_elimination, start_speeds
+from .constrained_system import blank_report, constrained_system, new_work
+from .diagnosis import Gap, Mobility
+
+CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
+LARGEST_BLOCK = 256  # rows
+SHOWN_OWNERS = 6
+
+
+class ConstrainedMotion:
+    """One run over the times of `grid`; `stepper` is the kernel module that marches.
+
+    A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it, and
+    `block(report)`, the rows it yields.  `warnings` fills while the run goes on; `found` is what `start`
+    found.
+    """
+
+    velocities = ()
+    turns_in_body_axes = False
+
+    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, stepper=constrained_march):
+        self.arrays = arrays
+        self.grid = grid
+        self.stepper = stepper
+        self.system = constrained_system(arrays)
+        self.work = new_work(arrays)
+        self.warnings: list[Fault] = []
+        self.found: Mobility | None = None
+        coordinates, n = arrays.coordinate_scale.size, arrays.speeds
+        self.march = stepper.new_march(coordinates + n + 1, arrays.turns.size)
+        self.march.units[:coordinates] = arrays.coordinate_scale
+        self.march.units[coordinates : coordinates + n] = arrays.speed_scale
+        self.clock = self.march.clock
+        self.clock["rtol"] = self.clock["atol"] = tolerance
+
+    def rows(self) -> Iterator:
+        """Yield the report rows in blocks.
+
+        Raises ModelError when the drivers contradict the joints, AnalysisError when the mechanism
+        cannot be assembled, reaches a singular position or has a motion without inertia; all rows
+        before have been yielded.
+        """
+        self.start()
+        grid, row = self.grid, 0
+        while row < grid.rows:
+            end = min(row + LARGEST_BLOCK, grid.rows)
+            report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
+            answer = self._call(constrained_march.MARCH, report)
+            filled = int(self.clock["row"][0])
+            if filled:
+                yield self.block(report._replace(**_first(report, filled)))
+            row += filled
+            if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
+                raise self._failure(answer)
+
+    def start(self) -> Mobility:
+        """Assemble positions and speeds at the first time and choose the first step.
+
+        Returns what the equations leave free, and which of them repeat others; raises as `rows`.
+        """
+        grid, march = self.grid, self.march
+        q = self.assembled(grid.start)
+        march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
+        self.work.turns[:] = march.turns[NEW]
+        found = self.found = order_of_elimination(self, q, grid.start)
+        if found.redundant:
+            self.warnings.append(_repetition_warning(found))
+        march.z[: q.size] = q
+        march.z[q.size : -1] = start_speeds(self, q, grid.start)
+        self.clock["t"] = grid.start
+        self.clock["stop"] = grid.time(grid.rows - 1)
+        answer = self._call(constrained_march.BEGIN, blank_report(self.arrays, np.zeros(0)))
+        if answer != constrained_march.READY:
+            raise self._failure(answer)
+        return found
+
+    def _call(self, task, report):
+        return self.stepper.march_rows(task, self.system, self.work, self.march, report, CALL_EVALUATIONS)
+
+    def screw_angles(self, q):
+        """Angles that count turns at q, those nearest to the deck's estimates."""
+        return angles_at(self.system, self.work, q, self.arrays.turns)
+
+    def _failure(self, answer) -> AnalysisError:
+        clock = self.clock[0]
+        t, step = float(clock["t"]), float(clock["step"])
+        norms = {"reached": t, "step": step}
+        if answer == constrained_march.CONTRADICTION:
+            worst = self.arrays.equations[int(clock["worst"])]
+            gap = Gap(worst, float(clock["gap"]) * worst.scale)
+            message = (
+                f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; a driver or "
+                "a joint asks for a motion that the others forbid"
+            )
+            return AnalysisError(Fault("error", message, worst.place), t, norms)
+        if clock["fault"] == NO_INERTIA:
+            return inertia_failure(self, t)
+        message = (
+            f"at t = {t:.6g} s the step length falls to {step:.1e} s: the mechanism reaches a singular "
+            "position (a dead centre or branching), or its forces grow beyond all bounds"
+        )
+        return AnalysisError(Fault("error", message), t, norms)
+
+
+def _repetition_warning(found):
+    """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
+    owners = list(dict.fromkeys(equation.owner for group in found.redundant for equation in group))
+    place = next((e.place for group in found.redundant for e in group if e.place), None)
+    count = len(found.redundant)
+    shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
+    message = (
+        f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
+        "motion is unique, reactions are those of least norm"
+    )
+    return Fault("warning", message, place)
+
+
+def _first(report, filled):
+    return {name: array[:filled] for name, array in report._asdict().items()}

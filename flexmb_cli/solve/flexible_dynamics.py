@@ -1,0 +1,68 @@
+"""Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
+
+import numpy as np
+
+from ..errors import Fault
+from ..kernels import constrained_march
+from ..kernels.constrained_report import Report
+from ..model.dynamics import InitialVelocity
+from ..model.flexible_arrays import flexible_arrays
+from ..model.flexible_mechanism import FlexibleMechanism
+from ..model.vsdf_model import Integrator
+from .constrained_motion import ConstrainedMotion
+from .constrained_start import given_speeds
+from .dynamic_rows import global_axes
+from .flexible_rows import FlexibleRows, flexible_rows
+from .flexible_start import PositionGaps, assemble
+
+TOLERANCE = 1e-8
+
+
+def stepper_of(integrator: Integrator):
+    """The kernel module that marches, and its tolerance."""
+    if integrator.method == "RK45":
+        return constrained_march, integrator.parameter
+    return constrained_march, TOLERANCE
+
+
+class FlexibleDynamics(ConstrainedMotion):
+    """One run over the report times of a mechanism."""
+
+    turns_in_body_axes = True
+
+    def __init__(self, mechanism: FlexibleMechanism):
+        stepper, tolerance = stepper_of(mechanism.integrator)
+        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, stepper)
+        self.mechanism = mechanism
+        self.velocities = tuple(_velocities(mechanism))
+        if mechanism.integrator.stabilise:
+            message = "constraint stabilisation is not used: every step is projected onto the constraints"
+            self.warnings.append(Fault("warning", message, mechanism.time.place, "INTG"))
+
+    @property
+    def evaluator(self) -> PositionGaps:
+        """Residuals of the equations."""
+        return PositionGaps(self.arrays, self.system, self.work)
+
+    def assembled(self, t: float) -> np.ndarray:
+        """Coordinates near the deck's that meet all equations; raises AnalysisError."""
+        return assemble(self.evaluator, t)
+
+    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+        """Which of the speeds are given, and their values: those of the deck, and no rate of deformation."""
+        bodies = self.arrays.bodies
+        given, wanted = given_speeds(self.velocities, bodies, q)
+        modes = self.arrays.speeds - 6 * bodies
+        return np.append(given, np.ones(modes, bool)), np.append(wanted, np.zeros(modes))
+
+    def block(self, report: Report) -> FlexibleRows:
+        """The rows of a report in the terms of the model."""
+        return flexible_rows(self.mechanism, self.arrays, report)
+
+
+def _velocities(mechanism):
+    """Velocities of the bodies that the deck moves; those at rest follow the others."""
+    for k, body in enumerate(mechanism.bodies):
+        if np.any(body.velocity) or np.any(body.omega):
+            angular = tuple(global_axes(body.p, body.omega))
+            yield InitialVelocity(f"VELO of {body.name}", k, tuple(body.velocity), angular, body.place)
