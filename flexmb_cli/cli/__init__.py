@@ -16,6 +16,7 @@ from .beam import beam
 from .check import check
 from .diff import diff
 from .modes import modes
+from .plot import plot
 from .report import report
 from .run import run
 from .sweep import sweep
@@ -42,7 +43,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, modes, diff, table, report, sweep, beam):
+for command in (run, check, modes, diff, table, plot, report, sweep, beam):
     cli.add_command(command)
 
 

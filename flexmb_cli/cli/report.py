@@ -20,7 +20,7 @@ def report(result, output, quiet):
     """
     from pathlib import Path
 
-    from ..write.atomic import ReplacedText
+    from ..write.atomic import write_whole
     from ..write.quantities import open_result
     from ..write.report_page import report_page
     from .extras import needed
@@ -28,12 +28,9 @@ def report(result, output, quiet):
     library = needed("plotly.offline", "plotly", "report").get_plotlyjs()
     output = output or f"{Path(result).stem}.html"
     with open_result(result) as file:
-        page = report_page(file, library)
-    text = ReplacedText(output)
-    text.write(page)
-    text.commit()
+        page = report_page(file, library).encode("utf-8")
+    write_whole(output, page)
     if not quiet:
-        size = len(page.encode("utf-8")) / 1e6
-        click.echo(
-            f"{result} → {output}, {size:.1f} MB, of them {len(library) / 1e6:.1f} MB plotly.js", err=True
-        )
+        size, library_size = len(page) / 1e6, len(library.encode("utf-8")) / 1e6
+        told = f"{result} → {output}, {size:.1f} MB, of them {library_size:.1f} MB plotly.js"
+        click.echo(told, err=True)

@@ -90,6 +90,18 @@ class ReplacedText:
             raise
 
 
+def write_whole(path, data: bytes) -> None:
+    """Put `data` at `path`, whole or not at all.  Raises `OutputError`."""
+    place = Replacement(path)
+    try:
+        with located(place.path), open(place.temporary, "wb") as stream:
+            stream.write(data)
+    except OutputError:
+        place.discard()
+        raise
+    place.commit()
+
+
 @contextmanager
 def located(path: str):
     """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence."""

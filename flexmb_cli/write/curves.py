@@ -23,20 +23,43 @@ STILL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line: its label and values (T,) over those of the other axis."""
+    """One line: its label and values (T,) over those of the other axis.
+
+    Curves of the same `quantity` number are the same quantity of different results, by `result` number.
+    """
 
     label: str
     x: np.ndarray
     y: np.ndarray
+    quantity: int = 0
+    result: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Curves of one unit on common axes."""
+    """Curves of one `unit` on common axes over what `x_label` says; `same_unit`: x has the unit, too."""
 
     x_label: str
-    y_label: str
+    unit: str
     curves: tuple[Curve, ...]
+    same_unit: bool = False
+
+    @property
+    def y_label(self) -> str:
+        """The one quantity with its unit, or just the unit of many."""
+        names = {curve.label for curve in self.curves}
+        return f"{self.curves[0].label} [{self.unit}]" if len(names) == 1 else f"[{self.unit}]"
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """An open `result` with its `label` ("" when it is the only one) and `rows`, and what to draw of it."""
+
+    label: str
+    result: h5py.File
+    rows: slice
+    abscissa: Quantity
+    quantities: Sequence[Quantity]
 
 
 def default_quantities(result: h5py.File) -> list[Quantity]:
@@ -52,28 +75,19 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     return chosen + [quantity for quantity in known if quantity.dataset in ALWAYS]
 
 
-def panels(
-    results: Sequence[tuple[str, h5py.File]],
-    wanted: Sequence[Sequence[Quantity]],
-    abscissae: Sequence[Quantity],
-    rows: slice = slice(None),
-) -> list[Panel]:
-    """Panels of `wanted` quantities of every result over its abscissa, in the order of the units.
-
-    Each of `results` is a label, "" when there is but one, and an open file.
-    """
+def panels(sources: Sequence[Source]) -> list[Panel]:
+    """One panel for every unit, in the order in which the units come first."""
     found: dict[str, list[Curve]] = {}
-    for (label, result), quantities, abscissa in zip(results, wanted, abscissae, strict=True):
-        values = read(result, [abscissa, *quantities], rows)
-        for column, quantity in enumerate(quantities, start=1):
-            name = f"{label}: {quantity.name}" if label else quantity.name
-            found.setdefault(quantity.unit, []).append(Curve(name, values[:, 0], values[:, column]))
-    header = abscissae[0].header
-    return [Panel(header, _y_label(curves, unit), tuple(curves)) for unit, curves in found.items()]
-
-
-def _y_label(curves, unit):
-    return f"{curves[0].label} [{unit}]" if len(curves) == 1 else f"[{unit}]"
+    for number, source in enumerate(sources):
+        values = read(source.result, [source.abscissa, *source.quantities], source.rows)
+        count: dict[str, int] = {}
+        for column, quantity in enumerate(source.quantities, start=1):
+            rank = count[quantity.unit] = count.get(quantity.unit, -1) + 1
+            name = f"{source.label}: {quantity.name}" if source.label else quantity.name
+            curve = Curve(name, values[:, 0], values[:, column], rank, number)
+            found.setdefault(quantity.unit, []).append(curve)
+    x = sources[0].abscissa
+    return [Panel(x.header, unit, tuple(curves), unit == x.unit) for unit, curves in found.items()]
 
 
 def _moving(result, quantities):

@@ -15,7 +15,7 @@ from string import Template
 import h5py
 import numpy as np
 
-from .curves import Panel, default_quantities, panels
+from .curves import Panel, Source, default_quantities, panels
 from .quantities import ResultError, names, shortfall
 from .report_animation import COLOURS, animation, frame_rows
 from .scene import read_scene
@@ -125,7 +125,7 @@ def _curves(result):
         return []
     every = slice(0, rows, -(-rows // MOST_CURVE_ROWS))
     time = next(quantity for quantity in names(result) if quantity.name == "time")
-    return [_figure(panel) for panel in panels([("", result)], [quantities], [time], every)]
+    return [_figure(panel) for panel in panels([Source("", result, every, time, quantities)])]
 
 
 def _figure(panel: Panel):

@@ -1,0 +1,89 @@
+"""`flexmb plot`: curves of results as pictures."""
+
+import contextlib
+from pathlib import Path
+
+import click
+
+from .finite import AnyFinite
+
+
+@click.command()
+@click.argument("result", metavar="RESULT.h5")
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.option("-o", "--output", metavar="FILE",
+              help="A .png, .svg or .pdf file [default: the result's name with .png, in the current folder].")  # fmt: skip
+@click.option("--with", "others", multiple=True, metavar="OTHER.h5",
+              help="Draw the same of another result, with other dashes; can be given again.")  # fmt: skip
+@click.option("--x", "across", default="time", metavar="NAME", help="Draw over this instead of the time.")
+@click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
+@click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
+@click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
+@click.option("--title", default=None, help="Text above the curves [default: the deck's name].")
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+def plot(result, names, output, others, across, start, stop, every, title, quiet):
+    """Draw quantities of RESULT.h5 over time, a panel for each unit.
+
+    NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
+    driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and energies.
+    Needs matplotlib: pip install 'flexmb[plot]'.
+
+    \b
+    Example:
+        flexmb plot OUT4-BAR.h5 "body.3.velocity" point.1.z -o four-bar.svg
+        flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
+    """
+    from ..write.atomic import write_whole
+    from ..write.curves import panels
+    from ..write.plots import FORMATS, picture
+    from .extras import needed
+
+    output = output or f"{Path(result).stem}.png"
+    form = Path(output).suffix[1:].lower()
+    if form not in FORMATS:
+        raise click.UsageError(f"{output}: pictures are written as .png, .svg or .pdf files")
+    needed("matplotlib", "matplotlib", "plot")
+    paths = (result, *others)
+    with contextlib.ExitStack() as open_files:
+        sources = [
+            _source(open_files, path, label, names, across, (start, stop, every), quiet)
+            for path, label in zip(paths, _labels(paths), strict=True)
+        ]
+        drawn = panels(sources)
+        if title is None:
+            title = str(sources[0].result.attrs.get("deck_name", ""))
+    write_whole(output, picture(drawn, form, title))
+    if not quiet:
+        curves = sum(len(panel.curves) for panel in drawn)
+        click.echo(f"{result} → {output}, {curves} curve{'s' * (curves != 1)}", err=True)
+
+
+def _source(open_files, path, label, names, across, window, quiet):
+    from ..write.curves import Source, default_quantities
+    from ..write.quantities import ResultError, open_result, resolve, shortfall
+    from ..write.table import chosen_rows
+
+    file = open_files.enter_context(open_result(path))
+    abscissa = resolve(file, [across])
+    if len(abscissa) != 1:
+        few = ", ".join(quantity.name for quantity in abscissa[:4])
+        raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
+    quantities = resolve(file, names) if names else default_quantities(file)
+    quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
+    rows = chosen_rows(file, *window)
+    if not rows or not quantities:
+        raise ResultError(
+            f"{path}: nothing to draw: no {'quantities' if rows else 'rows in this window of time'}"
+        )
+    told = shortfall(file)
+    if told and not quiet:
+        click.echo(f"{path}: note: {told}", err=True)
+    return Source(label, file, slice(rows.start, rows.stop, rows.step), abscissa[0], quantities)
+
+
+def _labels(paths):
+    """What tells results apart: nothing for one, file names without folder and suffix, or whole paths."""
+    if len(paths) == 1:
+        return [""]
+    stems = [Path(path).stem for path in paths]
+    return stems if len(set(stems)) == len(stems) else list(paths)
