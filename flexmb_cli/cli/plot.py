@@ -12,7 +12,7 @@ from .finite import AnyFinite
 @click.argument("result", metavar="RESULT.h5")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @click.option("-o", "--output", metavar="FILE",
-              help="A .png, .svg or .pdf file [default: the result's name with .png, in the current folder].")  # fmt: skip
+              help="A .png, .svg or .pdf file [default: the result's name with .png].")  # fmt: skip
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",
               help="Draw the same of another result, with other dashes; can be given again.")  # fmt: skip
 @click.option("--x", "across", default="time", metavar="NAME", help="Draw over this instead of the time.")
