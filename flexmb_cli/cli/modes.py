@@ -1,4 +1,4 @@
-"""`flexmb modes`: frequencies of the flexible bodies of decks."""
+"""`flexmb modes`: frequencies of mechanisms, and of the flexible bodies in them."""
 
 import json
 import sys
@@ -6,24 +6,44 @@ import sys
 import click
 
 from .deck_options import DECK, deck_options, show_faults
+from .finite import AnyFinite
 
 
 @click.command()
 @DECK
 @deck_options
-def modes(decks, changes, echo, as_json, quiet, **options):
-    """Reduce the flexible bodies of every DECK and list frequencies, effective masses and what is left out.
+@click.option(
+    "--at",
+    "time",
+    type=AnyFinite(),
+    metavar="TIME",
+    help="Linearise the mechanism about its motion at TIME, s (default: its start).",
+)
+@click.option(
+    "--equilibrium",
+    is_flag=True,
+    help="Linearise it about the static equilibrium it can fall into, and tell where that is.",
+)
+def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
+    """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
+
+    A VSDF deck's flexible bodies are reduced, with effective masses and what is left out; its mechanism
+    is looked at when --at or --equilibrium is given.
 
     \b
     Example:
-        flexmb modes decks/vsdf/pendulum.vsdf
-    """
-    from ..run.body_modes import body_modes
-    from ..run.outcome import RunOptions
+        flexmb modes decks/vsdf/pendulum.vsdf --equilibrium
+    """  # fmt: skip
+    from ..run.mechanism_modes import Wish
+    from ..run.modes import modes_of_deck
+    from ..run.outcome import Listener, RunOptions
 
+    listener = Listener(notice=lambda sentence: quiet or click.echo(f"flexmb: {sentence}", err=True))
     codes = []
     for path in decks:
-        report = body_modes(path, RunOptions(changes=changes, **options))
+        report = modes_of_deck(
+            path, Wish(time, equilibrium), RunOptions(changes=changes, **options), listener
+        )
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))
@@ -34,10 +54,10 @@ def modes(decks, changes, echo, as_json, quiet, **options):
 
 
 def _print_modes(report, with_echo, quiet):
-    from ..write.body_text import body_text
     from ..write.echo import echo
+    from ..write.modes_text import modes_text
 
     if with_echo:
         click.echo(echo(report.deck), nl=False)
     if not quiet:
-        click.echo(body_text(report), nl=False)
+        click.echo(modes_text(report), nl=False)

@@ -5,7 +5,7 @@ met at every displaced position, their accelerations y'' = a(y, y') are differen
 differences of fourth order, and y'' + C y' + K y = 0 gives the eigenvalues.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,14 +14,19 @@ from ..kernels.constrained_solve import accelerations
 from ..kernels.constrained_system import NO_INERTIA, SOLVED
 from ..kernels.constraint_projection import project_position, project_speeds
 from ..kernels.speeds import move
-from .constrained_dynamics import ForwardDynamics
+from .constrained_motion import ConstrainedMotion
 from .constrained_start import inertia_failure
 
 STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power
-STENCIL = ((-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0))
+STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
+SHORT_STENCIL = ((-1.0, -0.5), (1.0, 0.5))  # of second order, enough to find the way to an equilibrium
 MOST_ITERATIONS = 60
 LARGEST_MOVE = 0.2  # scaled length of one correction towards equilibrium
+NO_STIFFNESS = 1e-10  # of the largest eigenvalue
 SETTLED = 1e-9  # scaled correction that counts as none
+# Share of the largest eigenvalue, and 1/s, below which one is that of a motion nothing holds: the differences
+# leave 1e-12 or so of the largest stiffness, and eigenvalues are its roots.
+AT_REST = 1e-5
 
 
 @dataclass(frozen=True)
@@ -29,8 +34,9 @@ class Modes:
     """Small motions of a mechanism with f freedoms, slowest first.
 
     `eigenvalues` (2 f,): of the first-order system, 1/s.  `frequency` (k,): damped frequencies of the
-    oscillating pairs, Hz; `damping` (k,): their damping ratios.  `shapes` (k, 6 bodies): speeds of each
-    mode, the largest scaled part 1.  `growing`: exponents of the motions that grow, 1/s.
+    oscillating pairs, Hz; `damping` (k,): their damping ratios.  `shapes` (k, n): speeds of each mode, in the
+    scale of the speeds, the largest part 1.  `growing`, `decaying`: exponents of the motions that grow or
+    fade without oscillating, 1/s.  `unheld`: how many of the 2 f eigenvalues are zero but for round-off.
     """
 
     eigenvalues: np.ndarray
@@ -38,16 +44,57 @@ class Modes:
     damping: np.ndarray
     shapes: np.ndarray
     growing: np.ndarray
+    decaying: np.ndarray
+    unheld: int
 
 
 class SmallMotions:
-    """Accelerations of the free speeds of `analysis` about the position and speeds it has been started at."""
+    """Small motions y of f freedoms about a position, scaled; a formulation's subclass finds accelerations.
 
-    def __init__(self, analysis: ForwardDynamics):
+    `motions` (n, f): speeds per unit of each free speed; `scale` (n,): of the speeds.
+    """
+
+    motions: np.ndarray
+    scale: np.ndarray
+    t: float
+
+    @property
+    def freedoms(self) -> int:
+        """f."""
+        return self.motions.shape[1]
+
+    def free_accelerations(self, y, yd) -> np.ndarray:
+        """Scaled accelerations (f,) of the free coordinates changed by y and yd."""
+        raise NotImplementedError
+
+    def stand_at(self, y) -> None:
+        """Put the analysis to rest at the position changed by y."""
+        raise NotImplementedError
+
+    def stiffness(self, stencil=STENCIL) -> np.ndarray:
+        """∂a/∂y (f, f)."""
+        return self._differences(stencil, lambda step: self.free_accelerations(step, 0.0 * step))
+
+    def damping(self) -> np.ndarray:
+        """∂a/∂y' (f, f)."""
+        return self._differences(STENCIL, lambda step: self.free_accelerations(0.0 * step, step))
+
+    def _differences(self, stencil, accelerations):
+        derivative = np.zeros((self.freedoms, self.freedoms))
+        for k, direction in enumerate(np.eye(self.freedoms)):
+            for place, weight in stencil:
+                derivative[:, k] += weight / STEP * accelerations(place * STEP * direction)
+        return derivative
+
+
+class ConstrainedSmallMotions(SmallMotions):
+    """Small motions about the position and speeds at which `analysis` has been started."""
+
+    def __init__(self, analysis: ConstrainedMotion):
         self.analysis = analysis
-        bodies = len(analysis.mechanism.bodies)
-        self.q = analysis.march.z[: 7 * bodies].copy()
-        self.u = analysis.march.z[7 * bodies : 13 * bodies].copy()
+        self.coordinates = analysis.arrays.coordinate_scale.size
+        self.q = analysis.march.z[: self.coordinates].copy()
+        self.u = analysis.march.z[self.coordinates : -1].copy()
         self.t = float(analysis.clock["t"][0])
         self.scale = analysis.arrays.speed_scale
         self._choose_freedoms()
@@ -78,7 +125,7 @@ class SmallMotions:
     def displaced(self, y, yd):
         """Position and speeds with the free coordinates changed by y and the free speeds by yd, scaled."""
         analysis, q, u = self.analysis, self.q.copy(), self.u + self.motions @ yd
-        move(len(self.analysis.mechanism.bodies), q, self.motions @ y)
+        move(self.analysis.arrays.bodies, q, self.motions @ y)
         near = analysis.march.turns[2]
         self._refuse(project_position(analysis.system, analysis.work, q, self.t, near))
         self._refuse(project_speeds(analysis.system, analysis.work, q, u, self.t)[0])
@@ -88,58 +135,69 @@ class SmallMotions:
         """Scaled accelerations (f,) of the free coordinates."""
         return (self._rates(*self.displaced(y, yd)) / self.scale)[self.free]
 
-    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
-        """∂a/∂y and ∂a/∂y' (f, f)."""
-        f = self.free.size
-        of_position, of_speed = np.zeros((f, f)), np.zeros((f, f))
-        for k, direction in enumerate(np.eye(f)):
-            for place, weight in STENCIL:
-                step, share = place * STEP * direction, weight / (12.0 * STEP)
-                of_position[:, k] += share * self.free_accelerations(step, 0.0 * step)
-                of_speed[:, k] += share * self.free_accelerations(0.0 * step, step)
-        return of_position, of_speed
+    def stand_at(self, y) -> None:
+        """Put the analysis to rest at the position changed by y."""
+        z = self.analysis.march.z
+        z[: self.coordinates] = self.displaced(y, np.zeros(self.freedoms))[0]
+        z[self.coordinates :] = 0.0
 
 
-def modes(analysis: ForwardDynamics) -> Modes:
+def modes(analysis: ConstrainedMotion) -> Modes:
     """Modes about the position and speeds at which `analysis` has been started.
 
     Raises AnalysisError at a singular position and where a motion has no inertia.
     """
-    motions = SmallMotions(analysis)
-    of_position, of_speed = motions.derivatives()
-    f = motions.free.size
-    first_order = np.block([[np.zeros((f, f)), np.eye(f)], [of_position, of_speed]])
+    return modes_of(ConstrainedSmallMotions(analysis))
+
+
+def modes_of(motions: SmallMotions) -> Modes:
+    """Modes of the small motions, and what neither oscillates nor is held."""
+    f = motions.freedoms
+    first_order = np.block([[np.zeros((f, f)), np.eye(f)], [motions.stiffness(), motions.damping()]])
     values, vectors = np.linalg.eig(first_order)
     order = np.lexsort((values.imag, np.round(np.abs(values), 9)))
     values, vectors = values[order], vectors[:, order]
-    swings = values.imag > 1e-7 * np.abs(values)
-    shapes = (motions.motions @ vectors[:f, swings]).T
-    sizes = np.max(np.abs(shapes / motions.scale), axis=1, keepdims=True, initial=0.0)
+    moving = np.abs(values) > AT_REST * np.max(np.abs(values), initial=1.0)
+    swings = moving & (values.imag > 1e-7 * np.abs(values))
+    straight = values.real[moving & (np.abs(values.imag) <= 1e-7 * np.abs(values))]
+    shapes = (motions.motions @ vectors[:f, swings]).T / motions.scale
+    sizes = np.max(np.abs(shapes), axis=1, keepdims=True, initial=0.0)
     return Modes(
         eigenvalues=values,
         frequency=values.imag[swings] / (2.0 * np.pi),
         damping=-values.real[swings] / np.abs(values[swings]),
         shapes=shapes / np.where(sizes > 0.0, sizes, 1.0),
-        growing=values.real[values.real > 1e-7 * np.max(np.abs(values), initial=1.0)],
+        growing=straight[straight > 0.0],
+        decaying=straight[straight < 0.0],
+        unheld=int(np.sum(~moving)),
     )
 
 
-def settle(analysis: ForwardDynamics) -> None:
-    """Bring a started `analysis` to rest in the equilibrium that Newton's method finds from its position.
+def bring_to(analysis: ConstrainedMotion, time: float) -> None:
+    """Start `analysis` and let it move to `time`, s.  Raises as its `rows` do."""
+    grid = analysis.grid
+    if time <= grid.start:
+        analysis.start()
+        return
+    analysis.grid = replace(grid, end=time, step=time - grid.start)
+    for _ in analysis.rows():
+        pass
 
-    Raises AnalysisError when none is found.
+
+def settle(analysis, small_motions=ConstrainedSmallMotions) -> None:
+    """Bring a started `analysis` to rest in an equilibrium: the one it stands in, else one it can fall into.
+
+    Newton's method, with steps reversed along motions that would grow, which lead to unstable positions.
+    `small_motions`: the class of its formulation.  Raises AnalysisError when none is found.
     """
-    bodies = len(analysis.mechanism.bodies)
-    analysis.march.z[7 * bodies : 13 * bodies] = 0.0
+    start = small_motions(analysis)
+    start.stand_at(np.zeros(start.freedoms))
     for _ in range(MOST_ITERATIONS):
-        motions = SmallMotions(analysis)
-        f = motions.free.size
-        of_position, _ = motions.derivatives()
-        rest = motions.free_accelerations(np.zeros(f), np.zeros(f))
-        step = np.linalg.lstsq(of_position, -rest, rcond=1e-10)[0]
+        motions = small_motions(analysis)
+        none = np.zeros(motions.freedoms)
+        step = _downhill(motions.stiffness(SHORT_STENCIL), motions.free_accelerations(none, none))
         size = np.max(np.abs(step), initial=0.0)
-        step *= min(1.0, LARGEST_MOVE / size) if size > 0.0 else 1.0
-        analysis.march.z[: 7 * bodies] = motions.displaced(step, np.zeros(f))[0]
+        motions.stand_at(step * min(1.0, LARGEST_MOVE / size) if size > 0.0 else step)
         if size <= SETTLED:
             return
     message = (
@@ -147,3 +205,17 @@ def settle(analysis: ForwardDynamics) -> None:
         "whether drivers or forces keep the mechanism moving"
     )
     raise AnalysisError(Fault("error", message), motions.t)
+
+
+def _downhill(stiffness, accelerations):
+    """Newton's step, turned round along eigenvectors whose motions grow."""
+    if not accelerations.size:
+        return accelerations
+    values, vectors = np.linalg.eig(stiffness)
+    least = NO_STIFFNESS * np.max(np.abs(values), initial=1.0)
+    parts = np.linalg.lstsq(vectors, accelerations.astype(complex), rcond=NO_STIFFNESS)[0]
+    divisors = np.where(values.real < 0.0, -values, values)
+    held = np.abs(values) > least
+    # A motion without stiffness nor force stays; one with a force goes as far as one correction may.
+    loose = np.where(np.abs(parts) > SETTLED * least, LARGEST_MOVE, 0.0) * np.sign(parts.real)
+    return (vectors @ np.where(held, parts / np.where(held, divisors, 1.0), loose)).real

@@ -6,16 +6,6 @@ ROUND_OFF = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
 
 
-def body_text(report) -> str:
-    """What `flexmb modes` found (`run.body_modes.BodyModes`), body by body."""
-    lines = [
-        f"{report.outcome.deck}: {report.deck.dialect.upper()} deck, flexible bodies {len(report.bodies)}"
-    ]
-    for body in report.bodies:
-        lines += body_lines(body)
-    return "".join(f"{line.rstrip()}\n" for line in lines)
-
-
 def body_lines(body) -> list[str]:
     """Inertia, what was left out, frequencies and effective masses of one flexible body."""
     return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body)]

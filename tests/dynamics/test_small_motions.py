@@ -10,7 +10,7 @@ from dynamic_runs import AT_REST, GROUND, body
 from flexmb_cli.model.dynamics import DynamicModel, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.linearised import modes, settle
+from flexmb_cli.solve.linearised import bring_to, modes, settle
 
 G = 9.81
 DOWN = (math.cos(math.pi / 4), 0.0, math.sin(math.pi / 4), 0.0)  # x axis turned to -z
@@ -79,3 +79,94 @@ def test_a_pendulum_let_go_at_an_angle_settles_hanging():
     analysis = started(pendulum((math.cos(half), 0.0, math.sin(half), 0.0)))
     settle(analysis)
     assert analysis.march.z[10:14] == pytest.approx(DOWN, abs=1e-9)
+
+
+def test_a_double_pendulum_has_the_two_frequencies_of_its_normal_modes():
+    """Equal masses on equal threads: omega² = (2 -+ sqrt 2) g/l; the bobs are points but for 1e-9 of m l²."""
+    down = math.radians(90.0)
+    p = (math.cos(down / 2), 0.0, math.sin(down / 2), 0.0)
+    axis = {"P": (0.0, 0.0, 0.0), "Q": (0.0, 1.0, 0.0)}
+    mechanism = Mechanism(
+        (GROUND, body(2, p=p), body(3, (0.0, 0.0, -0.7), p)),
+        TimeGrid(0.0, 1.0, 0.5),
+        (
+            Joint("revolute", "revolute 1", 0, 1, axis["P"], axis["P"], axis["Q"], axis["Q"]),
+            Joint("revolute", "revolute 2", 1, 2, (0.7, 0.0, 0.0), axis["P"], axis["Q"], axis["Q"]),
+        ),
+        grounds=(AT_REST,),
+    )
+    bob = (1e-9,) * 3 + (0.0,) * 3
+    masses = tuple(MassProperties(f"mass {k}", k, 1.5, (0.7, 0.0, 0.0), bob) for k in (1, 2))
+    found = modes(started(DynamicModel(mechanism, "forward", masses, gravity=(0.0, 0.0, -G))))
+    expected = [math.sqrt((2.0 + s * math.sqrt(2.0)) * G / 0.7) / (2.0 * math.pi) for s in (-1.0, 1.0)]
+    assert found.frequency == pytest.approx(expected, rel=1e-7)
+    assert found.unheld == 0
+
+
+def chain(masses, free_ends=True):
+    """Masses along z, springs of 50 N/m between them, each held to its line."""
+    count = len(masses)
+    bodies = (GROUND, *(body(k + 2, (0.0, 0.0, 1.0 + k)) for k in range(count)))
+    held = tuple(
+        Simplified(f"simplified {b}.{k}", b, k, 0.0) for b in range(1, count + 1) for k in (1, 2, 4, 5, 6)
+    )
+    points = (0.0,) * 3
+    first = 1 if free_ends else 0
+    springs = tuple(
+        SpringDamper(f"spring {b}", b, b + 1, points, points, 50.0, 1.0) for b in range(first, count)
+    )
+    given = tuple(
+        MassProperties(f"mass {b}", b, m, inertia=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
+        for b, m in enumerate(masses, 1)
+    )
+    mechanism = Mechanism(bodies, TimeGrid(0.0, 1.0, 0.5), simplified=held, grounds=(AT_REST,))
+    return DynamicModel(mechanism, "forward", given, springs=springs)
+
+
+def test_a_fixed_chain_of_equal_masses_has_sine_frequencies():
+    """omega_j = 2 sqrt(k/m) sin((2 j - 1) pi / (2 (2 n + 1))), one end fixed, one free."""
+    found = modes(started(chain((2.0, 2.0, 2.0), free_ends=False)))
+    expected = [
+        2.0 * math.sqrt(25.0) * math.sin((2 * j - 1) * math.pi / 14.0) / (2.0 * math.pi) for j in (1, 2, 3)
+    ]
+    assert found.frequency == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_free_chain_has_two_eigenvalues_that_nothing_holds():
+    """Two masses swing at sqrt(k (1/m + 1/M)); their centre drifts."""
+    found = modes(started(chain((1.0, 4.0))))
+    assert found.frequency == pytest.approx([math.sqrt(50.0 * 1.25) / (2.0 * math.pi)], rel=1e-8)
+    assert found.unheld == 2
+    assert found.growing.size == found.decaying.size == 0
+
+
+def test_a_pendulum_let_go_above_the_horizontal_falls_and_one_that_stands_stays():
+    """Newton's method alone would go to the nearest position without force, which is the upper one."""
+    half = 0.5 * (math.pi / 2 - 2.6)
+    analysis = started(pendulum((math.cos(half), 0.0, math.sin(half), 0.0)))
+    settle(analysis)
+    assert modes(analysis).growing.size == 0
+    up = (DOWN[0], 0.0, -DOWN[2], 0.0)
+    analysis = started(pendulum(up))
+    settle(analysis)
+    assert analysis.march.z[10:14] == pytest.approx(up, abs=1e-12)
+
+
+def test_an_overdamped_oscillator_only_fades():
+    """s² m + s c + k = 0 with c = 40: s = -10 -+ sqrt(100 - 40)."""
+    found = modes(started(oscillator(damping=40.0)))
+    assert found.frequency.size == 0
+    assert sorted(found.decaying) == pytest.approx(
+        [-10.0 - math.sqrt(60.0), -10.0 + math.sqrt(60.0)], rel=1e-8
+    )
+
+
+def test_a_linear_system_keeps_its_frequency_while_it_moves():
+    analysis = ForwardDynamics(replace(oscillator(), gravity=(0.0, 0.0, -G)))
+    bring_to(analysis, 0.3)
+    assert analysis.clock["t"][0] == pytest.approx(0.3, rel=1e-12)
+    assert abs(analysis.march.z[9] - 1.0) > 0.05
+    natural = math.sqrt(40.0)
+    assert modes(analysis).frequency == pytest.approx(
+        [natural * math.sqrt(1.0 - (1.0 / natural) ** 2) / (2.0 * math.pi)], rel=1e-7
+    )

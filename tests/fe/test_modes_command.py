@@ -67,10 +67,3 @@ def test_a_step_too_long_for_the_modes_is_a_warning(tmp_path):
         "error: body 1: a step of 0.001 s is longer than 1/20 of the period of the highest mode, 0.00804 s; "
         in (done.stderr)
     )
-
-
-def test_a_deck_without_finite_elements_is_refused(tmp_path):
-    done = flexmb(tmp_path, "decks/young/IN4-BAR.dat")
-    assert done.returncode == 2
-    message = "a YOUNG deck has no finite-element bodies; modes are those of VSDF decks"
-    assert done.stderr == f"decks/young/IN4-BAR.dat: error: {message}\n"

@@ -1,0 +1,139 @@
+"""Small motions of the mechanism of a deck, about a time or an equilibrium."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..model.build_young_dynamics import build_young_dynamics
+from ..model.flexible_mechanism import FlexibleMechanism
+from ..model.tree import Tree
+from ..read.deck import Deck
+from .compiling import tell_of_compiling
+from .outcome import Listener, Outcome, RunOptions, refuse_warnings
+
+# Speeds up to which uncompiled kernels answer before compiled ones would be ready.
+INTERPRETED_LIMIT = 30
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What to linearise about: `time`, s (None: the start), or the `equilibrium` found from there."""
+
+    time: float | None = None
+    equilibrium: bool = False
+
+    @property
+    def of_mechanism(self) -> bool:
+        """Whether a place to linearise at is named."""
+        return self.equilibrium or self.time is not None
+
+
+@dataclass(frozen=True)
+class MechanismModes:
+    """Small motions about `position` at `time`.
+
+    `modes` is a `solve.linearised.Modes`; `names` (n,) of the speeds its shapes have; `position`: name and
+    numbers of each body or coordinate, which lengths in m, Euler parameters and angles in rad make up.
+    """
+
+    time: float
+    equilibrium: bool
+    modes: object
+    names: tuple[str, ...]
+    position: tuple[tuple[str, tuple[float, ...]], ...]
+
+    def as_dict(self) -> dict:
+        """The record that `--json` prints."""
+        modes = self.modes
+        return {
+            "time": self.time,
+            "equilibrium": self.equilibrium,
+            "freedoms": len(modes.eigenvalues) // 2,
+            "frequency": modes.frequency.tolist(),
+            "damping": modes.damping.tolist(),
+            "growing": modes.growing.tolist(),
+            "decaying": modes.decaying.tolist(),
+            "unheld": modes.unheld,
+            "eigenvalues": [[value.real, value.imag] for value in modes.eigenvalues.tolist()],
+            "speeds": list(self.names),
+            "shapes": [{"real": shape.real.tolist(), "imag": shape.imag.tolist()} for shape in modes.shapes],
+            "position": {name: list(values) for name, values in self.position},
+        }
+
+
+def flexible_modes(
+    mechanism: FlexibleMechanism, wish: Wish, options: RunOptions, outcome: Outcome, listener: Listener
+) -> MechanismModes:
+    """Small motions of a VSDF deck's mechanism; raises AnalysisError where there are none."""
+    speeds = sum(6 + body.modes for body in mechanism.bodies)
+    _prepare(speeds, wish, mechanism.time, listener)
+    from ..solve.flexible_dynamics import FlexibleDynamics
+
+    return _of_mechanism(FlexibleDynamics(mechanism), wish, options, outcome)
+
+
+def young_modes(
+    deck: Deck, wish: Wish, options: RunOptions, outcome: Outcome, listener: Listener
+) -> MechanismModes:
+    """Small motions of a YOUNG deck with forward dynamics; raises ModelError, AnalysisError."""
+    model, warnings = build_young_dynamics(deck)
+    outcome.faults += warnings
+    refuse_warnings(outcome, options)
+    _prepare(6 * len(model.mechanism.bodies), wish, model.mechanism.time, listener)
+    from ..solve.constrained_dynamics import ForwardDynamics
+
+    return _of_mechanism(ForwardDynamics(model), wish, options, outcome)
+
+
+def _prepare(speeds, wish: Wish, grid, listener, entry="constrained_march.march_rows"):
+    """Small mechanisms that need not move first are looked at by uncompiled kernels."""
+    from ..kernels import _jit
+
+    if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
+        _jit.interpret()
+    else:
+        tell_of_compiling(listener, entry)
+
+
+def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
+    from ..solve.linearised import bring_to, modes, settle
+
+    try:
+        bring_to(analysis, analysis.grid.start if wish.time is None else wish.time)
+    finally:
+        outcome.faults += analysis.warnings
+    refuse_warnings(outcome, options)
+    if wish.equilibrium:
+        settle(analysis)
+    found, arrays = modes(analysis), analysis.arrays
+    names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
+    z = analysis.march.z
+    position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
+    first = 7 * arrays.bodies
+    for f in arrays.flexible:
+        eta = z[first + f["first"] : first + f["first"] + f["modes"]]
+        position.append((f"{arrays.body_names[f['body']]} modal", tuple(eta.tolist())))
+    return MechanismModes(float(analysis.clock["t"][0]), wish.equilibrium, found, names, tuple(position))
+
+
+def tree_modes(tree: Tree, wish: Wish, listener: Listener) -> MechanismModes:
+    """Small motions of a tree; raises ModelError for closed loops, AnalysisError."""
+    grid = tree.time
+    _prepare(len(tree.coordinates), wish, grid, listener, "tree_march.call")
+    from ..solve.linearised import modes_of, settle
+    from ..solve.tree_dynamics import TreeAnalysis
+    from ..solve.tree_linearised import TreeSmallMotions, start_tree
+
+    time = grid.start if wish.time is None else wish.time
+    if time > grid.start:
+        tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
+    analysis = TreeAnalysis(tree)
+    start_tree(analysis, time)
+    if wish.equilibrium:
+        settle(analysis, TreeSmallMotions)
+    motions = TreeSmallMotions(analysis)
+    names = tuple(coordinate.name for coordinate in tree.coordinates)
+    n = len(names)
+    q = np.asarray(analysis.state[n : 2 * n]).tolist()
+    position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
+    return MechanismModes(motions.t, wish.equilibrium, modes_of(motions), names, position)

@@ -1,0 +1,93 @@
+"""Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
+
+from dataclasses import dataclass, field
+
+from ..errors import Fault, FlexmbError, ModelError
+from ..model.flexible_body import FlexibleBody
+from ..read.deck import Deck
+from ..read.young_dynamics import FORWARD, analysis_of
+from .dafms_tree import tree_of
+from .deck import open_deck
+from .mechanism_modes import MechanismModes, Wish, flexible_modes, tree_modes, young_modes
+from .outcome import Listener, Outcome, RunOptions
+from .vsdf import mechanism_of
+
+
+@dataclass
+class ModesReport:
+    """What became of one deck: `outcome` holds faults and exit code, `bodies` the flexible ones.
+
+    `mechanism` is None where its small motions were not asked for, or not found.
+    """
+
+    outcome: Outcome
+    deck: Deck | None = None
+    bodies: list[FlexibleBody] = field(default_factory=list)
+    mechanism: MechanismModes | None = None
+
+    def as_dict(self) -> dict:
+        """The record that `--json` prints."""
+        record = self.outcome.as_dict()
+        record.pop("files"), record.pop("rows")
+        record["bodies"] = [_as_dict(body) for body in self.bodies]
+        return record | {"mechanism": self.mechanism and self.mechanism.as_dict()}
+
+
+def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener) -> ModesReport:
+    """Frequencies of the deck at `path`; failures become the outcome's faults.
+
+    A VSDF deck's mechanism is looked at only where a time or an equilibrium is asked for.
+    """
+    report = ModesReport(Outcome(path))
+    try:
+        _fill(report, wish, options, listener)
+    except FlexmbError as failure:
+        outcome, known = report.outcome, set(report.outcome.faults)
+        outcome.faults += [fault for fault in failure.faults if fault not in known]
+        outcome.exit_code = failure.exit_code
+        outcome.failed_at = getattr(failure, "time", None)
+    return report
+
+
+def _fill(report: ModesReport, wish: Wish, options: RunOptions, listener: Listener):
+    outcome = report.outcome
+    deck = open_deck(outcome.deck, options, outcome)
+    if deck.dialect == "vsdf":
+        mechanism = mechanism_of(deck, options, outcome)
+        report.deck = deck
+        report.bodies = [body.flexible for body in mechanism.bodies if body.flexible is not None]
+        if wish.of_mechanism:
+            report.mechanism = flexible_modes(mechanism, wish, options, outcome, listener)
+        return
+    if deck.dialect == "dafms":
+        report.mechanism = tree_modes(tree_of(deck, options, outcome), wish, listener)
+    else:
+        _refuse_kinematics(deck)
+        report.mechanism = young_modes(deck, wish, options, outcome, listener)
+    report.deck = deck
+
+
+def _refuse_kinematics(deck):
+    if analysis_of(deck) != FORWARD:
+        message = (
+            "modes need masses and a free motion: cards behind the last number, from DYNAMICS forward on, "
+            "give them"
+        )
+        raise ModelError([Fault("error", message)])
+
+
+def _as_dict(body: FlexibleBody) -> dict:
+    following = body.dropped.next_frequency
+    return {
+        "name": body.name,
+        "nodes": len(body.numbers),
+        "mass": body.m,
+        "centre": body.centre.tolist(),
+        "inertia": body.J0.tolist(),
+        "mass_deviation": body.mass_deviation,
+        "rigid_residual": body.rigid_residual,
+        "frequencies": body.frequencies.tolist(),
+        "effective_mass": body.effective_mass.tolist(),
+        "effective_limit": body.effective_limit.tolist(),
+        "dropped": vars(body.dropped) | {"next_frequency": following if following == following else None},
+    }
