@@ -11,6 +11,7 @@ from .listing import (
     DAFMS_ECHO,
     DAFMS_SERIES,
     LARGEST_INDEX,
+    VSDF_LISTING,
     YOUNG_TABLE,
     Listing,
     Section,
@@ -20,12 +21,14 @@ from .listing import (
 )
 from .out_table import parse_listing
 from .tolerances import Tolerances
+from .vsdf_listing import parse_vsdf
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MARK_OF_FAILURE = {
     YOUNG_TABLE: "CONVERGENCE FAILED",
     DAFMS_ECHO: "a note of failure",
     DAFMS_SERIES: "the note of a stop",
+    VSDF_LISTING: "THE RUN ENDED BEFORE THE LAST TIME",
 }
 # The parts of the sections that change sign with the Euler parameters.
 SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
@@ -94,11 +97,12 @@ def _read_listing(path):
     name = str(path)
     content = read_bytes(path)
     text = plain_text(content)
-    listing = parse_echo(name, text) or parse_listing(name, content) or parse_series(name, text)
+    listing = parse_echo(name, text) or parse_vsdf(name, text) or parse_listing(name, content)
+    listing = listing or parse_series(name, text)
     if listing is None:
         message = (
             "no OUT table is found in it: there is neither a line TIME= nor an echo of a YOUNG deck, "
-            "no echo of a DAFMS deck (==N==NDM==) and no time series of one"
+            "no echo of a DAFMS deck (==N==NDM==) and no time series of one, no listing of a VSDF deck"
         )
         raise TableError(name, [Fault("error", message)])
     return listing
@@ -205,10 +209,9 @@ def _describer(name, listing, pick, columns, shared, values):
     def describe(position, distance):
         row, column = position[0], columns[position[1]]
         line = pick[row]
-        item = f"{section.item} {section.index[line]}" if section.item else ""
         time = float(listing.time[section.step[line]])
         a, b = (float(block[row, column]) for block in values)
-        return Found(name, item, shared[column], time, a, b, distance)
+        return Found(name, section.name_of(line), shared[column], time, a, b, distance)
 
     return describe
 
@@ -242,8 +245,8 @@ def _report_lines(report, name, listings, rows, picks):
         alone = np.setdiff1d(np.flatnonzero(rank >= 0), picks[k])
         if alone.size:
             times = [f"t = {listing.time[section.step[n]]:.10g}" for n in alone]
-            numbers = [f"{section.item} {section.index[n]} at " if section.item else "" for n in alone]
-            places = list(map("".join, zip(numbers, times, strict=True)))
+            names = [section.name_of(n) for n in alone]
+            places = [f"{name} at {t}" if name else t for name, t in zip(names, times, strict=True)]
             lines = f"{name}: {alone.size} lines of {listing.name} are not in {other.name}"
             report.missing.append(f"{lines}: {_few(places)}")
 

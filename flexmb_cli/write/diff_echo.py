@@ -7,7 +7,7 @@ import numpy as np
 from .diff_report import Found, Report
 from .fortran_words import overflows
 from .known_errors import SINGLE_PRECISION, single_precision
-from .listing import DAFMS_ECHO, EchoLine, Listing
+from .listing import DAFMS_ECHO, YOUNG_TABLE, EchoLine, Listing
 from .tolerances import Tolerances
 
 
@@ -15,11 +15,10 @@ def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances)
     """Compare what two listings of the same form print of their decks."""
     if a.form == DAFMS_ECHO:
         _compare_tags(report, a, b, tolerances)
-    elif not tolerances.of("echo").ignores:
-        if [len(line.values) for line in a.echo] == [len(line.values) for line in b.echo]:
-            _compare_lines(report, a.echo, b.echo, tolerances)
-        else:
-            report.missing.append(_sentence(a, b))
+    else:
+        for kind in dict.fromkeys(line.kind for line in (*a.echo, *b.echo)):
+            if not tolerances.of(kind).ignores:
+                _compare_head(report, kind, a, b, tolerances)
 
 
 def as_stars(a: np.ndarray, b: np.ndarray, edit_of) -> tuple[np.ndarray, np.ndarray]:
@@ -30,6 +29,21 @@ def as_stars(a: np.ndarray, b: np.ndarray, edit_of) -> tuple[np.ndarray, np.ndar
             if overflows(float(other[place]), edit_of(place)):
                 other[place] = one[place]
     return a, b
+
+
+def _compare_head(report, kind, a, b, tolerances):
+    """Number by number, when both have as many on every line."""
+    lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
+    counts = [[len(line.values) for line in part] for part in lines]
+    if counts[0] == counts[1]:
+        _compare_lines(report, *lines, tolerances, a.form == YOUNG_TABLE)
+        return
+    title = "echo of the input" if kind == "echo" else kind
+    sums = [sum(part) for part in counts]
+    if sums[0] != sums[1]:
+        report.missing.append(f"{title}: {sums[0]} numbers in {a.name}, {sums[1]} in {b.name}")
+    else:
+        report.missing.append(f"{title}: the numbers of {a.name} and {b.name} stand on different lines")
 
 
 def _compare_tags(report, a, b, tolerances):
@@ -59,12 +73,12 @@ def _heading(listing):
     return next(iter(listing.headings), "")
 
 
-def _compare_lines(report, lines_a, lines_b, tolerances):
-    """Lines with the same numbers of numbers, kind by kind."""
+def _compare_lines(report, lines_a, lines_b, tolerances, rounded=False):
+    """Lines with as many numbers, kind by kind; `rounded`: older programs chose fewer decimals."""
     flat = _flattened(lines_a), _flattened(lines_b)
     order = sorted(range(len(flat[0])), key=lambda k: flat[0][k][0].kind)
     for kind, group in groupby(order, key=lambda k: flat[0][k][0].kind):
-        _compare_kind(report, kind, list(group), flat, tolerances.of(kind))
+        _compare_kind(report, kind, list(group), flat, tolerances.of(kind), rounded)
 
 
 def _flattened(lines):
@@ -72,15 +86,13 @@ def _flattened(lines):
     return [(line, place) for line in lines for place in range(len(line.values))]
 
 
-def _compare_kind(report, kind, chosen, flat, tolerance):
+def _compare_kind(report, kind, chosen, flat, tolerance, rounded):
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
     units = [np.array([line.units[n] for line, n in part]) for part in (places, others)]
     unit = np.maximum(*units)
-    slack, known = np.where(units[0] == units[1], 0.0, 0.5 * unit), ()
+    slack, known = np.where((units[0] != units[1]) & rounded, 0.5 * unit, 0.0), ()
     if places[0][0].edits:
-        # FORMATs print a fixed number of digits: units differ only with the exponents of the numbers.
-        slack = np.zeros(len(unit))
         a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
         if report.explaining:
             known = ((SINGLE_PRECISION, single_precision(a, b, unit)),)
@@ -90,10 +102,3 @@ def _compare_kind(report, kind, chosen, flat, tolerance):
         return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)
 
     report.compare(kind, a, b, tolerance, describe, unit, slack, known)
-
-
-def _sentence(a, b):
-    counts = [sum(len(line.values) for line in x.echo) for x in (a, b)]
-    if counts[0] != counts[1]:
-        return f"echo of the input: {counts[0]} numbers in {a.name}, {counts[1]} in {b.name}"
-    return f"echo of the input: the numbers of {a.name} and {b.name} stand on different lines"

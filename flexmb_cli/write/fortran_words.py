@@ -15,6 +15,7 @@ _WORDS = {
     "f": re.compile(r"[-+]?(\d+\.?\d*|\.\d+)|\*+|[-+]?(nan|inf(inity)?)", re.IGNORECASE),
     "e": re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([ed]?[-+]?\d+)?|\*+|[-+]?(nan|inf(inity)?)", re.IGNORECASE),
 }
+_WORDS["E"] = _WORDS["e"]
 _BARE_EXPONENT = re.compile(r"([\d.])([-+]\d+)$")
 
 

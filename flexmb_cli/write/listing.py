@@ -1,7 +1,7 @@
 """A printed listing as numbers: what the readers of the dialects yield and `diff` compares."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from .fortran_format import Edit
 LARGEST_INDEX = 99999
 
 YOUNG_TABLE, DAFMS_ECHO, DAFMS_SERIES = "YOUNG OUT table", "echo of a DAFMS deck", "DAFMS time series"
+VSDF_LISTING = "listing of a VSDF deck"
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,12 @@ class Section:
     units: np.ndarray  # (columns,) or (lines, columns) one unit of the last printed digit
     item: str  # what the lines are of: body, point; empty when there is one line a row
     edits: tuple[Edit, ...] = ()  # of the columns, where an overfull field prints stars
+    labels: dict[int, str] = field(default_factory=dict)  # names of what `index` counts, if not `item` n
+
+    def name_of(self, line: int) -> str:
+        """Name of what a line is of; empty when there is one line a row."""
+        number = int(self.index[line])
+        return self.labels.get(number, f"{self.item} {number}" if self.item else "")
 
 
 @dataclass(frozen=True)
@@ -44,7 +51,7 @@ class EchoLine:
     def where(self, place: int) -> tuple[str, str, str]:
         """Section, item and column of one of its numbers, for a reader."""
         if not self.edits:
-            return "echo", self.title, ""
+            return self.kind, self.title, ""
         column = self.columns[place] if self.columns else f"number {place + 1}"
         return self.title, f"line {self.line}", column
 
