@@ -28,8 +28,8 @@ def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -
     from ..write.hdf5_flexible import flexible_layout, flexible_values
     from ..write.vsdf import VsdfTable
 
-    tell_of_compiling(listener, "constrained_march.march_rows")
     analysis = FlexibleDynamics(mechanism)
+    tell_of_compiling(listener, analysis.stepper.entry)
 
     def constraints():
         found = analysis.found

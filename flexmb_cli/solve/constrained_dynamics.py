@@ -14,8 +14,8 @@ from .dynamic_rows import DynamicRows, dynamic_rows
 class ForwardDynamics(ConstrainedMotion):
     """One run over the report times of a dynamic model."""
 
-    def __init__(self, model: DynamicModel):
-        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance)
+    def __init__(self, model: DynamicModel, stepper=None):
+        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, stepper)
         self.model = model
         self.mechanism = model.mechanism
         self.velocities = model.velocities

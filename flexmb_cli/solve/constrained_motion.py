@@ -13,6 +13,7 @@ from ..model.system_arrays import SystemArrays
 from .constrained_start import inertia_failure, order_of_elimination, start_speeds
 from .constrained_system import blank_report, constrained_system, new_work
 from .diagnosis import Gap, Mobility
+from .steppers import ExplicitSteps
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
@@ -20,7 +21,7 @@ SHOWN_OWNERS = 6
 
 
 class ConstrainedMotion:
-    """One run over the times of `grid`; `stepper` is the kernel module that marches.
+    """One run over the times of `grid`; `stepper`: one of `steppers`, by default the explicit one.
 
     A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it, and
     `block(report)`, the rows it yields.  `warnings` fills while the run goes on; `found` is what `start`
@@ -30,16 +31,16 @@ class ConstrainedMotion:
     velocities = ()
     turns_in_body_axes = False
 
-    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, stepper=constrained_march):
+    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, stepper=None):
         self.arrays = arrays
         self.grid = grid
-        self.stepper = stepper
+        self.stepper = stepper or ExplicitSteps()
         self.system = constrained_system(arrays)
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
         self.found: Mobility | None = None
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
-        self.march = stepper.new_march(coordinates + n + 1, arrays.turns.size)
+        self.march = self.stepper.new_march(self.work, arrays.turns.size)
         self.march.units[:coordinates] = arrays.coordinate_scale
         self.march.units[coordinates : coordinates + n] = arrays.speed_scale
         self.clock = self.march.clock
@@ -64,6 +65,7 @@ class ConstrainedMotion:
             row += filled
             if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
                 raise self._failure(answer)
+        self.warnings += self.stepper.doubts(self.clock[0])
 
     def start(self) -> Mobility:
         """Assemble positions and speeds at the first time and choose the first step.
