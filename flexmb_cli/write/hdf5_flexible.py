@@ -5,7 +5,7 @@ import numpy as np
 from ..model.flexible_mechanism import FlexibleMechanism
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
-from .result_geometry import SIDE, gravity, joint_geometry, point_bodies
+from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 
 JOINT_VECTOR = ("joint/joint", "xyz")
 FORCES = {
@@ -50,7 +50,8 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     ):
         if items:
             axes.append(numbered_axis(kind, [item.name for item in items]))
-    axes += [_mode_axis(body) for body in _flexible(mechanism)]
+    for body in _flexible(mechanism):
+        axes += [_mode_axis(body), _node_axis(body)]
     present = {axis.path for axis in axes}
     series = [item for item in _named().values() if present.issuperset(item.axes)]
     for body in _flexible(mechanism):
@@ -84,12 +85,18 @@ def _mode_axis(body):
     return Axis(f"modal/{body.name}/mode", tuple(range(1, body.modes + 1)), f"mode of {body.name}")
 
 
+def _node_axis(body):
+    numbers = tuple(map(int, body.flexible.numbers))
+    return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
+
+
 def _constants(mechanism):
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"
         frequencies = np.array(body.flexible.frequencies)
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
+        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])
     if mechanism.joints:

@@ -83,6 +83,20 @@ def node_geometry(body: str, positions) -> Constant:
     return Constant(f"elastic/{body}/node_position", axes, np.array(positions, float), "m", meaning)
 
 
+def shape_geometry(body: str, r0: np.ndarray, Phi: np.ndarray) -> tuple[Constant, ...]:
+    """Undeformed nodes `r0` (n, 3) and the modes `Phi` (3 n, N) of a body whose amplitudes are kept.
+
+    shape @ amplitude is the displacement of the nodes, body axes.
+    """
+    axes = (f"elastic/{body}/node", XYZ.path, f"modal/{body}/mode")
+    meaning = f"displacement of the nodes of {body} per unit of each mode, axes of the body"
+    shape = Phi.reshape(len(r0), 3, -1)
+    return (
+        node_geometry(body, r0),
+        Constant(f"elastic/{body}/shape", axes, shape, "1 or m", meaning),
+    )
+
+
 def _closed_points(tree: Tree, closure: Closure):
     sides = ((closure.a, closure.a_node, closure.a_point), (closure.b, closure.b_node, closure.b_point))
     return [

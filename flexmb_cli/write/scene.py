@@ -170,7 +170,12 @@ def _names(result, kind):
 def _nodes(result, names, rows):
     """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3)."""
     for number, name in enumerate(names, start=1):
-        group = result.get(f"elastic/{name}", {})
-        if "node_position" in group and "displacement" in group:
-            undeformed = group["node_position"][:]
+        group, amplitude = result.get(f"elastic/{name}", {}), f"modal/{name}/amplitude"
+        if "node_position" not in group:
+            continue
+        undeformed = group["node_position"][:]
+        if "displacement" in group:
             yield number, (undeformed, undeformed + group["displacement"][rows])
+        elif "shape" in group and amplitude in result:
+            moved = np.einsum("nxm,tm->tnx", group["shape"][:], result[amplitude][rows])
+            yield number, (undeformed, undeformed + moved)
