@@ -1,5 +1,7 @@
 """Compare two HDF5 results dataset by dataset, a part of the rows at a time."""
 
+import math
+
 import h5py
 import numpy as np
 
@@ -9,7 +11,8 @@ from .listing import TableError
 from .tolerances import Tolerances
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
-ROWS_AT_ONCE = 65536
+# So many numbers are compared at once: results may be larger than the memory.
+NUMBERS_AT_ONCE = 2**21
 
 KIND_OF = {
     "time": "time",
@@ -47,7 +50,7 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
         for name in COMPARED_ATTRIBUTES:
             if a.attrs.get(name) != b.attrs.get(name):
                 report.missing.append(f"{name}: {a.attrs.get(name)} against {b.attrs.get(name)}")
-        flips = _flips(a, b) if same_attitude else None
+        flips = same_attitude and _have_attitudes(a, b)
         names = _datasets(a), _datasets(b)
         for name in [*names[0], *(name for name in names[1] if name not in names[0])]:
             tolerance = tolerances.of(kind_of(name))
@@ -96,11 +99,12 @@ def _compare_dataset(report, name, a, b, tolerance, flips):
     elif first.ndim == 0:
         _compare_part(report, name, a, slice(0, 0), (first[()], second[()]), tolerance)
     else:
-        for start in range(0, rows, ROWS_AT_ONCE):
-            part = slice(start, min(start + ROWS_AT_ONCE, rows))
+        block = max(1, NUMBERS_AT_ONCE // max(1, math.prod(first.shape[1:])))
+        for start in range(0, rows, block):
+            part = slice(start, min(start + block, rows))
             values = first[part], second[part]
-            if flips is not None and name in SIGNED:
-                values = values[0], values[1] * flips[part, :, None]
+            if flips and name in SIGNED:
+                values = values[0], values[1] * _signs(a, b, part)
             _compare_part(report, name, a, part, values, tolerance)
 
 
@@ -153,14 +157,16 @@ def _label(scale, number):
     return f"{scale.name.rpartition('/')[2]} {scale[number]:g}"
 
 
-def _flips(a, b):
-    """Signs (rows, bodies) that turn b's Euler parameters towards a's; None when they cannot be compared."""
+def _have_attitudes(a, b):
     name = SIGNED[0]
-    if name not in a or name not in b or a[name].shape[1:] != b[name].shape[1:]:
-        return None
-    rows = min(len(a[name]), len(b[name]))
+    return name in a and name in b and a[name].shape[1:] == b[name].shape[1:]
+
+
+def _signs(a, b, part):
+    """Signs (rows, bodies, 1) that turn b's Euler parameters towards a's."""
     with np.errstate(invalid="ignore"):
-        return np.where((a[name][:rows] * b[name][:rows]).sum(axis=2) < 0, -1.0, 1.0)
+        against = (a[SIGNED[0]][part] * b[SIGNED[0]][part]).sum(axis=2, keepdims=True) < 0
+    return np.where(against, -1.0, 1.0)
 
 
 def _is_number(dataset):

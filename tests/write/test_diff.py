@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+import tracemalloc
 from dataclasses import replace
 
 import h5py
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from results import SERIES, write_result
 
+from flexmb_cli.write import diff_hdf5
 from flexmb_cli.write.diff import compare
 from flexmb_cli.write.diff_hdf5 import kind_of
 from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
@@ -519,3 +521,18 @@ def test_fewer_decimals_agree_when_they_are_the_rounded_ones(table, rows):
     assert b.read_text() != text
     assert compare(a, b).equal
     assert compare(a, c).tallies["position"].differing > 0
+
+
+def test_comparing_results_takes_no_more_memory_than_a_part_of_them(tmp_path, monkeypatch):
+    monkeypatch.setattr(diff_hdf5, "NUMBERS_AT_ONCE", 2**16)
+
+    def peak(rows):
+        path = write_result(tmp_path / f"{rows}.h5", rows)
+        tracemalloc.start()
+        assert compare(path, path, same_attitude=True).equal
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    # Twelve Euler parameters a row are the largest dataset: a part is 5461 rows of them.
+    assert peak(44000) < 1.2 * peak(22000)
