@@ -33,7 +33,7 @@ def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -
 
     def constraints():
         found = analysis.found
-        return found.equations, found.coordinates, found.rank, found.smallest
+        return found and (found.equations, found.coordinates, found.rank, found.smallest)
 
     contents = Contents(
         lambda: flexible_layout(mechanism),

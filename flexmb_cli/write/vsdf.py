@@ -11,7 +11,8 @@ _RULE = "*" * 78
 class VsdfTable:
     """The listing in the making.
 
-    `constraints()` tells (equations, speeds, rank, smallest singular value) once rows are there.
+    `constraints()` tells (equations, speeds, rank, smallest singular value), or None where the mechanism
+    could not be assembled.
     """
 
     def __init__(self, stream, deck: Deck, layout: str, mechanism: FlexibleMechanism, constraints):
@@ -36,7 +37,11 @@ class VsdfTable:
                 return
 
     def _constraint_lines(self):
-        equations, speeds, rank, smallest = self.constraints()
+        found = self.constraints()
+        if found is None:
+            yield "  the mechanism could not be assembled"
+            return
+        equations, speeds, rank, smallest = found
         yield f"  constraint equations {equations}, independent {rank}, speeds {speeds}"
         yield f"  degrees of freedom {speeds - rank}, smallest singular value {smallest:.3E}"
 
