@@ -21,6 +21,7 @@ from .report import report
 from .run import run
 from .sweep import sweep
 from .table import table
+from .verify import verify
 
 
 class Group(click.Group):
@@ -43,7 +44,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, modes, diff, table, plot, report, sweep, beam):
+for command in (run, check, verify, modes, diff, table, plot, report, sweep, beam):
     cli.add_command(command)
 
 

@@ -34,6 +34,8 @@ TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 @click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (1e-9).")
 @click.option("--method", type=click.Choice(["dop853", "radau", "lsoda", "sdirk4"]),
               help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
+@click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
+              help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
 def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     """Solve every DECK and write its OUT table and HDF5 result.
@@ -45,6 +47,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     from ..run.outcome import RunOptions
 
     _refuse_mixed_output(as_json, options)
+    _refuse_foreign_resume(options)
     solver = _given(options, tolerance="feps", smallest_pivot="epslu", most_iterations="nrmax")
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     choices = RunOptions(changes=changes, solver=solver, integration=integration, echo=echo, **options)
@@ -68,6 +71,13 @@ def _refuse_mixed_output(as_json, options):
         raise click.UsageError("--out - and --json both take standard output; give --out a file")
     if options["h5"] == "-":
         raise click.UsageError("--h5 needs a file: an HDF5 result cannot go to standard output")
+
+
+def _refuse_foreign_resume(options):
+    if options["resume"] and options["formulation"] == "absolute":
+        raise click.UsageError(
+            "--resume goes with --formulation kane: the other one leaves nothing to resume"
+        )
 
 
 def _given(options, **names):

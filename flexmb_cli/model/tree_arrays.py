@@ -155,7 +155,7 @@ def _elastic_bodies(tree, index, of_body):
 def _stiffening(tree, k):
     """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
     elastic = tree.bodies[k].elastic
-    masses = elastic.masses + _hanging_masses(tree, k)
+    masses = elastic.masses + hanging_masses(tree, k)
     direction = beam_direction(elastic.positions, elastic.stiffened_from)
     return np.array(
         [
@@ -167,7 +167,7 @@ def _stiffening(tree, k):
     )
 
 
-def _hanging_masses(tree, k):
+def hanging_masses(tree, k):
     """Mass of all bodies beyond each node of body k (NP,), kg."""
     carried = np.array([body.mass for body in tree.bodies])
     hanging = np.zeros(len(tree.bodies[k].elastic.masses))

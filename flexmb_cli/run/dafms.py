@@ -1,16 +1,16 @@
 """A DAFMS deck from its records to FMBD.OUT echo, series of units 2 and 3, and HDF5 result."""
 
-import numpy as np
-
 from .. import __version__
-from ..errors import AnalysisError, OutputError
+from ..errors import AnalysisError, Fault, OutputError
 from ..model.tree import Tree
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
+from .absolute_march import AbsoluteMarch
 from .checkpoint import Journal
 from .compiling import tell_of_compiling
 from .dafms_tree import tree_of
-from .outcome import Outcome, RunOptions
+from .energy_drift import EnergyDrift
+from .outcome import ABSOLUTE, Outcome, RunOptions, refuse_warnings
 
 
 def run_dafms(
@@ -21,11 +21,16 @@ def run_dafms(
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
     tree = tree_of(deck, options, outcome)
-    journal = Journal(paths.resume, identity_of(deck, tree, options))
+    absolute = options.formulation == ABSOLUTE
+    # The march in absolute coordinates has no checkpoints.
+    journal = Journal(None if absolute else paths.resume, identity_of(deck, tree, options))
     if options.resume:
         journal.find()
+    if absolute:
+        outcome.faults += _doubts(tree)
+        refuse_warnings(outcome, options)
+    march = AbsoluteMarch(tree, listener) if absolute else _March(tree, journal, listener)
     files = _ResultFiles(deck, tree, paths, options, stdout)
-    march = _March(tree, journal, listener)
     try:
         listener.begin(tree.time.rows)
         journal.begin(files.unfinished)
@@ -55,6 +60,13 @@ def run_dafms(
     journal.remove()
 
 
+def _doubts(tree):
+    """The choice of an integrator is one of Kane's equations."""
+    if tree.integration.method != "dop853":
+        message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
+        yield Fault("warning", message)
+
+
 def identity_of(deck: Deck, tree: Tree, options: RunOptions) -> dict:
     """All that the numbers of a run depend on: only the same run can be resumed."""
     return {
@@ -76,7 +88,7 @@ class _March:
         self.journal = journal
         self.listener = listener
         self.analysis = None
-        self.drift = _EnergyDrift()
+        self.drift = EnergyDrift()
 
     def blocks(self, resume):
         """Yield report rows by the paths of their datasets; those computed are in the journal before."""
@@ -121,26 +133,6 @@ class _March:
         aim = grid.time(min(self.analysis.row, grid.rows - 1))
         state = self.analysis.state[: 2 * len(self.tree.coordinates)]
         return float(clock["rtol"]), aim, float(clock["step"]), float(clock["t"]), state
-
-
-class _EnergyDrift:
-    """How far the total energy has moved from its first value, and what it may be measured against."""
-
-    def __init__(self):
-        self.first = None
-        self.largest = self.scale = 0.0
-
-    def add(self, values):
-        total = values["energy/total"]
-        self.first = total[0] if self.first is None else self.first
-        self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
-        moved = values["energy/kinetic"] + values["energy/strain"]
-        self.scale = max(self.scale, float(np.max(moved)))
-
-    def __str__(self):
-        return (
-            f"total energy drifts by {self.largest:.1e} J, kinetic and strain energy reach {self.scale:.2g} J"
-        )
 
 
 class _ResultFiles:

@@ -10,7 +10,7 @@ from ..read.text import read_text
 from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
-from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
+from .outcome import ABSOLUTE, INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
 from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
 
@@ -32,7 +32,7 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
         runner = RUNNERS[deck.dialect]
         runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
     except FlexmbError as failure:
-        _record(outcome, failure, options)
+        record_failure(outcome, failure, options)
     except KeyboardInterrupt:
         outcome.exit_code = INTERRUPTED
     except Terminated:
@@ -56,6 +56,8 @@ def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -
     foreign = []
     if deck.dialect != "young" and options.solver:
         foreign.append("--feps, --epslu and --nrmax are for YOUNG decks")
+    if deck.dialect != "dafms" and options.formulation == ABSOLUTE:
+        foreign.append("--formulation is for DAFMS decks")
     if deck.dialect == "young" and (options.integration or options.resume):
         foreign.append("--rtol, --atol, --method and --resume are for DAFMS decks")
     outcome.faults += [Fault("warning", f"{sentence} and have no effect here") for sentence in foreign]
@@ -84,7 +86,8 @@ def _by_change(fault, options):
     return fault
 
 
-def _record(outcome, failure: FlexmbError, options):
+def record_failure(outcome: Outcome, failure: FlexmbError, options: RunOptions) -> None:
+    """Put a failure and its exit code into `outcome`; a fault of flexmb itself is raised again."""
     known = set(outcome.faults)
     faults = [fault for fault in failure.faults if fault not in known]
     if isinstance(failure, ModelError):

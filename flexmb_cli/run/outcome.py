@@ -8,6 +8,8 @@ from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
 
+KANE, ABSOLUTE = "kane", "absolute"
+
 
 class Terminated(BaseException):
     """SIGTERM, raised where the program happens to be; like KeyboardInterrupt no Exception."""
@@ -17,7 +19,8 @@ class Terminated(BaseException):
 class RunOptions:
     """The options of `flexmb run` that concern one deck.
 
-    `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`.
+    `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
+    a tree: KANE or ABSOLUTE.
     """
 
     dialect: str = "auto"
@@ -32,6 +35,7 @@ class RunOptions:
     solver: dict = field(default_factory=dict)
     integration: dict = field(default_factory=dict)
     resume: bool = False
+    formulation: str = KANE
     echo: bool = False
 
 

@@ -71,7 +71,7 @@ def _hinge_point(tree, rows, k, elastic):
 
 def _carried(rows, k, place, rate, second):
     """Motion of points at `place` (T, n, 3) in the axes of body k, moving there with `rate`, `second`."""
-    axes = _rotations(rows.euler_parameters[:, k])
+    axes = rotation_matrices(rows.euler_parameters[:, k])
     r, slide, push = (np.einsum("tij,tnj->tni", axes, values) for values in (place, rate, second))
     omega, alpha = rows.angular_velocity[:, None, k], rows.angular_acceleration[:, None, k]
     swept = np.cross(omega, r)
@@ -82,7 +82,7 @@ def _carried(rows, k, place, rate, second):
     )
 
 
-def _rotations(p):
+def rotation_matrices(p):
     """Rotation matrices (T, 3, 3), body axes to global axes, of Euler parameters (T, 4)."""
     e0, e = p[:, 0, None, None], p[:, 1:]
     turn = np.zeros((len(p), 3, 3))

@@ -55,7 +55,7 @@ def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray
     bodies = observed.frames[:, body_frames(arrays)]
     axes = bodies["axes"].reshape(len(states), -1, 3, 3)
     q = states[:, n : 2 * n]
-    displacement = _displacements(tree, q)
+    displacement = displacements(tree, q)
     return TreeRows(
         time=observed.times,
         q=q,
@@ -68,7 +68,7 @@ def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray
         angular_velocity=bodies["angular"],
         angular_acceleration=bodies["acceleration"][..., :3],
         displacement=displacement,
-        node_position=_node_positions(tree, bodies["position"], axes, displacement),
+        node_position=node_positions(tree, bodies["position"], axes, displacement),
         kinetic=audit[:, 0],
         potential=audit[:, 1],
         strain=audit[:, 2],
@@ -88,8 +88,8 @@ def _closure_forces(tree, rows):
     return np.stack(sums, axis=1) if sums else np.zeros((len(rows), 0, 3))
 
 
-def _displacements(tree, q):
-    """Nodal displacements (T, nodes, 3) of each flexible body, 0 along held axes."""
+def displacements(tree: Tree, q) -> tuple[np.ndarray, ...]:
+    """Nodal displacements (T, nodes, 3) of each flexible body, 0 along held axes; q (T, NS)."""
     out = {
         k: np.zeros((len(q), len(body.elastic.masses), 3))
         for k, body in enumerate(tree.bodies)
@@ -101,7 +101,8 @@ def _displacements(tree, q):
     return tuple(out.values())
 
 
-def _node_positions(tree, position, axes, displacement):
+def node_positions(tree, position, axes, displacement):
+    """Places (T, n, 3) of the nodes of all flexible bodies; position (T, N, 3), axes (T, N, 3, 3)."""
     flexible = [k for k, body in enumerate(tree.bodies) if body.elastic is not None]
     places = [
         position[:, None, k] + np.einsum("tij,tnj->tni", axes[:, k], tree.bodies[k].elastic.positions + u)

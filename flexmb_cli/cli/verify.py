@@ -1,0 +1,47 @@
+"""`flexmb verify`: one deck by two formulations."""
+
+import json
+import sys
+
+import click
+
+from .deck_options import DECK, deck_options, show_faults
+from .finite import Finite
+
+TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
+
+
+@click.command()
+@DECK
+@deck_options
+@click.option("--tol", "tolerance", type=TOLERANCE, default=1e-6, show_default=True,
+              help="Largest difference, as a share of the largest value of its kind.")  # fmt: skip
+@click.option("--rtol", type=TOLERANCE, help="Relative tolerance of a step (1e-11).")
+@click.option("--atol", type=TOLERANCE, help="Absolute tolerance of a step (1e-11).")
+def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **options):
+    """Run every DAFMS DECK by Kane's equations and in absolute coordinates, and compare; writes nothing.
+
+    \b
+    Example:
+        flexmb verify decks/dafms/two_link_n2.DAT
+    """
+    from ..run.outcome import RunOptions
+    from ..run.verify import verify_deck
+    from ..write.verify_text import verify_text
+
+    steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
+    choices = RunOptions(changes=changes, integration=steps, echo=echo, **options)
+    codes = []
+    for path in decks:
+        found = verify_deck(path, choices, tolerance)
+        if found.outcome.echo:
+            click.echo(found.outcome.echo, err=True, nl=False)
+        show_faults(found.outcome, quiet)
+        if as_json:
+            click.echo(json.dumps(found.as_dict()))
+        elif found.differences and not quiet:
+            click.echo(verify_text(found), nl=False)
+        codes.append(found.outcome.exit_code)
+        if codes[-1] > 128:
+            break
+    sys.exit(max(codes))

@@ -1,0 +1,77 @@
+"""A body of a tree as a body in its floating frame: the nodes' displacements are its modal coordinates.
+
+What the nodes leave of the mass and the inertia stays with the frame, which is clamped to the body's root.
+"""
+
+import numpy as np
+from scipy import sparse
+
+from ..model.absolute_tree import Rider, shape_of
+from ..model.flexible_body import FlexibleBody
+from ..model.flexible_mechanism import FloatingBody
+from ..model.geometric_stiffness import across, beam_direction, geometric_stiffness
+from ..model.tree import Tree
+from ..model.tree_arrays import hanging_masses
+from ..model.tree_poses import Pose
+from .build_mechanism import euler_parameters
+from .invariants import inertia_invariants
+
+
+def floating_body(tree: Tree, k: int, pose: Pose) -> FloatingBody:
+    """Body k of a tree in its frame at O_k."""
+    body = tree.bodies[k]
+    flexible = None if body.elastic is None else lumped_body(tree, k)
+    s0 = body.mass * np.array(body.centre, float) if flexible is None else flexible.s0
+    inertia = np.array(body.inertia, float)
+    stiffened = flexible is not None and flexible.KG.size > 0
+    return FloatingBody(
+        body.name, *_motion(pose), body.mass, s0, inertia, flexible, stiffened, place=body.place
+    )
+
+
+def massless_body(rider: Rider, pose: Pose) -> FloatingBody:
+    """A rider: its hinge to the body it sits on leaves it no motion of its own."""
+    return FloatingBody(rider.name, *_motion(pose), 0.0, np.zeros(3), np.zeros((3, 3)))
+
+
+def _motion(pose):
+    return pose.r, euler_parameters(pose.A), pose.v, pose.A.T @ pose.w
+
+
+def lumped_body(tree: Tree, k: int) -> FlexibleBody:
+    """The flexible body k of a tree, its NM elastic coordinates as modal ones."""
+    body, elastic = tree.bodies[k], tree.bodies[k].elastic
+    count, N = len(elastic.masses), elastic.coordinates
+    Phi = np.vstack([shape_of(elastic, node) for node in range(count)])
+    found = inertia_invariants(elastic.positions, Phi, sparse.diags(elastic.masses))
+    # Of these two the nodes are not the whole.
+    found |= {"m": body.mass, "J0": np.array(body.inertia, float)}
+    unknown = np.full((N, 6), np.nan)
+    return FlexibleBody(
+        name=body.name,
+        numbers=np.arange(1, count + 1),
+        r0=elastic.positions,
+        origin=np.zeros(3),
+        axes=np.eye(3),
+        Phi=Phi,
+        **found,
+        Kr=elastic.stiffness,
+        Dr=np.zeros((N, N)) if elastic.damping is None else elastic.damping,
+        KG=_stiffening(tree, k),
+        frequencies=unknown[:, 0],
+        effective_mass=unknown,
+        effective_limit=unknown[0],
+        mass_deviation=0.0,
+        rigid_residual=0.0,
+    )
+
+
+def _stiffening(tree, k):
+    """KG (3, 3, NM, NM): a pull by w² - (w d)² along the beam d; empty for a body that is not stiffened."""
+    elastic = tree.bodies[k].elastic
+    if elastic.stiffened_from is None:
+        return np.zeros((0, 0, elastic.coordinates, elastic.coordinates))
+    d = beam_direction(elastic.positions, elastic.stiffened_from)
+    pulls = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ d)
+    matrix = across(geometric_stiffness(elastic.positions, elastic.stiffened_from, pulls), d, elastic.axes)
+    return -np.multiply.outer(np.outer(d, d), matrix)

@@ -1,0 +1,24 @@
+"""How far the total energy of a run strays, for the statistics of -v."""
+
+import numpy as np
+
+
+class EnergyDrift:
+    """How far the total energy has moved from its first value, and what it may be measured against."""
+
+    def __init__(self):
+        self.first = None
+        self.largest = self.scale = 0.0
+
+    def add(self, values):
+        """Take in a block of rows, by the paths of their datasets."""
+        total = values["energy/total"]
+        self.first = total[0] if self.first is None else self.first
+        self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
+        moved = values["energy/kinetic"] + values["energy/strain"]
+        self.scale = max(self.scale, float(np.max(moved)))
+
+    def __str__(self):
+        return (
+            f"total energy drifts by {self.largest:.1e} J, kinetic and strain energy reach {self.scale:.2g} J"
+        )

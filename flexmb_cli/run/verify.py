@@ -1,0 +1,169 @@
+"""Both formulations of a DAFMS deck, and how far their motions lie apart."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import ANALYSIS_FAILED, Fault, FlexmbError, ModelError
+from ..model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
+from ..write.echo import echo
+from .absolute_march import AbsoluteMarch
+from .dafms_tree import tree_of
+from .deck import open_deck, record_failure
+from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
+
+# Both march more closely than they are compared.
+RTOL = ATOL = 1e-11
+
+ENERGIES = ("kinetic", "potential", "strain", "total")
+POINTS = {"position": "m", "velocity": "m/s"}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Largest difference of a quantity over the run, at a time, s, and the largest value of its kind."""
+
+    name: str
+    unit: str
+    difference: float
+    scale: float
+    time: float
+
+    @property
+    def relative(self) -> float:
+        """The difference as a share of the scale; of what is always zero, the difference."""
+        return self.difference / self.scale if self.scale else self.difference
+
+
+@dataclass
+class Verification:
+    """What a comparison found; `tolerance` is what a relative difference may reach."""
+
+    outcome: Outcome
+    tolerance: float
+    differences: tuple[Difference, ...] = ()
+
+    @property
+    def largest(self) -> Difference | None:
+        """The largest relative difference; None before anything was compared."""
+        return max(self.differences, key=lambda found: found.relative, default=None)
+
+    def as_dict(self) -> dict:
+        """The record that `--json` prints."""
+        rows = [
+            {
+                "quantity": found.name,
+                "unit": found.unit,
+                "difference": found.difference,
+                "scale": found.scale,
+                "relative": found.relative,
+                "time": found.time,
+            }
+            for found in self.differences
+        ]
+        agree = bool(rows) and self.outcome.exit_code == 0
+        return self.outcome.as_dict() | {"tolerance": self.tolerance, "agree": agree, "differences": rows}
+
+
+def verify_deck(
+    path: str, options: RunOptions, tolerance: float, listener: Listener | None = None
+) -> Verification:
+    """Run the DAFMS deck at `path` by Kane's equations and in absolute coordinates, and compare the motions.
+
+    The outcome's exit code is 1 when they lie further apart than `tolerance`.  Never raises for what a
+    deck can do.
+    """
+    found = Verification(Outcome(path), tolerance)
+    try:
+        tree = _tree(path, options, found.outcome)
+        found.differences = differences(tree, *_motions(tree, listener or Listener()))
+        found.outcome.rows = tree.time.rows
+        if not found.largest.relative <= tolerance:
+            found.outcome.exit_code = ANALYSIS_FAILED
+    except FlexmbError as failure:
+        record_failure(found.outcome, failure, options)
+    except KeyboardInterrupt:
+        found.outcome.exit_code = INTERRUPTED
+    except Terminated:
+        found.outcome.exit_code = TERMINATED
+    return found
+
+
+def _tree(path, options, outcome) -> Tree:
+    deck = open_deck(path, options, outcome)
+    if options.echo:
+        outcome.echo = echo(deck)
+    if deck.dialect != "dafms":
+        message = f"a deck of dialect {deck.dialect} has one formulation only: verify compares DAFMS decks"
+        raise ModelError([Fault("error", message)])
+    tree = tree_of(deck, options, outcome)
+    given = {"method": "dop853", "rtol": RTOL, "atol": ATOL} | options.integration
+    return replace(tree, integration=replace(tree.integration, **given))
+
+
+def _motions(tree, listener):
+    """Values of both formulations, whole runs by the paths of their datasets."""
+    from ..solve.tree_dynamics import TreeAnalysis
+    from ..solve.tree_points import point_motion
+    from ..write.hdf5_tree import tree_values
+    from .compiling import tell_of_compiling
+
+    absolute = AbsoluteMarch(tree, listener)
+    listener.begin(2 * tree.time.rows)
+    tell_of_compiling(listener, "tree_march.call")
+    blocks = [
+        tree_values(tree, rows, point_motion(tree, rows))
+        for rows in _heard(TreeAnalysis(tree).rows(), listener)
+    ]
+    return _joined(blocks), _joined(list(_heard(absolute.blocks(), listener)))
+
+
+def _heard(blocks, listener):
+    for block in blocks:
+        yield block
+        listener.advance(len(block["time"] if isinstance(block, dict) else block.time))
+
+
+def _joined(blocks):
+    return {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]}
+
+
+def differences(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
+    """What two motions of a tree differ in, quantity by quantity."""
+    found = [*_coordinates(tree, kane, absolute)]
+    for kind, unit in POINTS.items():
+        for place in ("body", "point"):
+            path = f"{place}/{kind}"
+            found.append(_largest(f"{place} {kind}", unit, kane, kane[path], absolute[path]))
+    attitudes = kane["body/euler_parameters"], absolute["body/euler_parameters"]
+    # p and -p are one attitude.
+    signs = np.where(np.sum(attitudes[0] * attitudes[1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
+    found.append(_largest("body attitude", "1", kane, attitudes[0], signs * attitudes[1]))
+    path = "body/angular_velocity"
+    found.append(_largest("body angular velocity", "rad/s", kane, kane[path], absolute[path]))
+    moved = max(np.max(np.abs(kane[f"energy/{name}"])) for name in ("kinetic", "strain"))
+    for name in ENERGIES:
+        pair = kane[f"energy/{name}"], absolute[f"energy/{name}"]
+        found.append(_largest(f"{name} energy", "J", kane, *pair, scale=moved))
+    return tuple(found)
+
+
+def _coordinates(tree, kane, absolute):
+    """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
+    kinds = np.array([c.motion for c in tree.coordinates])
+    ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
+    for kind, unit in ((ROTATION, "rad"), (TRANSLATION, "m"), (ELASTIC, "m")):
+        for path, name, per in (("coordinate/q", "coordinates", ""), ("coordinate/u", "speeds", "/s")):
+            own = kinds == kind
+            if path == "coordinate/q":
+                own &= ~np.array(ball, bool)
+            if own.any():
+                pair = kane[path][:, own], absolute[path][:, own]
+                yield _largest(f"{kind} {name}", unit + per, kane, *pair)
+
+
+def _largest(name, unit, kane, one, other, scale=None):
+    apart = np.abs(one - other).reshape(len(one), -1).max(axis=1)
+    row = int(np.argmax(apart))
+    scale = float(np.max(np.abs(one))) if scale is None else float(scale)
+    return Difference(name, unit, float(apart[row]), scale, float(kane["time"][row]))

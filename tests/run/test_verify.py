@@ -1,0 +1,81 @@
+"""Both formulations of the supplied DAFMS decks agree, and `flexmb verify` says so."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli import cli
+from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.run.verify import Difference, verify_deck
+from tests.run.dafms_runs import DECKS, NAMES, loaded, run
+
+COUPLED = [name for name in NAMES if not name.endswith("unco")]
+COMPARED = {"rotation speeds", "body position", "point velocity", "body attitude", "total energy"}
+
+
+def verified(name):
+    return verify_deck(str(DECKS / f"{name}.DAT"), RunOptions(), 1e-6)
+
+
+@pytest.mark.parametrize("name", COUPLED)
+def test_kane_and_absolute_coordinates_give_one_motion(name):
+    found = verified(name)
+    assert found.outcome.exit_code == 0, [each for each in found.differences if each.relative > 1e-6]
+    assert {each.name for each in found.differences} >= COMPARED
+    # Nothing stands still that should be compared.
+    assert all(each.scale > 0 for each in found.differences if each.name != "strain energy")
+
+
+def test_one_way_decks_are_refused():
+    found = verified("two_link_n2_unco")
+    assert found.outcome.exit_code == 2
+    assert "UNCO" in found.outcome.faults[-1].message
+
+
+def test_a_difference_beyond_the_tolerance_is_an_exit_of_1():
+    """Steps of 1e-4 leave differences that 1e-12 does not allow."""
+    steps = ["--rtol", "1e-4", "--atol", "1e-4", "--tol", "1e-12"]
+    result = CliRunner().invoke(cli, ["verify", str(DECKS / "sliding_mass.DAT"), *steps])
+    assert result.exit_code == 1
+    assert "beyond 1e-12" in result.stdout
+
+
+def test_json_holds_every_difference():
+    result = CliRunner().invoke(cli, ["verify", "--json", str(DECKS / "sliding_mass.DAT")])
+    record = json.loads(result.stdout)
+    assert (result.exit_code, record["agree"], record["tolerance"]) == (0, True, 1e-6)
+    for row in record["differences"]:
+        assert row["relative"] == row["difference"] / (row["scale"] or 1.0)
+
+
+def test_decks_of_other_dialects_are_refused():
+    result = CliRunner().invoke(cli, ["verify", "decks/young/IN4-BAR.dat"])
+    assert result.exit_code == 2
+    assert "a deck of dialect young has one formulation only" in result.stderr
+
+
+def test_a_share_of_what_is_always_zero_is_the_difference_itself():
+    assert Difference("x", "m", 0.5, 0.0, 0.0).relative == 0.5
+
+
+def test_a_run_in_absolute_coordinates_writes_the_files_of_the_deck(tmp_path):
+    """The series differ from Kane's by the tolerance of the steps."""
+    outcome = run("fourbar_flex", tmp_path / "absolute", formulation="absolute")
+    assert outcome.exit_code == 0
+    assert run("fourbar_flex", tmp_path / "kane").exit_code == 0
+    one, other = (loaded(tmp_path / kind, "fourbar_flex") for kind in ("kane", "absolute"))
+    assert one.keys() == other.keys()
+    for path in ("coordinate/q", "point/position", "reaction/force", "energy/total"):
+        assert np.max(np.abs(one[path] - other[path])) < 1e-5 * np.max(np.abs(one[path])), path
+    with h5py.File(tmp_path / "absolute" / "fourbar_flex.h5") as file:
+        assert file.attrs["status"] == "complete"
+
+
+def test_resume_goes_with_kane():
+    arguments = ["run", "--resume", "--formulation", "absolute", str(DECKS / "pendulum.DAT")]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 2
+    assert "--formulation kane" in result.stderr
