@@ -17,7 +17,7 @@ from .finite import Finite
 @click.option("--atol", type=Finite(0), help="Allow this distance.")
 @click.option("--rtol", type=Finite(0), help="Allow this part of the larger value.")
 @click.option("--tol", "kinds", multiple=True, metavar="KIND=ATOL[,RTOL]",
-              help="Tolerance of one kind of column (acceleration=1e-3); inf leaves it out.")  # fmt: skip
+              help="Tolerance of a kind of column (omega=1e-3); inf leaves it out.")  # fmt: skip
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip

@@ -23,6 +23,8 @@ FORMS = {
     "coordinate/q": ("coordinate.{0}", "coordinate.{0}.q"),
     "elastic/displacement": ("elastic.{item}.{0}.{1}", "elastic.{item}.{0}.displacement.{1}"),
 }
+MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
+MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal")
 
@@ -78,7 +80,7 @@ def families(result: h5py.File) -> list[Family]:
 
     result.visititems(note)
     labels = _Labels(result)
-    return [_family(result, path, labels) for path in (TIME, *paths)]
+    return [_family(result, path, labels) for path in (TIME, *sorted(paths, key=_rank))]
 
 
 def folded(text: str) -> str:
@@ -89,6 +91,12 @@ def folded(text: str) -> str:
 def _runs_along_time(dataset):
     along = dataset.ndim > 0 and len(dataset.dims[0]) > 0 and dataset.dims[0][0].name == f"/{TIME}"
     return along and np.issubdtype(dataset.dtype, np.number)
+
+
+def _rank(path):
+    """Motion in the order of its derivatives, all else by the alphabet."""
+    group, _, last = path.rpartition("/")
+    return group, MOTION.index(last) if last in MOTION else len(MOTION), last
 
 
 def _family(result, path, labels):

@@ -84,6 +84,16 @@ def test_columns_come_in_the_order_asked_and_once(result):
     assert values[:, -1].tolist() == (0.25 * np.arange(7)).tolist()
 
 
+def test_motion_is_listed_in_the_order_of_its_derivatives(result):
+    order = [quantity.name for quantity in resolve(result, ["body.1"])]
+    assert [name for name in order if name.endswith((".x", "0"))] == [
+        "body.1.x",
+        "body.1.e0",
+        "body.1.velocity.x",
+        "body.1.omega.x",
+    ]
+
+
 def test_every_listed_name_names_just_itself(result):
     listed = names(result)
     assert len(listed) == 1 + sum(result[series.path][0].size for series in SERIES)
