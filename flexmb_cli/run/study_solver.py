@@ -17,9 +17,10 @@ from .dafms_tree import dafms_solution
 from .outcome import Listener, Outcome, RunOptions
 from .study_cases import Cases
 from .young import Solution
+from .vsdf import vsdf_solution
 from .young_dynamics import young_solution
 
-SOLUTIONS: dict[str, Callable] = {"young": young_solution, "dafms": dafms_solution}
+SOLUTIONS: dict[str, Callable] = {"young": young_solution, "dafms": dafms_solution, "vsdf": vsdf_solution}
 MESSAGE_LENGTH = 2000
 _NO_SERIES = np.zeros((0, 0))
 
@@ -39,17 +40,18 @@ class CaseResult:
 
 @dataclass
 class CaseSolver:
-    """Solves cases of `study` on `deck`, which has been read already."""
+    """Solves cases of `study` on `deck`, which has been read already; files it names are in `folder`."""
 
     deck: Deck
     study: Study
+    folder: str
     options: RunOptions = field(default_factory=RunOptions)
 
     def __post_init__(self):
         self.cases = Cases(self.study)
         self._settable = SettableDeck(self.deck)
         self._refuse_unknown_numbers()
-        solution = self._solution(self.deck, Outcome(self.deck.source.name))
+        solution = self._solution(self.deck)
         self.rows = solution.rows
         self.quantities = _quantities(self.study, self.deck, solution)
         self.takes = [item.take for item in self.study.results]
@@ -65,7 +67,8 @@ class CaseSolver:
         if names:
             raise DeckError([Fault("error", self._settable.unknown(name)) for name in names])
 
-    def _solution(self, deck, outcome) -> Solution:
+    def _solution(self, deck) -> Solution:
+        outcome = Outcome(os.path.join(self.folder, deck.source.name))
         return SOLUTIONS[deck.dialect](deck, self.options, outcome, Listener())
 
     def solve(self, case: int) -> CaseResult:
@@ -73,7 +76,7 @@ class CaseSolver:
         taken, rows, code, message = self._nothing_taken(), 0, DONE, ""
         try:
             deck = self._settable.with_settings(self.cases.settings(case))
-            solution = self._solution(deck, Outcome(deck.source.name))
+            solution = self._solution(deck)
             self._refuse_other_grid(solution)
             for block in solution.analysis.rows():
                 values = solution.contents.values(block)

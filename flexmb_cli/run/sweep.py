@@ -12,7 +12,6 @@ from ..read.dialects import read_deck
 from ..read.study import Study
 from ..read.study_file import read_study
 from ..read.text import read_text
-from .outcome import RunOptions
 from .study_parts import Parts
 from .study_solver import CaseResult, CaseSolver
 
@@ -134,7 +133,7 @@ def solver_of(job: Job) -> CaseSolver:
 
 @lru_cache(maxsize=2)
 def _solver(text, folder, study):
-    return CaseSolver(read_deck(text, study.dialect), study, RunOptions())
+    return CaseSolver(read_deck(text, study.dialect), study, folder)
 
 
 def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda cases: None) -> BlockDone:
