@@ -1,13 +1,17 @@
 """Reading and comparing the listing of a VSDF deck; the numbers of the sample are made up, each its own."""
 
+import io
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from flexmb_cli.read.deck import Deck, DeckText
 from flexmb_cli.write.diff import compare_listings
 from flexmb_cli.write.listing import TableError
 from flexmb_cli.write.tolerances import KINDS, Tolerance, Tolerances
+from flexmb_cli.write.vsdf import VsdfTable
 from flexmb_cli.write.vsdf_listing import parse_vsdf
 
 RULE = "*" * 78
@@ -144,3 +148,35 @@ def test_a_line_that_cannot_be_read_is_located():
 def test_other_texts_are_no_listing():
     for text in ("", RULE, "VSDF\n", "Dear Sir,\n", f"{RULE}\nDear Sir,\n"):
         assert parse_vsdf("x", text) is None
+
+
+@pytest.mark.parametrize("layout", ["safe", "historic"])
+def test_what_is_written_comes_back(layout):
+    """Numbers of all sizes, in the fields of the writer."""
+    random = np.random.default_rng(8)
+    shape = (5, 2, 3)
+    position = random.normal(size=shape) * 10.0 ** random.integers(-120, 120, shape)
+    velocity = random.normal(size=shape) * 10.0 ** random.integers(-9, 9, shape)
+    energies = random.normal(size=(3, 5))
+    outputs = [
+        SimpleNamespace(body=k, name=name) for k, name in enumerate(("body 1 node 51", "body 2 node 7"))
+    ]
+    mechanism = SimpleNamespace(bodies=(), outputs=outputs)
+    rows = SimpleNamespace(
+        time=np.arange(5) * 5e-4, point_position=position, point_velocity=velocity,
+        kinetic=energies[0], strain=energies[1], potential=energies[2],
+    )  # fmt: skip
+    stream = io.StringIO()
+    deck = Deck("vsdf", DeckText("x.vsdf", HEAD.partition("\n")[2].partition(RULE)[0], ""), ())
+    table = VsdfTable(stream, deck, layout, mechanism, lambda: (5, 15, 5, 0.07359))
+    table.begin()
+    table.rows(rows)
+    table.failed()
+    listing = parse_vsdf("x", stream.getvalue())
+    node, energy = listing.sections["node"], listing.sections["energy"]
+    wanted = np.concatenate([position, velocity], axis=2).reshape(10, 6)
+    assert np.all(np.abs(node.values - wanted) <= 0.500001 * node.units)
+    assert np.all(np.abs(energy.values[:, :3] - energies.T) <= 0.500001 * energy.units[:, :3])
+    assert [node.name_of(line) for line in (0, 1)] == ["body 1 node 51", "body 2 node 7"]
+    assert node.step.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4, 4]
+    assert listing.failed
