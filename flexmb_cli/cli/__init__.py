@@ -15,6 +15,7 @@ from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, FlexmbError
 from .beam import beam
 from .check import check
 from .diff import diff
+from .export import export
 from .modes import modes
 from .plot import plot
 from .report import report
@@ -44,7 +45,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, verify, modes, diff, table, plot, report, sweep, beam):
+for command in (run, check, verify, modes, diff, table, plot, report, export, sweep, beam):
     cli.add_command(command)
 
 

@@ -1,0 +1,67 @@
+"""`flexmb export`: a result for other programs."""
+
+from pathlib import Path
+
+import click
+
+SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
+
+
+@click.command()
+@click.argument("result", metavar="RESULT.h5")
+@click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
+@click.option("-o", "--output", metavar="FILE",
+              help="The file [default: the result's name with .vtkhdf, .csv or .mat].")  # fmt: skip
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+def export(result, form, output, quiet):
+    """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
+
+    vtkhdf holds the moving bodies as a time series for ParaView 5.12 and newer, csv all quantities with
+    their units, mat everything as one struct.
+
+    \b
+    Example:
+        flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
+    """
+    from ..write.quantities import open_result, shortfall
+
+    output = output or f"{Path(result).stem}{SUFFIX[form]}"
+    with open_result(result) as file:
+        told = shortfall(file)
+        WRITERS[form](file, output)
+    if told and not quiet:
+        click.echo(f"{result}: note: {told}", err=True)
+    if not quiet:
+        click.echo(f"{result} → {output}", err=True)
+
+
+def _write_vtkhdf(file, output):
+    from ..write.atomic import write_whole
+    from ..write.vtkhdf import vtkhdf_bytes
+
+    write_whole(output, vtkhdf_bytes(file))
+
+
+def _write_mat(file, output):
+    from ..run.matlab_file import matlab_bytes
+    from ..write.atomic import write_whole
+
+    write_whole(output, matlab_bytes(file))
+
+
+def _write_csv(file, output):
+    from ..write.atomic import ReplacedText
+    from ..write.quantities import names
+    from ..write.table import chosen_rows, table_text
+
+    text = ReplacedText(output)
+    try:
+        for piece in table_text(file, names(file), chosen_rows(file, None, None, 1), "csv"):
+            text.write(piece)
+    except BaseException:
+        text.discard()
+        raise
+    text.commit()
+
+
+WRITERS = {"vtkhdf": _write_vtkhdf, "csv": _write_csv, "mat": _write_mat}

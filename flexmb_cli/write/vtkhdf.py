@@ -1,0 +1,78 @@
+"""A result as VTKHDF, which ParaView (5.12 and newer) opens as a time series.
+
+VTKHDF 2.3, "Temporal PolyData" (https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/):
+points of all steps stand one behind the other, the lines are given once and every step refers to them.
+"""
+
+import io
+
+import h5py
+import numpy as np
+
+from .scene import Scene, read_scene
+
+VERSION = (2, 3)
+CELLS = ("Vertices", "Lines", "Strips", "Polygons")
+
+
+def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
+    """The file's bytes: bodies as lines, their marks as vertices; body numbers and displacements as arrays.
+
+    `displacement` is from the first row, m; `body` counts drawn bodies from 0, the ground first where it
+    is drawn, and `Names` in the field data names them.
+    """
+    scene = read_scene(result, rows)
+    points = np.concatenate([body.marks for body in scene.bodies], axis=1)
+    stream = io.BytesIO()
+    with h5py.File(stream, "w", libver=("v108", "v108")) as file:
+        root = file.create_group("VTKHDF")
+        root.attrs["Version"] = np.array(VERSION, np.int64)
+        # VTK wants a string of fixed length.
+        root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", 8))
+        _write_points(root, scene, points)
+        _write_cells(root, scene, points.shape[1])
+        _write_steps(root, scene, points.shape[1])
+    return stream.getvalue()
+
+
+def _write_points(root, scene: Scene, points):
+    root["NumberOfPoints"] = np.array([points.shape[1]], np.int64)
+    root["Points"] = points.reshape(-1, 3)
+    data = root.create_group("PointData")
+    data["displacement"] = (points - points[:1]).reshape(-1, 3)
+    owner = [k for k, body in enumerate(scene.bodies) for _ in range(body.marks.shape[1])]
+    data["body"] = np.array(owner, np.int32)
+    names = [body.name for body in scene.bodies]
+    root.create_group("FieldData").create_dataset("Names", data=names, dtype=h5py.string_dtype())
+
+
+def _write_cells(root, scene, count):
+    """A vertex for every point, a line for every edge; the same for all steps."""
+    edges, first = [], 0
+    for body in scene.bodies:
+        edges.append(body.edges + first)
+        first += body.marks.shape[1]
+    lines = np.concatenate(edges)
+    cells = {"Vertices": np.arange(count).reshape(-1, 1), "Lines": lines}
+    for kind in CELLS:
+        group, members = root.create_group(kind), cells.get(kind, np.zeros((0, 1), int))
+        group["NumberOfCells"] = np.array([len(members)], np.int64)
+        group["NumberOfConnectivityIds"] = np.array([members.size], np.int64)
+        group["Connectivity"] = members.ravel().astype(np.int64)
+        group["Offsets"] = np.arange(len(members) + 1, dtype=np.int64) * members.shape[1]
+
+
+def _write_steps(root, scene, count):
+    steps = len(scene.time)
+    group = root.create_group("Steps")
+    group.attrs["NSteps"] = np.int64(steps)
+    group["Values"] = scene.time
+    at = np.arange(steps, dtype=np.int64) * count
+    group["PartOffsets"] = np.zeros(steps, np.int64)
+    group["NumberOfParts"] = np.ones(steps, np.int64)
+    group["PointOffsets"] = at
+    for name in ("CellOffsets", "ConnectivityIdOffsets"):
+        group[name] = np.zeros((steps, len(CELLS)), np.int64)
+    offsets = group.create_group("PointDataOffsets")
+    offsets["displacement"] = at
+    offsets["body"] = np.zeros(steps, np.int64)

@@ -1,0 +1,107 @@
+"""Curves as pictures: which are drawn by default, in which panels, and always by the same bytes."""
+
+import sys
+import time
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from turning_bar import tip, write_bar
+
+from flexmb_cli.cli.plot import plot
+from flexmb_cli.write.curves import Source, default_quantities, panels
+from flexmb_cli.write.quantities import open_result, resolve
+
+TIMES = np.arange(7.0)
+
+
+@pytest.fixture
+def bar(tmp_path, deck, mechanism, rows):
+    return write_bar(tmp_path / "r.h5", deck, mechanism, rows, TIMES)
+
+
+@pytest.fixture
+def draw(bar, tmp_path):
+    def run(*arguments):
+        return CliRunner().invoke(plot, [str(bar), *map(str, arguments)])
+
+    return run
+
+
+def test_by_default_the_coordinates_of_points_that_move_are_drawn(bar):
+    """The bar turns about y: its point keeps y = 0."""
+    with open_result(bar) as file:
+        assert [quantity.name for quantity in default_quantities(file)] == ["point.1.x", "point.1.z"]
+
+
+def test_every_unit_has_its_panel(bar):
+    with open_result(bar) as file:
+        wanted = resolve(file, ["point.1.x", "body.2.omega.y", "point.1.z"])
+        drawn = panels([Source("", file, slice(None), resolve(file, ["time"])[0], wanted)])
+    assert [(panel.unit, len(panel.curves)) for panel in drawn] == [("m", 2), ("rad/s", 1)]
+    assert [panel.y_label for panel in drawn] == ["[m]", "body.2.omega.y [rad/s]"]
+    assert drawn[0].curves[1].y == pytest.approx(tip(TIMES)[:, 2], abs=1e-14)
+
+
+def test_a_path_has_equal_axes(bar):
+    with open_result(bar) as file:
+        x, z = resolve(file, ["point.1.x", "point.1.z"])
+        (path,) = panels([Source("", file, slice(None), x, [z])])
+    assert path.same_unit
+    assert np.hypot(path.curves[0].x, path.curves[0].y) == pytest.approx(2.0)
+
+
+def test_results_laid_over_each_other_keep_the_colours_of_their_quantities(bar):
+    with open_result(bar) as one, open_result(bar) as other:
+        sources = [
+            Source(label, file, slice(None), resolve(file, ["time"])[0], resolve(file, ["point.1"]))
+            for label, file in (("a", one), ("b", other))
+        ]
+        (position, *_) = panels(sources)
+    told = [(curve.label, curve.quantity, curve.result) for curve in position.curves]
+    assert told[0] == ("a: point.1.x", 0, 0)
+    assert told[len(told) // 2] == ("b: point.1.x", 0, 1)
+
+
+@pytest.mark.parametrize(("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_pictures_are_of_the_form_and_the_same_every_time(draw, tmp_path, form, begins):
+    pytest.importorskip("matplotlib")
+    target = tmp_path / f"p.{form}"
+    done = draw("point.1.x", "body.2.velocity", "-o", target)
+    assert done.exit_code == 0, done.output
+    first = target.read_bytes()
+    assert first.startswith(begins)
+    time.sleep(1.1)
+    draw("point.1.x", "body.2.velocity", "-o", target)
+    assert target.read_bytes() == first
+
+
+def test_the_title_is_the_decks_name_and_no_mathematics(draw, tmp_path):
+    pytest.importorskip("matplotlib")
+    assert draw("point.1.x", "-o", tmp_path / "p.svg", "--title", r"costs $5 or $\frac$").exit_code == 0
+    assert "costs $5 or $\\frac$" in (tmp_path / "p.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["-o", "p.gif"], "written as .png, .svg or .pdf"),
+        (["point.1.nothing", "-o", "p.png"], "no such quantity"),
+        (["--x", "point.1.velocity", "-o", "p.png"], "means 3 quantities"),
+        (["--from", "100", "-o", "p.png"], "no rows in this window of time"),
+    ],
+)
+def test_what_cannot_be_drawn_is_said_and_leaves_no_file(draw, tmp_path, monkeypatch, arguments, told):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    done = draw(*arguments)
+    assert done.exit_code != 0
+    assert told in done.output + str(done.exception)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.h5"]
+
+
+def test_a_missing_library_is_named_with_its_remedy(draw, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    done = draw("-o", "p.png")
+    assert done.exit_code == 2
+    assert "pip install 'flexmb[plot]'" in done.output

@@ -1,0 +1,243 @@
+"""The report page: self-contained, inert whatever the file says, and alive in Chromium."""
+
+import html
+import io
+import re
+import shutil
+import time
+from dataclasses import replace
+
+import conftest
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from turning_bar import tip, write_bar
+
+from flexmb_cli.cli.report import report
+from flexmb_cli.write.quantities import ResultError, open_result
+from flexmb_cli.write.report_animation import MOST_FRAMES, animation, frame_rows
+from flexmb_cli.write.report_page import report_page
+from flexmb_cli.write.scene import read_scene
+
+TIMES = np.arange(7.0)
+HOSTILE = '</script><img src=x onerror="window.hacked=1"><script>window.hacked=1</script>\'"&\u2028'
+DRIVER = shutil.which("chromedriver")
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+
+
+def unwrapped(fixture):
+    return fixture.__wrapped__()
+
+
+def write_result(path, times=TIMES, **marks):
+    """The turning bar, from the fixtures of `conftest` without pytest's scopes."""
+    deck, mechanism = unwrapped(conftest.deck), unwrapped(conftest.mechanism)
+    grid = replace(mechanism.time, end=float(len(times) - 1))
+    return write_bar(path, deck, replace(mechanism, time=grid), conftest.turning_rows, times, **marks)
+
+
+def spoil(path):
+    """Hostile text wherever a deck's or a file's words come to the page."""
+    with h5py.File(path, "r+") as file:
+        for name in ("deck_name", "dialect", "analysis", "message", "deck_sha256", "flexmb_version"):
+            file.attrs[name] = HOSTILE
+        for kind in ("body", "point", "joint", "driver"):
+            file[f"{kind}/name"][:] = [HOSTILE] * len(file[f"{kind}/name"])
+        for name in ("audit/constraint_residual", "point/position", "body/position"):
+            file[name].attrs["units"] = file[name].attrs["long_name"] = HOSTILE
+        file["deck"][()] = HOSTILE
+    return path
+
+
+def page_on(path, library="window.Plotly = 1;"):
+    with open_result(path) as result:
+        return report_page(result, library)
+
+
+def test_the_page_asks_the_network_for_nothing(tmp_path):
+    page = page_on(write_result(tmp_path / "r.h5"))
+    assert not re.search(r"(?:src|href)\s*=|@import|url\(", page)
+    assert "default-src 'none'" in page
+
+
+def test_words_of_the_file_are_text_and_nothing_else(tmp_path):
+    page = page_on(spoil(write_result(tmp_path / "r.h5")))
+    assert page.count("</script>") == 3
+    assert "<img" not in page
+    assert page.count(html.escape(HOSTILE)) >= 5  # deck, its name in title, heading and table, names
+
+
+def test_a_failed_run_says_so_and_why(tmp_path):
+    page = page_on(write_result(tmp_path / "r.h5", status="failed", message="it locks at t = 6.5 s"))
+    assert '<p class="failed">' in page
+    assert "it locks at t = 6.5 s" in page.split("<h2>")[0]
+
+
+def test_a_run_without_rows_still_has_its_page(tmp_path):
+    page = page_on(write_result(tmp_path / "r.h5", times=[], status="failed", message="no assembly"))
+    assert "There are no rows to draw." in page
+    assert "2 1 1 1 0 0 0 0 0 2 0 1" in page
+
+
+def test_the_same_result_gives_the_same_page(tmp_path):
+    path = write_result(tmp_path / "r.h5")
+    assert page_on(path) == page_on(path)
+
+
+def test_a_file_without_deck_is_refused(tmp_path):
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file["time"] = [0.0]
+    with pytest.raises(ResultError, match="it has no deck"):
+        page_on(tmp_path / "r.h5")
+
+
+@pytest.mark.parametrize("rows", [1, 2, MOST_FRAMES, MOST_FRAMES + 1, 100_000])
+def test_long_runs_are_thinned_evenly(rows):
+    kept = range(*frame_rows(rows).indices(rows))
+    assert kept[0] == 0
+    assert min(rows, MOST_FRAMES // 2) <= len(kept) <= MOST_FRAMES
+
+
+def test_frames_are_the_motion(tmp_path):
+    """The bar's ends in every frame, by the closed form of `turning_bar`, to five digits of the picture."""
+    with open_result(write_result(tmp_path / "r.h5")) as file:
+        figure = animation(read_scene(file))
+    bar = next(k for k, trace in enumerate(figure["data"]) if trace["name"] == "body 2")
+    for frame, end in zip(figure["frames"], tip(TIMES), strict=True):
+        drawn = np.array([frame["data"][bar][axis] for axis in "xyz"]).T
+        assert np.min(np.linalg.norm(drawn - end, axis=1)) < 2e-5
+        assert np.min(np.linalg.norm(drawn, axis=1)) < 2e-5
+
+
+def test_a_missing_library_is_named_with_its_remedy(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "plotly.offline", None)
+    done = CliRunner().invoke(report, [str(write_result(tmp_path / "r.h5"))])
+    assert done.exit_code == 2
+    assert "pip install 'flexmb[report]'" in done.output
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Headless Chromium, driven by Selenium."""
+    selenium = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
+    if not (DRIVER and BROWSER):
+        pytest.skip("Debian's chromium and chromium-driver are not installed")
+    options = selenium.ChromeOptions()
+    options.binary_location = BROWSER
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1200,1300"):
+        options.add_argument(argument)
+    # There is no graphics card in CI: WebGL by software.
+    options.add_argument("--use-angle=swiftshader")
+    options.add_argument("--enable-unsafe-swiftshader")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = selenium.Chrome(options=options, service=selenium.ChromeService(DRIVER))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture(scope="module")
+def page(browser, tmp_path_factory):
+    """The page on a result with hostile words, written by the command and shown."""
+    pytest.importorskip("plotly", reason="plotly is not installed")
+    folder = tmp_path_factory.mktemp("report")
+    path = spoil(write_result(folder / "r.h5"))
+    done = CliRunner().invoke(report, [str(path), "-o", str(folder / "r.html")])
+    assert done.exit_code == 0, done.output
+    browser.get((folder / "r.html").as_uri())
+    wait(lambda: browser.execute_script("return window.flexmb && window.flexmb.ready"))
+    return browser
+
+
+def wait(condition, seconds=120):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "the page does not come this far"
+        time.sleep(0.1)
+
+
+def bar_tip(page):
+    """Where the page draws the free end of the bar now: the end that is not at the origin."""
+    ends = page.execute_script(
+        "const t = document.getElementById('animation').data[0]; return [Array.from(t.x), "
+        "Array.from(t.y), Array.from(t.z)]"
+    )
+    return max(np.array(ends, float).T, key=np.linalg.norm)
+
+
+def canvas(page):
+    return next(
+        part for part in page.find_elements("css selector", "#animation canvas") if part.size["height"] > 100
+    )
+
+
+def pixels(page):
+    """The 3-D canvas as numbers (height, width, 3)."""
+    image = pytest.importorskip("PIL.Image")
+    shot = canvas(page).screenshot_as_png
+    return np.asarray(image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+
+
+def rest(page):
+    """Pause, and go to the first frame."""
+    click(page, "pause")
+    page.execute_async_script(
+        "Plotly.animate('animation', ['0'], {mode: 'immediate', frame: {duration: 0, redraw: true},"
+        " transition: {duration: 0}}).then(arguments[0])"
+    )
+
+
+def click(page, label):
+    for button in page.find_elements("css selector", "#animation .updatemenu-button"):
+        if label in button.text:
+            button.click()
+
+
+def test_no_error_reaches_the_console_and_hostile_words_do_nothing(page):
+    faults = [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
+    assert faults == []
+    assert page.execute_script("return window.hacked") is None
+    assert page.find_elements("css selector", "img[src='x']") == []
+    assert HOSTILE in page.find_element("css selector", "pre").get_property("textContent")
+    assert page.execute_script("return performance.getEntriesByType('resource').length") == 0
+
+
+def test_the_picture_is_not_blank(page):
+    """The bar's colour, and the grey of the axes, cover a part of the canvas."""
+    rest(page)
+    picture = pixels(page)
+    blue = np.array([int("0072B2"[k : k + 2], 16) for k in (0, 2, 4)])
+    orange = np.array([int("D55E00"[k : k + 2], 16) for k in (0, 2, 4)])
+    near = [np.sum(np.max(np.abs(picture - colour), axis=-1) < 40) for colour in (blue, orange)]
+    assert max(near) > 100
+    assert np.sum(np.min(picture, axis=-1) < 250) > 1000
+
+
+def test_the_slider_moves_the_mechanism(page):
+    """A click on the middle of the rail shows row 3 of 0..6."""
+    actions = pytest.importorskip("selenium.webdriver").ActionChains
+    rest(page)
+    assert np.max(np.abs(bar_tip(page) - tip(TIMES)[0])) < 2e-5
+    before = pixels(page)
+    actions(page).move_to_element(
+        page.find_element("css selector", "#animation .slider-rail-touch-rect")
+    ).click().perform()
+    wait(lambda: np.max(np.abs(bar_tip(page) - tip(TIMES)[3])) < 2e-5)
+    wait(lambda: np.sum(np.any(np.abs(pixels(page) - before) > 40, axis=-1)) > 200)
+    assert "t = 3 s" in page.find_element("css selector", "#animation .slider-label").text
+
+
+def test_play_runs_through_all_rows_and_pause_holds(page):
+    rest(page)
+    click(page, "play")
+    wait(lambda: np.max(np.abs(bar_tip(page) - tip(TIMES)[6])) < 2e-5)
+    rest(page)
+    assert np.max(np.abs(bar_tip(page) - tip(TIMES)[0])) < 2e-5
+
+
+def test_dragging_turns_the_view(page):
+    actions = pytest.importorskip("selenium.webdriver").ActionChains
+    rest(page)
+    before = pixels(page)
+    actions(page).drag_and_drop_by_offset(canvas(page), 150, 60).perform()
+    wait(lambda: np.sum(np.any(np.abs(pixels(page) - before) > 40, axis=-1)) > 200)
