@@ -21,8 +21,12 @@ GROUND = 0
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """A body: `marks` (T, n, 3) and `edges` (m, 2) between them; `still` when it never moves."""
+    """A body: `marks` (T, n, 3) and `edges` (m, 2) between them; `still` when it never moves.
 
+    `number`: that of the deck, 0 for the ground.
+    """
+
+    number: int
     name: str
     marks: np.ndarray
     edges: np.ndarray
@@ -155,7 +159,7 @@ def _drawn(motion, number, marks, extent):
         )
     name = motion.names[number - 1] if number else "ground"
     still = float(np.ptp(marks, axis=0).max()) <= CLOSE * extent
-    return DrawnBody(name, marks, edges, still, flexible)
+    return DrawnBody(number, name, marks, edges, still, flexible)
 
 
 def _extent(parts):

@@ -18,8 +18,7 @@ CELLS = ("Vertices", "Lines", "Strips", "Polygons")
 def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     """The file's bytes: bodies as lines, their marks as vertices; body numbers and displacements as arrays.
 
-    `displacement` is from the first row, m; `body` counts drawn bodies from 0, the ground first where it
-    is drawn, and `Names` in the field data names them.
+    `displacement` is from the first row, m; `body` is the number in the deck, 0 for the ground.
     """
     scene = read_scene(result, rows)
     points = np.concatenate([body.marks for body in scene.bodies], axis=1)
@@ -40,10 +39,8 @@ def _write_points(root, scene: Scene, points):
     root["Points"] = points.reshape(-1, 3)
     data = root.create_group("PointData")
     data["displacement"] = (points - points[:1]).reshape(-1, 3)
-    owner = [k for k, body in enumerate(scene.bodies) for _ in range(body.marks.shape[1])]
+    owner = [body.number for body in scene.bodies for _ in range(body.marks.shape[1])]
     data["body"] = np.array(owner, np.int32)
-    names = [body.name for body in scene.bodies]
-    root.create_group("FieldData").create_dataset("Names", data=names, dtype=h5py.string_dtype())
 
 
 def _write_cells(root, scene, count):
