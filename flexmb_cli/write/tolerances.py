@@ -73,9 +73,10 @@ class Tolerance:
         same = (a == b) | (np.isnan(a) & np.isnan(b))
         distance = np.where(same, 0.0, np.where(np.isnan(distance), np.inf, distance))
         if unit is not None:
-            allowed = np.maximum(np.maximum(allowed, slack), self.last_digit * unit)
-            # 0.003 - 0.002 is a little more than 0.001: the round-off of printed numbers is no difference.
-            allowed = np.where(allowed > 0, allowed + 4 * np.finfo(float).eps * size, allowed)
+            with np.errstate(invalid="ignore", over="ignore"):
+                allowed = np.maximum(np.maximum(allowed, slack), self.last_digit * unit)
+                # 0.003 - 0.002 is a little more than 0.001: the round-off of printed numbers is no difference.
+                allowed = np.where(allowed > 0, allowed + 4 * np.finfo(float).eps * size, allowed)
         # An infinite value has an infinite relative allowance, but equals only itself.
         finite = np.isfinite(distance) | self.ignores
         return ~same & ~((distance <= allowed) & finite), distance
