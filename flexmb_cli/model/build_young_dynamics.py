@@ -10,6 +10,7 @@ from ..read.young_dynamics import FORWARD, analysis_of
 from .build_young import build_young
 from .dynamic_arrays import inertia_matrix
 from .dynamics import (
+    AlphaSteps,
     AppliedForce,
     AppliedTorque,
     DynamicModel,
@@ -44,6 +45,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
         next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
         tuple(_velocity(record) for record in deck.section("velocity")),
         _tolerance(deck, findings),
+        _alpha_steps(deck, findings),
     )
     _doubt_massless(model, findings)
     _doubt_idle_velocities(model, findings)
@@ -67,8 +69,8 @@ def _check_bodies(deck, bodies, findings):
 
 
 def _check_once(deck, findings):
-    """A body has one mass and one first velocity, a deck one gravity and one tolerance."""
-    for section in ("mass", "velocity", "gravity", "tolerance"):
+    """A body has one mass and one first velocity, a deck one of all else that is here."""
+    for section in ("mass", "velocity", "gravity", "tolerance", "generalised-alpha"):
         first: dict = {}
         for record in deck.section(section):
             key = record["body"] if section in ("mass", "velocity") else None
@@ -182,6 +184,21 @@ def _tolerance(deck, findings):
         message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {found.text}"
         findings.error("tolerance", message, found.place)
     return float(found.value)
+
+
+def _alpha_steps(deck, findings):
+    records = deck.section("generalised-alpha")
+    if not records:
+        return None
+    step, radius = records[0].at("step"), records[0].at("radius")
+    if not (math.isfinite(step.value) and step.value >= 0.0):
+        findings.error(records[0].subject, f"a step must not be negative; read {step.text}", step.place)
+    if not 0.0 <= radius.value <= 1.0:
+        message = f"the spectral radius lies between 0 and 1; read {radius.text}"
+        findings.error(records[0].subject, message, radius.place)
+    if analysis_of(deck) != FORWARD:
+        findings.warn(records[0].subject, "is not used: nothing is integrated", records[0].place)
+    return AlphaSteps(float(step.value), float(radius.value))
 
 
 def _doubt_massless(model, findings):

@@ -91,11 +91,20 @@ class InitialVelocity:
 
 
 @dataclass(frozen=True)
+class AlphaSteps:
+    """Steps of the generalised-α method: their length, s (0: chosen), and the spectral radius at infinity."""
+
+    length: float
+    radius: float
+
+
+@dataclass(frozen=True)
 class DynamicModel:
     """A mechanism with masses and loads.
 
     `analysis`: "inverse" finds the reactions and efforts of the motion that the drivers prescribe,
     "forward" the motion under the loads.  Bodies without `masses` are massless.
+    Without `alpha_steps` the steps are explicit ones.
     """
 
     mechanism: Mechanism
@@ -107,6 +116,7 @@ class DynamicModel:
     gravity: Vector = NOWHERE
     velocities: tuple[InitialVelocity, ...] = ()
     tolerance: float = 1e-9
+    alpha_steps: AlphaSteps | None = None
 
 
 def holders(mechanism: Mechanism) -> list[tuple[str, int]]:

@@ -115,6 +115,14 @@ CARDS = (
         optional=3,
     ),
     Card("TOLERANCE", "tolerance", (Column("relative", "error tolerance of the integration"),)),
+    Card(
+        "GALF",
+        "generalised-alpha",
+        (
+            Column("step", "length of the steps of the generalised-alpha method, 0: by the tolerance", "s"),
+            Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
+        ),
+    ),
 )
 BY_KEYWORD = {card.keyword: card for card in CARDS}
 

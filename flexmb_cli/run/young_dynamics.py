@@ -46,8 +46,9 @@ def _analysis(model, options, listener: Listener):
         return InverseDynamics(model, KinematicSettings(**options.solver))
     from ..solve.constrained_dynamics import ForwardDynamics
 
-    tell_of_compiling(listener, "constrained_march.march_rows")
-    return ForwardDynamics(model)
+    analysis = ForwardDynamics(model)
+    tell_of_compiling(listener, analysis.stepper.entry)
+    return analysis
 
 
 @dataclass

@@ -9,13 +9,14 @@ from .constrained_motion import ConstrainedMotion
 from .constrained_start import assembled, given_speeds
 from .constrained_system import AnyCountEvaluator
 from .dynamic_rows import DynamicRows, dynamic_rows
+from .steppers import ExplicitSteps, GeneralisedAlpha
 
 
 class ForwardDynamics(ConstrainedMotion):
     """One run over the report times of a dynamic model."""
 
-    def __init__(self, model: DynamicModel, stepper=None):
-        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, stepper)
+    def __init__(self, model: DynamicModel):
+        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _stepper(model))
         self.model = model
         self.mechanism = model.mechanism
         self.velocities = model.velocities
@@ -36,3 +37,8 @@ class ForwardDynamics(ConstrainedMotion):
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
         return dynamic_rows(self.mechanism, report)
+
+
+def _stepper(model):
+    steps = model.alpha_steps
+    return ExplicitSteps() if steps is None else GeneralisedAlpha(steps.radius, steps.length)

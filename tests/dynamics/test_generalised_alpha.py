@@ -11,16 +11,15 @@ from scipy.special import ellipj, ellipk
 from test_forward_dynamics import G, double_pendulum, hinge
 
 from flexmb_cli.kernels.generalised_alpha import parameters
-from flexmb_cli.model.dynamics import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model.dynamics import AlphaSteps, DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
 from flexmb_cli.solve import constrained_motion
 from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.steppers import GeneralisedAlpha
 
 
 def march(model, radius=0.9, step=0.0):
     """All rows, and the analysis."""
-    analysis = ForwardDynamics(model, GeneralisedAlpha(radius, step))
+    analysis = ForwardDynamics(replace(model, alpha_steps=AlphaSteps(step, radius)))
     return joined(list(analysis.rows())), analysis
 
 

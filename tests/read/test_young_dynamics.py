@@ -48,7 +48,7 @@ def test_a_number_of_a_card_can_be_set_by_its_name():
 def test_an_unknown_card_is_told_with_the_nearest_known_one():
     assert messages("DYNAMICS forward\nMAS 1 2 0 0 0 1 1 1\n") == [
         "5:1: there is no card 'MAS', only MASS, FORCE, TORQUE, SPRING, DAMPER, GRAVITY, VELOCITY, "
-        "TOLERANCE and END; is MASS meant?"
+        "TOLERANCE, GALF and END; is MASS meant?"
     ]
 
 
@@ -61,7 +61,7 @@ def test_a_card_with_too_few_numbers_names_those_it_takes():
 def test_numbers_before_the_first_card_are_told():
     assert messages("DYNAMICS forward\n1 2 3\nMASS 1 2 0 0 0 1 1 1\n") == [
         "5:1: a card begins with a keyword, one of MASS, FORCE, TORQUE, SPRING, DAMPER, GRAVITY, VELOCITY, "
-        "TOLERANCE"
+        "TOLERANCE, GALF"
     ]
 
 
@@ -84,6 +84,8 @@ def test_numbers_before_the_first_card_are_told():
             "5:21: force 1: following must be 0 (global axes) or 1 (body axes); read 2",
         ),
         ("SPRING 1 1 0 0 0 1 1 1 5 1", "5:10: spring 1: I and J are both body 1; two bodies are needed"),
+        ("GALF -1 1", "5:6: generalised-alpha 1: a step must not be negative; read -1"),
+        ("GALF 0 1.5", "5:8: generalised-alpha 1: the spectral radius lies between 0 and 1; read 1.5"),
         ("TOLERANCE 1", "5:11: tolerance: must lie between 1e-13 and 0.01; read 1"),
     ],
 )  # fmt: skip
