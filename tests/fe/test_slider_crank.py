@@ -44,7 +44,7 @@ def motion(tmp_path_factory):
 
 
 def test_the_slider_moves_as_with_a_rigid_rod(motion):
-    """The six modes bend and twist: between the reference nodes, which carry the joints, nothing stretches."""
+    """The six modes bend and twist; between the reference nodes, which carry the joints, none stretches."""
     slider = motion["point/position"][:, 3]
     np.testing.assert_allclose(slider[:, 0], slider_position(motion["time"]), atol=1e-12)
     np.testing.assert_allclose(slider[:, 1:], 0.0, atol=1e-12)
