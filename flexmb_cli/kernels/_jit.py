@@ -12,6 +12,8 @@ import stat
 import tempfile
 from pathlib import Path
 
+OPTIONS = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+
 _interpreted = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
@@ -140,9 +142,18 @@ def _compiled():
         del os.environ["NUMBA_CACHE_DIR"]
     else:
         os.environ["NUMBA_CACHE_DIR"] = before
-    return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+    return numba.njit
 
 
 def kernel(function):
     """Compile `function` with numba, or leave it alone when kernels are interpreted."""
-    return function if _interpreted else _compiled()(function)
+    return function if _interpreted else _compiled()(**OPTIONS)(function)
+
+
+def part(function):
+    """A kernel of one caller: compiled as a part of it.
+
+    numba optimises every kernel together with all that it calls, so that each level of calls costs the
+    levels below once more.
+    """
+    return function if _interpreted else _compiled()(**OPTIONS, inline="always")(function)

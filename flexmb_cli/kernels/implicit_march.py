@@ -2,8 +2,9 @@
 
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6: the L-stable singly
 diagonally implicit method of order 4 in five stages, gamma = 1/4, with an embedded one of order 3.
-All stages share one matrix, b + gamma h D + (gamma h)² K, of half the size that scipy's Radau
-factorises twice; it is kept while the step length is, and b as long as the iterations converge.
+All stages share one matrix, b + gamma h D + (gamma h)² K; it is kept while the step length is, and b
+as long as the iterations converge.  Closed loops are kept closed in the rates by the equations
+themselves, and in the coordinates at the end of every step (`tree_projection`).
 
 The state is that of `tree_motion`: its speeds are iterated, coordinates follow from them, and Euler
 parameters and the applied work are taken from the last evaluation.
@@ -13,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .kane_tree import SOLVED
-from .plain_elimination import factorise_plainly, substitute_plainly
-from .tree_jacobian import add_damping, set_mass, set_matrix_times, set_stiffness
+from .profile_elimination import set_profile_times
+from .tree_jacobian import Stiff, factorise, renew, set_mass_times, solve_stiff, stiff_work
 from .tree_motion import derivative, normalise_attitudes
+from .tree_projection import project
 
 STEPPED, PAUSED, VANISHED, FAULTED = 0, 1, 2, 3
 
@@ -67,13 +69,11 @@ class Implicit(NamedTuple):
     old_slope: np.ndarray  # (n,) and its slope
     change: np.ndarray  # (NS,) of the speeds' slopes by an iteration
     product: np.ndarray  # (NS,)
-    mass: np.ndarray  # (NS, NS) b
-    stiff: np.ndarray  # (NS, NS) K
-    matrix: np.ndarray  # (NS, NS) factors
+    stiff: Stiff  # the matrix of an iteration
 
 
-def implicit_work(n: int, speeds: int) -> Implicit:
-    """Blank work space; the first step computes b."""
+def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
+    """Blank work space for (R,) closures; the first step computes b."""
     memory = np.zeros(1, MEMORY)
     memory["stale"], memory["left"] = 1, 1.0
     states = [np.zeros(n) for _ in range(6)]
@@ -83,7 +83,7 @@ def implicit_work(n: int, speeds: int) -> Implicit:
         *states,
         np.zeros(speeds),
         np.zeros(speeds),
-        *(np.zeros((speeds, speeds)) for _ in range(3)),
+        stiff_work(closures, speeds),
     )
 
 
@@ -116,26 +116,22 @@ def march_implicitly(until, budget, tree, work, coordinates, clock, z, s):
             clock["step"] = h * factor
             continue
         _accept(tree, clock, z, h, factor, s)
+        if tree.closures.shape[0] > 0:
+            project(tree, work, coordinates, z)
     return STEPPED
 
 
-@kernel
+@part
 def _prepare_matrix(tree, work, coordinates, z, h, s):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
     if memory["stale"] != 0:
-        set_mass(tree, work, coordinates, z, s.mass)
-        # K is kept like b: frames may stand elsewhere when the step length changes.
-        set_stiffness(tree, work, s.stiff)
+        renew(tree, work, coordinates, z, s.stiff)
         memory["stale"], memory["fresh"], memory["length"], memory["left"] = 0, 1, 0.0, 1.0
     if memory["length"] == h:
         return True
-    for i in range(s.matrix.shape[0]):
-        for j in range(s.matrix.shape[0]):
-            s.matrix[i, j] = s.mass[i, j] + (GAMMA * h) ** 2 * s.stiff[i, j]
-    add_damping(tree, GAMMA * h, s.matrix)
     memory["length"] = h
-    return factorise_plainly(s.matrix)
+    return factorise(tree, GAMMA * h, s.stiff)
 
 
 @kernel
@@ -148,7 +144,7 @@ def _retreat(clock, h, s):
     s.memory[0]["stale"] = 1
 
 
-@kernel
+@part
 def _solve_stages(tree, work, coordinates, clock, z, h, s):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
     n = z.shape[0]
@@ -167,7 +163,7 @@ def _solve_stages(tree, work, coordinates, clock, z, h, s):
     return True
 
 
-@kernel
+@part
 def _solve_stage(tree, work, coordinates, clock, t, h, slope, s):
     """Iterate the slope of one stage."""
     memory = s.memory[0]
@@ -205,7 +201,7 @@ def _place_trial(h, slope, s):
         s.trial[i] = s.known[i] + GAMMA * h * slope[i]
 
 
-@kernel
+@part
 def _correct(tree, clock, h, slope, s):
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
@@ -213,8 +209,8 @@ def _correct(tree, clock, h, slope, s):
         s.product[m] = 0.0 if tree.given[m] else s.rate[m] - slope[m]
         if tree.given[m]:
             slope[m] = s.rate[m]
-    set_matrix_times(s.mass, s.product, s.change)
-    substitute_plainly(s.matrix, s.change)
+    set_mass_times(tree, s.product, s.stiff, s.change)
+    solve_stiff(tree, s.product, s.change, s.stiff)
     total, g = 0.0, GAMMA * h
     for m in range(speeds):
         slope[m] += s.change[m]
@@ -233,7 +229,7 @@ def _scale(clock, value):
     return clock["atol"] + clock["rtol"] * abs(value)
 
 
-@kernel
+@part
 def _step_error(tree, clock, z, h, s):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
     speeds, last = s.change.shape[0], z.shape[0] - 1
@@ -242,13 +238,13 @@ def _step_error(tree, clock, z, h, s):
         for j in range(STAGES):
             total += ERROR[j] * s.slopes[j, i]
         s.rate[i] = h * total
-    set_matrix_times(s.stiff, s.rate[speeds : 2 * speeds], s.product)
-    set_matrix_times(s.mass, s.rate[:speeds], s.change)
+    set_profile_times(s.stiff.stiff, s.stiff.stiff_ends, s.rate[speeds : 2 * speeds], s.product)
+    set_mass_times(tree, s.rate[:speeds], s.stiff, s.change)
     for m in range(speeds):
         s.change[m] -= GAMMA * h * s.product[m]
         if tree.given[m]:
             s.change[m] = 0.0
-    substitute_plainly(s.matrix, s.change)
+    solve_stiff(tree, s.rate[:speeds], s.change, s.stiff)
     for m in range(speeds):
         s.rate[m] = s.change[m]
         s.rate[speeds + m] += GAMMA * h * s.change[m]
@@ -263,7 +259,7 @@ def _step_error(tree, clock, z, h, s):
     return (total / last) ** 0.5
 
 
-@kernel
+@part
 def _accept(tree, clock, z, h, factor, s):
     clock["step_start"], clock["step_length"] = clock["t"], h
     last = h >= clock["stop"] - clock["t"]

@@ -8,7 +8,7 @@ inverse dynamics.  The one-way motion of thesis 4.3 is two solutions: the rigid 
 elastic ones locked at rest, then the elastic ones with the rigid ones locked.
 """
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .tree_closures import add_closure_forces, closing_forces, forget_closing_forces
 from .tree_inertia import own_inertia
 from .tree_kinematics import lump_place, place_frames
@@ -35,7 +35,7 @@ SOLVED = -1
 NO_INERTIA = 1e-13
 
 
-@kernel
+@part
 def accelerations(tree, work, coordinates, t, q, y, attitudes):
     """Set coordinates["rate"], the y' of the state; returns SOLVED or the coordinate without inertia.
 
@@ -56,7 +56,7 @@ def accelerations(tree, work, coordinates, t, q, y, attitudes):
     return SOLVED
 
 
-@kernel
+@part
 def _prepare_turn(tree, work, coordinates, turn):
     """Lock and load the tree for the first or second solution; False when no second one is needed."""
     if turn == 1 and not tree.one_way:

@@ -11,7 +11,7 @@ needed that could turn singular on the way, and the forces come with it.  The ma
 with diagonal pivots: rows that repeat others leave none and get no force.
 """
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .tree_response import forget_pushes, push, respond
 from .triples import accumulate, centripetal, column, cross, dot, minus, outward, plus, scaled, store, triple
 
@@ -98,7 +98,7 @@ def _load(s, place, force):
     accumulate(scaled(-1.0, force), s["bias"], 3)
 
 
-@kernel
+@part
 def closing_forces(tree, work, coordinates):
     """Set the forces that take the closures' accelerations away, from the solution with open loops."""
     closures = tree.closures
@@ -120,7 +120,7 @@ def push_rows(closures, work):
         push(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
 
 
-@kernel
+@part
 def _set_response_matrix(tree, work, coordinates):
     """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree, without forces."""
     closures, matrix = tree.closures, tree.closure_matrix
@@ -135,11 +135,11 @@ def _set_response_matrix(tree, work, coordinates):
             place = triple(row["place"], 0)
             apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
             matrix[i, j] = dot(triple(row["direction"], 0), apart)
-    _eliminate_rows(closures, matrix)
+    eliminate_rows(closures, matrix)
 
 
 @kernel
-def _eliminate_rows(closures, matrix):
+def eliminate_rows(closures, matrix):
     """L D Lᵀ of a symmetric matrix with diagonal pivots; dependent rows get the pivot 0."""
     n = matrix.shape[0]
     largest = 0.0

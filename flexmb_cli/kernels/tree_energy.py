@@ -1,8 +1,8 @@
 """Energy of a tree, and the power of everything that is not gravity, elasticity or a spring."""
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .tree_kinematics import lump_place, lump_vector
-from .tree_loads import pulls
+from .tree_loads import elastic_row_times, pulls
 from .triples import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
 
 
@@ -48,24 +48,22 @@ def lump_state(lump, s, q, y):
     return plus(triple(s["position"], 0), r), velocity
 
 
-@kernel
+@part
 def _strain(tree, q):
     """u . K u / 2 over all bodies."""
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
-        total += _bilinear(tree.stiffness, body["stiffness"], body, q, q)
+        total += _bilinear(tree, tree.stiffness, body["stiffness"], body, q, q)
     return 0.5 * total
 
 
 @kernel
-def _bilinear(matrices, start, body, x, z):
+def _bilinear(tree, matrices, start, body, x, z):
     """x . A z over one body's coordinates, A beginning at `start`."""
-    first, count = body["first"], body["count"]
     total = 0.0
-    for i in range(count):
-        for j in range(count):
-            total += x[first + i] * matrices[start + i * count + j] * z[first + j]
+    for i in range(body["count"]):
+        total += x[body["first"] + i] * elastic_row_times(matrices, start, body, tree.reach, i, z)
     return total
 
 
@@ -78,8 +76,10 @@ def applied_power(tree, work, coordinates, t, q, y):
         power += dot(triple(frame["force"], 0), triple(s["velocity"], 0))
         power += dot(triple(frame["torque"], 0), triple(s["angular"], 0))
         for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-            _place, velocity = lump_state(tree.lumps[i], s, q, y)
-            power += dot(triple(tree.lumps[i]["force"], 0), velocity)
+            force = triple(tree.lumps[i]["force"], 0)
+            if dot(force, force) > 0.0:
+                _place, velocity = lump_state(tree.lumps[i], s, q, y)
+                power += dot(force, velocity)
     for i in range(tree.laws.shape[0]):
         law = tree.laws[i]
         rate = y[law["coordinate"]] if law["frame"] == 0 else work[law["frame"]]["angular"][law["axis"]]
@@ -90,7 +90,7 @@ def applied_power(tree, work, coordinates, t, q, y):
     return power + _stiffening_power(tree, work, q, y) - _dissipated(tree, y)
 
 
-@kernel
+@part
 def _dissipated(tree, y):
     """Power that dampers take."""
     total = 0.0
@@ -99,11 +99,11 @@ def _dissipated(tree, y):
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
         if body["damping"] >= 0:
-            total += _bilinear(tree.damping, body["damping"], body, y, y)
+            total += _bilinear(tree, tree.damping, body["damping"], body, y, y)
     return total
 
 
-@kernel
+@part
 def _stiffening_power(tree, work, q, y):
     """Power of geometric stiffening, which counts as a load: nothing answers it on the rigid motion."""
     total = 0.0
@@ -112,6 +112,6 @@ def _stiffening_power(tree, work, q, y):
         start = body["stiffening"]
         if start >= 0:
             turning, weight = pulls(tree, work, body)
-            total -= turning * _bilinear(tree.stiffening, start, body, y, q)
-            total -= weight * _bilinear(tree.stiffening, start + body["count"] ** 2, body, y, q)
+            total -= turning * _bilinear(tree, tree.stiffening, start, body, y, q)
+            total -= weight * _bilinear(tree, tree.stiffening, start + body["count"] ** 2, body, y, q)
     return total

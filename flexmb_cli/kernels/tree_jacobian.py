@@ -1,77 +1,190 @@
-"""The stiff part of a tree's equations: b y' = ... - D y - K q, with b, D and K as matrices.
+"""The stiff part of a tree's equations, b y' = ... - D y - K q, and linear systems with b + f D + f² K.
 
 K and D hold elastic bodies, their stiffening and hinge springs; what else depends on the coordinates
-is soft, and an implicit step may leave it out of its matrix.
+is soft, and an implicit step may leave it out of its matrix.  All matrices are stored by profiles
+(`profile_elimination`): rows of K end where `tree.reach` says, those of b at what moves along, so
+that for slender bodies factors and products cost as much as there are nodes.
+
+Closed loops add J x = J r to such a system, and unknown forces along the rows of J.
 """
 
-from ._jit import kernel
-from .kane_tree import solve_tree
-from .plain_elimination import row_times
-from .tree_kinematics import place_frames
+from typing import NamedTuple
+
+import numpy as np
+
+from ._jit import kernel, part
+from .composite_mass import add_felt, set_mass
+from .profile_elimination import factorise_profile, set_profile_times, substitute_profile
+from .rows_of_numbers import product, subtract_multiple
+from .tree_closures import eliminate_rows, solve_rows
 from .tree_loads import pulls
-from .tree_motion import parts
+from .triples import cross, minus, scaled, triple
+
+
+class Stiff(NamedTuple):
+    """b, K and the factors, of NS speeds and R closed directions, and work space."""
+
+    mass: np.ndarray  # (NS, NS) b, with the places that the one-way assumption leaves out
+    stiff: np.ndarray  # (NS, NS) K
+    matrix: np.ndarray  # (NS, NS) factors
+    mass_ends: np.ndarray  # (NS,) one past the last place of a row
+    stiff_ends: np.ndarray
+    matrix_ends: np.ndarray
+    rest: np.ndarray  # (NS,)
+    rows: np.ndarray  # (R,) of CLOSURE_ROW: the closures as they were for the matrix, and their forces
+    felt: np.ndarray  # (R, NS) J
+    yields: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
+    grip: np.ndarray  # (R, R) J times these
+
+
+def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
+    """Blank work space."""
+    rows = closures.size
+    return Stiff(
+        *(np.zeros((speeds, speeds)) for _ in range(3)),
+        *(np.zeros(speeds, np.int64) for _ in range(3)),
+        np.zeros(speeds),
+        closures.copy(),
+        np.zeros((rows, speeds)),
+        np.zeros((rows, speeds)),
+        np.zeros((rows, rows)),
+    )
+
+
+@part
+def renew(tree, work, coordinates, z, s):
+    """Fill b, K and J at the state z."""
+    set_mass(tree, work, coordinates, z, s.mass)
+    _set_ends(s.mass, s.mass_ends)
+    _set_stiffness(tree, work, s.stiff, s.stiff_ends)
+    for i in range(s.rows.shape[0]):
+        s.rows[i] = tree.closures[i]
+        s.felt[i].fill(0.0)
+        row, direction = s.rows[i], triple(s.rows[i]["direction"], 0)
+        _add_pull(tree, work, coordinates, row, row["frame_a"], direction, s.felt[i])
+        _add_pull(tree, work, coordinates, row, row["frame_b"], scaled(-1.0, direction), s.felt[i])
+        for m in range(s.felt.shape[1]):
+            if tree.given[m]:
+                s.felt[i, m] = 0.0
 
 
 @kernel
-def set_mass(tree, work, coordinates, z, mass):
-    """Fill mass (NS, NS) with b at the state z, column by column from inverse dynamics.
-
-    Prescribed coordinates get rows and columns of the unit matrix, the one-way assumption its zeros.
-    """
-    y, q, attitudes = parts(tree, z)
-    n = mass.shape[0]
-    for m in range(n, -1, -1):
-        # The first turn finds what no acceleration asks for; it stays in column 0, which is filled last.
-        for i in range(n):
-            coordinates[i]["effort"], coordinates[i]["locked"] = 0.0, 1
-            coordinates[i]["rate"] = 1.0 if i == m else 0.0
-        place_frames(tree, work, coordinates, q, y, attitudes)
-        solve_tree(tree, work, coordinates, 0.0, q, y)
-        for i in range(n):
-            if m == n:
-                mass[i, 0] = coordinates[i]["drive"]
-            else:
-                mass[i, m] = coordinates[i]["drive"] - mass[i, 0]
-    _respect_assumptions(tree, mass)
+def _add_pull(tree, work, coordinates, row, k, force, felt):
+    """Add what the coordinates feel of a force on frame k at the place of a closure."""
+    arm = minus(triple(row["place"], 0), triple(work[k]["position"], 0))
+    add_felt(tree, work, coordinates, k, cross(arm, force), force, felt)
 
 
 @kernel
-def _respect_assumptions(tree, mass):
-    n = mass.shape[0]
+def _set_ends(A, ends):
+    n = A.shape[0]
     for i in range(n):
-        for j in range(n):
-            if tree.given[i] or tree.given[j]:
-                mass[i, j] = 1.0 if i == j else 0.0
-            elif tree.one_way and tree.elastic[j] and not tree.elastic[i]:
-                mass[i, j] = 0.0
+        end = n
+        while end > i + 1 and A[i, end - 1] == 0.0:
+            end -= 1
+        ends[i] = end
 
 
 @kernel
-def set_stiffness(tree, work, K):
-    """Fill K (NS, NS) for placed frames."""
-    for i in range(K.shape[0]):
-        for j in range(K.shape[0]):
-            K[i, j] = 0.0
+def factorise(tree, f, s):
+    """Factors of b + f D + f² K, and of J (b + f D + f² K)^-1 Jᵀ; False when it is not positive definite."""
+    A, n = s.matrix, s.matrix.shape[0]
+    for i in range(n):
+        s.matrix_ends[i] = max(s.mass_ends[i], s.stiff_ends[i])
+        for j in range(i, s.matrix_ends[i]):
+            A[i, j] = s.mass[i, j] + f * f * s.stiff[i, j]
+            if tree.one_way and tree.elastic[i] != tree.elastic[j]:
+                A[i, j] = 0.0
+    _add_damping(tree, f, A)
+    if not factorise_profile(A, s.matrix_ends):
+        return False
+    rows = s.rows.shape[0]
+    for i in range(rows):
+        for m in range(n):
+            s.yields[i, m] = s.felt[i, m]
+        substitute_profile(A, s.matrix_ends, s.yields[i])
+        for j in range(rows):
+            s.grip[j, i] = product(s.felt[j], s.yields[i])
+    eliminate_rows(s.rows, s.grip)
+    return True
+
+
+@kernel
+def set_mass_times(tree, x, s, out):
+    """out = b x, the one-way assumption respected."""
+    set_profile_times(s.mass, s.mass_ends, x, out)
+    if tree.one_way:
+        for i in range(x.shape[0]):
+            s.rest[i] = x[i] if tree.elastic[i] else 0.0
+        _leave_rigid_rows(tree, s, out)
+
+
+@part
+def _leave_rigid_rows(tree, s, out):
+    """Take b rest off the rigid rows of out."""
+    for i in range(out.shape[0]):
+        if not tree.elastic[i]:
+            for j in range(i, s.mass_ends[i]):
+                out[i] -= s.mass[i, j] * s.rest[j]
+
+
+@kernel
+def solve_stiff(tree, residual, x, s):
+    """Replace a right-hand side x (NS,) by the solution; with closed loops, by that with J x = J residual."""
+    substitute_profile(s.matrix, s.matrix_ends, x)
+    if tree.one_way:
+        _answer_rigid_motion(tree, x, s)
+    for i in range(s.rows.shape[0]):
+        s.rows[i]["force"] = product(s.felt[i], x) - product(s.felt[i], residual)
+    solve_rows(s.rows, s.grip)
+    for i in range(s.rows.shape[0]):
+        subtract_multiple(s.rows[i]["force"], s.yields[i], x)
+
+
+@part
+def _answer_rigid_motion(tree, x, s):
+    """The elastic part of x without the coupling, less what the rigid part does to it."""
+    for j in range(x.shape[0]):
+        s.rest[j] = 0.0
+    for i in range(x.shape[0]):
+        if not tree.elastic[i]:
+            for j in range(i + 1, s.mass_ends[i]):
+                if tree.elastic[j]:
+                    s.rest[j] += s.mass[i, j] * x[i]
+    substitute_profile(s.matrix, s.matrix_ends, s.rest)
+    for j in range(x.shape[0]):
+        x[j] -= s.rest[j]
+
+
+@part
+def _set_stiffness(tree, work, K, ends):
+    """Fill the upper triangle of K (NS, NS) and the ends of its rows for placed frames."""
+    K.fill(0.0)
+    for i in range(ends.shape[0]):
+        ends[i] = i + 1
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
-        _add_block(1.0, tree.stiffness, body["stiffness"], body, K)
+        for m in range(body["first"], body["first"] + body["count"]):
+            ends[m] = body["first"] + tree.reach[m, 1]
+        _add_block(1.0, tree.stiffness, body["stiffness"], body, tree.reach, K)
         if body["stiffening"] >= 0:
             turning, weight = pulls(tree, work, body)
-            _add_block(turning, tree.stiffening, body["stiffening"], body, K)
-            _add_block(weight, tree.stiffening, body["stiffening"] + body["count"] ** 2, body, K)
+            start = body["stiffening"]
+            _add_block(turning, tree.stiffening, start, body, tree.reach, K)
+            _add_block(weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, K)
     for i in range(tree.springs.shape[0]):
         m = tree.springs[i]["coordinate"]
         if not tree.given[m]:
             K[m, m] += tree.springs[i]["stiffness"]
 
 
-@kernel
-def add_damping(tree, factor, A):
-    """A += factor D; A (NS, NS)."""
+@part
+def _add_damping(tree, factor, A):
+    """A += factor D."""
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
         if body["damping"] >= 0:
-            _add_block(factor, tree.damping, body["damping"], body, A)
+            _add_block(factor, tree.damping, body["damping"], body, tree.reach, A)
     for i in range(tree.springs.shape[0]):
         m = tree.springs[i]["coordinate"]
         if not tree.given[m]:
@@ -79,16 +192,8 @@ def add_damping(tree, factor, A):
 
 
 @kernel
-def _add_block(factor, matrices, start, body, A):
+def _add_block(factor, matrices, start, body, reach, A):
     first, count = body["first"], body["count"]
     for i in range(count):
-        for j in range(count):
+        for j in range(i, reach[first + i, 1]):
             A[first + i, first + j] += factor * matrices[start + i * count + j]
-
-
-@kernel
-def set_matrix_times(A, x, out):
-    """out = A x, (NS, NS) by (NS,)."""
-    n = out.shape[0]
-    for i in range(n):
-        out[i] = row_times(A[i], x, n)

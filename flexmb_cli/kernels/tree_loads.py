@@ -7,6 +7,7 @@ order in the displacements and left out, as are pulls by the acceleration of the
 """
 
 from ._jit import kernel
+from .rows_of_numbers import product
 from .triples import dot, outward, triple
 
 
@@ -17,14 +18,16 @@ def coordinate_efforts(tree, work, t, q, y, coordinates):
         coordinates[m]["effort"] = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
-        _subtract_product(1.0, tree.stiffness, body["stiffness"], body, q, coordinates)
+        _subtract_product(1.0, tree.stiffness, body["stiffness"], body, tree.reach, q, coordinates)
         if body["damping"] >= 0:
-            _subtract_product(1.0, tree.damping, body["damping"], body, y, coordinates)
+            _subtract_product(1.0, tree.damping, body["damping"], body, tree.reach, y, coordinates)
         if body["stiffening"] >= 0:
             turning, weight = pulls(tree, work, body)
             start = body["stiffening"]
-            _subtract_product(turning, tree.stiffening, start, body, q, coordinates)
-            _subtract_product(weight, tree.stiffening, start + body["count"] ** 2, body, q, coordinates)
+            _subtract_product(turning, tree.stiffening, start, body, tree.reach, q, coordinates)
+            _subtract_product(
+                weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, q, coordinates
+            )
     for i in range(tree.springs.shape[0]):
         s = tree.springs[i]
         m = s["coordinate"]
@@ -44,22 +47,20 @@ def pulls(tree, work, body):
 
 
 @kernel
-def _subtract_product(factor, matrices, start, body, x, coordinates):
+def _subtract_product(factor, matrices, start, body, reach, x, coordinates):
     """effort -= factor A x over one body's coordinates, A beginning at `start`."""
-    first, count = body["first"], body["count"]
-    for i in range(count):
-        row = start + i * count
-        # Four sums side by side: one alone waits for each addition to end.
-        a = b = c = d = 0.0
-        whole = count - count % 4
-        for j in range(0, whole, 4):
-            a += matrices[row + j] * x[first + j]
-            b += matrices[row + j + 1] * x[first + j + 1]
-            c += matrices[row + j + 2] * x[first + j + 2]
-            d += matrices[row + j + 3] * x[first + j + 3]
-        for j in range(whole, count):
-            a += matrices[row + j] * x[first + j]
-        coordinates[first + i]["effort"] -= factor * ((a + b) + (c + d))
+    for i in range(body["count"]):
+        product = elastic_row_times(matrices, start, body, reach, i, x)
+        coordinates[body["first"] + i]["effort"] -= factor * product
+
+
+@kernel
+def elastic_row_times(matrices, start, body, reach, i, x):
+    """Row i of one body's matrix, which begins at `start`, times the body's part of x (NS,)."""
+    first = body["first"]
+    begin, end = reach[first + i, 0], reach[first + i, 1]
+    row = start + i * body["count"]
+    return product(matrices[row + begin : row + end], x[first + begin : first + end])
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .kane_tree import SOLVED
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage, step_error
@@ -107,7 +107,7 @@ def _ask(clock, phase, stage, slot, at):
     return ASKS
 
 
-@kernel
+@part
 def _begin(task, tree, clock, march, report):
     if task == MARCH:
         return _next(tree, clock, march, report)
@@ -115,7 +115,7 @@ def _begin(task, tree, clock, march, report):
     return _ask(clock, STEP_OPEN if task == CLOSE else FIRST, 0, 0, clock["t"])
 
 
-@kernel
+@part
 def _digest(task, fault, tree, work, coordinates, clock, march, report):
     """Use an evaluation, and ask for the next one or answer."""
     phase = clock["phase"]
@@ -143,7 +143,7 @@ def _digest(task, fault, tree, work, coordinates, clock, march, report):
     return _digest_first(task, clock, march)
 
 
-@kernel
+@part
 def _digest_first(task, clock, march):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     counted = march.z.shape[0] - 1
@@ -190,7 +190,7 @@ def _next(tree, clock, march, report):
     return _try_step(clock, march)
 
 
-@kernel
+@part
 def _ask_row(tree, clock, march, t):
     """The state at a report time up to the present one, and what follows from it."""
     if t == clock["t"]:
@@ -217,7 +217,7 @@ def _try_step(clock, march):
     return _ask(clock, STAGE, 1, 1, t + h * STAGE_TIMES[1])
 
 
-@kernel
+@part
 def _digest_stage(fault, tree, clock, march, report):
     """The next stage of a step, or the judgement of the whole step."""
     h, stage = _length(clock), clock["stage"] + 1
@@ -249,7 +249,7 @@ def _digest_stage(fault, tree, clock, march, report):
     return _close_step(tree, clock, march, report)
 
 
-@kernel
+@part
 def _accept(clock, march, h, rejected):
     last = h >= clock["stop"] - clock["t"]
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, rejected
@@ -280,7 +280,7 @@ def _close_step(tree, clock, march, report):
     return _ask(clock, STEP_OPEN, 0, 0, clock["t"])
 
 
-@kernel
+@part
 def _observe(tree, work, coordinates, clock, march, report):
     """Fill a report row from the state that has just been evaluated."""
     row = clock["row"]

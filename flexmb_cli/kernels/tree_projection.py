@@ -7,7 +7,7 @@ not involve.
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .tree_closures import measure_closures, push_rows, solve_rows
 from .tree_kinematics import attitude_rates, place_frames
 from .tree_motion import normalise_attitudes, parts
@@ -65,7 +65,7 @@ def _respond_to_rows(tree, work, coordinates, z):
     respond_lumps(tree, work, coordinates, q)
 
 
-@kernel
+@part
 def _close_gaps(tree, work, coordinates, z):
     """Move the coordinates by one Newton correction, none further than LONGEST."""
     for i in range(tree.closures.shape[0]):
@@ -90,7 +90,7 @@ def _close_gaps(tree, work, coordinates, z):
     normalise_attitudes(tree, z)
 
 
-@kernel
+@part
 def _close_rates(tree, work, coordinates, z):
     """Change the speeds by the correction that is exact but for round-off."""
     for i in range(tree.closures.shape[0]):

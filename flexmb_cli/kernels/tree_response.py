@@ -4,7 +4,7 @@ Uses the inertias, couplings and pivots that the last solution of the tree left 
 force costs a fraction of a solution.
 """
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .tree_kinematics import lump_place
 from .tree_riders import absorb_pushes, follow_riders, rider_share
 from .triples import accumulate, cross, dot, inward, minus, plus, scaled, store, triple
@@ -96,7 +96,7 @@ def _own_response(c, al, a):
     return c["response"]
 
 
-@kernel
+@part
 def respond_lumps(tree, work, coordinates, q):
     """Set the responses of the lumps' coordinates, those of the frames being known."""
     for k in range(1, tree.frames.shape[0]):

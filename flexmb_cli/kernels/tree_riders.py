@@ -7,13 +7,13 @@ s = D w_0 + r, and the body feels Eᵀ F: six rows a rider, at a cost linear in 
 names of the arrays are those of `model.tree_riders.Riders`.
 """
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .tree_kinematics import lump_place
 from .tree_work import H_, J_, M_
 from .triples import column, cross, outward, triple
 
 
-@kernel
+@part
 def absorb_riders(tree, body, work, coordinates, q):
     """Add to inertia and bias of a ridden body what its riders carry, their subtrees being complete."""
     riders = tree.riders
@@ -27,7 +27,7 @@ def absorb_riders(tree, body, work, coordinates, q):
     _add_carried(riders, rows, n, s)
 
 
-@kernel
+@part
 def _start_rider(riders, r, rows, n, rider, s):
     """Columns of D; E = T, s = r, W = 0; the inertia of what hangs there as a full matrix."""
     record = riders.records[r]
@@ -77,7 +77,7 @@ def _set_inertia(out, row, I):
             out[row + i, 3 + j] = out[row + 3 + j, i] = I[H_ + 3 * i + j]
 
 
-@kernel
+@part
 def _sum_nodes(tree, body, s, rows, n, coordinates, q):
     """Let the nodes' coordinates into W, E and s."""
     frame = tree.frames[body["frame"]]
@@ -93,7 +93,7 @@ def _sum_nodes(tree, body, s, rows, n, coordinates, q):
                 )
 
 
-@kernel
+@part
 def _sum_node(riders, rows, n, m, c, mass, turn, shift):
     """One coordinate: w is its rate when locked, else drive / mass - turn . al - shift . a - Dᵀ F / mass."""
     D = riders.motion
@@ -109,7 +109,7 @@ def _sum_node(riders, rows, n, m, c, mass, turn, shift):
             riders.compliance[i, j] += free * d * D[rows + j, m] / mass
 
 
-@kernel
+@part
 def _set_grip(riders, rows, n):
     """(1 + I W)^-1, and what it makes of I."""
     grip, own = riders.grip, riders.own
@@ -149,7 +149,7 @@ def _invert(A, rows, n):
                     A[rows + i, j] -= factor * A[rows + k, j]
 
 
-@kernel
+@part
 def _set_force_law(riders, body, rows, n, work):
     """F = gain X + held."""
     for i in range(rows, rows + n):
@@ -165,7 +165,7 @@ def _set_force_law(riders, body, rows, n, work):
         riders.held[i] = held
 
 
-@kernel
+@part
 def _add_carried(riders, rows, n, s):
     """Inertia += Eᵀ gain, bias += Eᵀ held."""
     E, gain = riders.carry, riders.gain
@@ -188,7 +188,7 @@ def _add_held(riders, rows, n, bias):
             bias[i] += riders.carry[row, i] * riders.held[row]
 
 
-@kernel
+@part
 def release_riders(tree, body, work, coordinates):
     """Accelerate the riders, and take off the drive of the nodes what they pass on, X being known."""
     riders = tree.riders
@@ -233,7 +233,7 @@ def _move_rider(riders, r, rows, n, X, out):
         out[row - 6 * r] = total
 
 
-@kernel
+@part
 def absorb_pushes(tree, body, work):
     """Add to the pushes of a ridden body what its riders pass on of theirs."""
     riders = tree.riders
@@ -247,7 +247,7 @@ def absorb_pushes(tree, body, work):
     _add_held(riders, rows, n, work[body["frame"]]["push"])
 
 
-@kernel
+@part
 def follow_riders(tree, body, work):
     """Set the responses of the riders, that of the body being known."""
     riders = tree.riders
@@ -258,7 +258,7 @@ def follow_riders(tree, body, work):
         _move_rider(riders, r, rows, n, X, work[riders.records[r]["frame"]]["response"])
 
 
-@kernel
+@part
 def rider_share(tree, frame, m):
     """What the riders of a frame's body, if it has any, take off the effort of elastic coordinate m."""
     if frame["ridden"] < 0:

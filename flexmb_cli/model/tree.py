@@ -198,8 +198,8 @@ class Coordinate:
 class Integration:
     """How to integrate: one of METHODS, relative and absolute tolerance of a step.
 
-    dop853 is explicit and compiled; sdirk4 is implicit and compiled, for stiff elastic modes in trees
-    without loops; radau is implicit too, and slower; lsoda is of the family the thesis used (DGEAR).
+    dop853 is explicit and compiled; sdirk4 is implicit and compiled, for stiff elastic modes; radau is
+    implicit too, and slower; lsoda is of the family the thesis used (DGEAR).
     """
 
     method: str = "dop853"

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .elastic_reach import row_reach
 from .geometric_stiffness import across, beam_direction, geometric_stiffness
 from .tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .tree_frames import LUMP, tree_frames
@@ -66,6 +67,7 @@ class TreeArrays(NamedTuple):
     stiffness: np.ndarray  # all matrices, flat
     damping: np.ndarray  # all matrices, flat
     stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
+    reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
     springs: np.ndarray
     prescribed: np.ndarray
     laws: np.ndarray
@@ -84,7 +86,8 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = tree_frames(tree, index)
     closures = _closure_rows(tree, parts.of_body, parts.of_node)
-    elastic_bodies, stiffness, damping, stiffening = _elastic_bodies(tree, index, parts.of_body)
+    elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
+    stiffness, damping, stiffening = matrices
     prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
     given = np.zeros(len(index), bool)
     given[[row[0] for row in prescribed]] = True
@@ -95,6 +98,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         stiffness=stiffness,
         damping=damping,
         stiffening=stiffening,
+        reach=reach,
         springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
         laws=_laws(tree, index, parts.of_body),
@@ -130,7 +134,8 @@ def _rigid(index, item):
 
 
 def _elastic_bodies(tree, index, of_body):
-    """Records of the flexible bodies, and their stiffness, damping and stiffening matrices, flat."""
+    """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
+    reach = np.zeros((len(index), 2), np.int64)
     records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}
     for k, body in enumerate(tree.bodies):
         elastic = body.elastic
@@ -147,9 +152,11 @@ def _elastic_bodies(tree, index, of_body):
         for (name, flat), matrix in zip(matrices.items(), own, strict=True):
             record[name] = -1 if matrix is None else sum(map(np.size, flat))
             flat.extend([] if matrix is None else [np.ravel(matrix)])
+        places = slice(record["first"][0], record["first"][0] + elastic.coordinates)
+        reach[places] = row_reach(own)
         records.append(record)
     flat = [np.concatenate([np.zeros(0), *parts]) for parts in matrices.values()]
-    return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), *flat
+    return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
 def _stiffening(tree, k):

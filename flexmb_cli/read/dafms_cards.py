@@ -206,7 +206,7 @@ EXTENSIONS = (
         "method",
         "single",
         "I5",
-        (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit without loops"),),
+        (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
         extension=True,
     ),
 )

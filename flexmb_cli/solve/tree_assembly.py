@@ -56,8 +56,8 @@ def _kept(tree, arrays):
 def _one_way_fault(tree):
     closure = tree.closures[0]
     message = (
-        "closed loops need the coupled equations: closure forces act on rigid and elastic motion "
-        "alike; drop the one-way assumption (UNCO)"
+        "closed loops need the coupled equations: where bodies of a loop deflect, their rigid motion has "
+        "to give way, and UNCO keeps elastic motion from asking for it; drop UNCO (or LOOP)"
     )
     return Fault("error", message, closure.place, closure.name)
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..errors import Fault, ModelError
 from ..kernels import implicit_march
 from .tree_rows import TreeRows
 
@@ -14,12 +13,11 @@ CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a se
 def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
     """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose laws are set.
 
-    Raises ModelError for trees with closed loops, AnalysisError as the other methods.
+    Raises AnalysisError as the other methods.
     """
-    _refuse_loops(analysis.tree)
     clock, z = analysis.clock[0], analysis.march.z
     n = len(analysis.coordinates)
-    work = implicit_march.implicit_work(z.size, n)
+    work = implicit_march.implicit_work(z.size, n, analysis.arrays.closures)
     work.before[:] = analysis.march.slopes[0]
     if analysis.due_times(clock["t"]):
         yield analysis.observe(lambda t: z.copy(), analysis.due_times(clock["t"]))
@@ -55,10 +53,3 @@ def _interpolant(clock, z, work):
         return out
 
     return state_at
-
-
-def _refuse_loops(tree):
-    if tree.closures:
-        closure = tree.closures[0]
-        message = "sdirk4 cannot keep loops closed: choose radau (METH 2) for stiff bodies in closed loops"
-        raise ModelError([Fault("error", message, closure.place, closure.name)])

@@ -6,6 +6,9 @@ A chain of n rigid links on revolute hinges about axes 1, 2, 3 in turn, random a
 three are given the same masses and inertias, and their accelerations are compared before the clock
 runs.  Each time is the best of several repeats, the three taken in turn; the exponent is the slope
 of log(time) over log(links).  MuJoCo's time is that of mj_forward, contacts switched off.
+
+Then the shaft and beam of the thesis, section 4.3: processor seconds per simulated second, by method
+and number of nodes, the same stretch of time for all.  Parts can be named: `trees.py chains beams`.
 """
 
 import sys
@@ -25,9 +28,9 @@ from flexmb_cli.solve.tree_dynamics import TreeAnalysis
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)
 REPEATS = 15
-# The work space of the others grows with the square and the cube of the length: 1024 links need more
-# than 8 GB.
-MOST_LINKS = {"pinocchio": 512, "mujoco": 512}
+# Where a program stops, and why.
+MOST_LINKS = {"mujoco": 512}
+STOPPED = "mujoco stops at 512 links: its time grows with the square and more, 1024 would take minutes"
 GRAVITY = (0.0, 9.8, 0.0)
 # One link: 1 kg, mass centre half way down axis 2, inertia about the mass centre.
 CENTRE = (0.0, 0.5, 0.0)
@@ -71,13 +74,37 @@ def pinocchio_evaluator(tree):
         place = pin.SE3(np.eye(3), np.array(hinge.point, float))
         joint = model.addJoint(k, joints[hinge.rotations[0] - 1], place, f"hinge {k}")
         model.appendBodyToJoint(joint, link, pin.SE3.Identity())
-    data, torque = model.createData(), np.zeros(len(tree.q))
+    data, torque = aba_data(model), np.zeros(len(tree.q))
 
     def evaluate(count):
         for _ in range(count):
             pin.aba(model, data, tree.q, tree.y, torque)
 
     return evaluate, lambda: data.ddq
+
+
+def aba_data(model):
+    """The part of Pinocchio's Data that its articulated-body algorithm uses.
+
+    model.createData() makes room for second derivatives of all joint places as well, 48 n³ bytes: 52 GB
+    for 1024 links.
+    """
+    import pinocchio as pin
+
+    data = pin.Data()
+    for joint in model.joints:
+        data.joints.append(joint.createData())
+    blanks = (
+        (pin.SE3.Identity(), (data.liMi, data.oMi)),
+        (pin.Motion.Zero(), (data.v, data.a, data.a_gf)),
+        (pin.Force.Zero(), (data.f, data.h)),
+        (np.zeros((6, 6)), (data.Yaba,)),
+    )
+    for blank, fields in blanks:
+        for rows in fields:
+            rows.extend([blank] * model.njoints)
+    data.ddq = np.zeros(model.nv)
+    return data
 
 
 def mujoco_evaluator(tree):
@@ -145,6 +172,7 @@ def compare_chains():
     for name, values in times.items():
         exponent = np.polyfit(np.log(list(values)), np.log(list(values.values())), 1)[0]
         print(f"exponent of growth, {name}: {exponent:.3f}")
+    print(STOPPED)
 
 
 def shaft_and_beam(nodes):
@@ -168,47 +196,42 @@ def shaft_and_beam(nodes):
     )
 
 
-def time_beams():
-    """Table of the cost of one evaluation of the shaft and beam over the number of nodes."""
-    print("nodes   evaluations   µs per evaluation and node")
-    for nodes in (10, 50, 200):
-        tree = replace(shaft_and_beam(nodes), time=TimeGrid(0.0, 0.02 if nodes <= 50 else 0.001, 0.001))
-        march(replace(tree, time=TimeGrid(0.0, 1e-6, 1e-6)))
-        spent, count, _tip = march(tree)
-        print(f"{nodes:5d}   {count:11d}   {spent / count / nodes * 1e6:10.3f}", flush=True)
-
-
 # Tolerances with which the methods come to about the same error of the tip.
 EQUAL_ACCURACY = {"dop853": 1e-6, "sdirk4": 1e-5, "radau": 1e-5}
-SPANS = {10: 0.1, 50: 0.02, 200: 0.002}  # s, of nodes
+NODES = (10, 50, 200)
+SPAN = 0.02  # s
 
 
-def compare_methods():
-    """Table of seconds per simulated second of the shaft and beam, by method."""
-    print("nodes  method  tolerance   s per simulated s   evaluations   error of the tip, m")
-    for nodes, span in SPANS.items():
-        tree = replace(shaft_and_beam(nodes), time=TimeGrid(0.0, span, span / 20))
+def compare_methods(methods=tuple(EQUAL_ACCURACY)):
+    """Table of the cost of the shaft and beam by method and nodes."""
+    print("processor s per simulated s; evaluations are those of the equations")
+    print("nodes  method  tolerance   s per s   s per s and node   evaluations   error of the tip, m")
+    for nodes in NODES:
+        tree = replace(shaft_and_beam(nodes), time=TimeGrid(0.0, SPAN, SPAN / 20))
         exact = march(replace(tree, integration=Integration("dop853", 1e-9, 1e-9)))[2]
-        for method, tolerance in EQUAL_ACCURACY.items():
+        for method in methods:
+            tolerance = EQUAL_ACCURACY[method]
             chosen = replace(tree, integration=Integration(method, tolerance, tolerance))
             march(replace(chosen, time=TimeGrid(0.0, 1e-6, 1e-6)))
             spent, count, tip = march(chosen)
-            error = np.max(np.abs(tip - exact))
+            error, cost = np.max(np.abs(tip - exact)), spent / SPAN
             print(
-                f"{nodes:5d}  {method:6}  {tolerance:9.0e}   {spent / span:17.2f}   {count:11d}  {error:.1e}",
+                f"{nodes:5d}  {method:6}  {tolerance:9.0e}   {cost:7.2f}   {cost / nodes:16.4f}"
+                f"   {count:11d}   {error:.1e}",
                 flush=True,
             )
 
 
 def march(tree):
-    """Seconds, evaluations and tip deflections of a run."""
+    """Processor seconds, evaluations and tip deflections of a run."""
     analysis = TreeAnalysis(tree)
-    begin = time.perf_counter()
+    begin = time.process_time()
     tip = np.concatenate([rows.q[:, -1] for rows in analysis.rows()])
-    return time.perf_counter() - begin, int(analysis.clock["evaluations"][0]), tip
+    return time.process_time() - begin, int(analysis.clock["evaluations"][0]), tip
 
+
+PARTS = {"chains": compare_chains, "beams": compare_methods}
 
 if __name__ == "__main__":
-    compare_chains()
-    time_beams()
-    compare_methods()
+    for part in sys.argv[1:] or PARTS:
+        PARTS[part]()
