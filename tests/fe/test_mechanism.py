@@ -11,7 +11,6 @@ from flexmb_cli.model.build_vsdf import build_vsdf
 from flexmb_cli.model.vsdf_joints import BY_WORD
 from tests.read.vsdf_decks import DECKS, RIGID, build, changed, read, supplied
 
-
 # Nine modes are the paper's pendulum and rod.
 MODES = {"spinup": 12, "slider_crank_flex": 6}
 
