@@ -7,8 +7,9 @@ or an angle, and the nodes of a regular finite-element mesh its edges.
 
 import numpy as np
 
-# The sphere of an edge of a rectangle passes through no other corner, that of its diagonal through two.
-TOUCH = 1e-9
+# The sphere of an edge of a rectangle passes through no other corner, that of its diagonal through two,
+# also when node tables give six digits.
+TOUCH = 1e-5
 
 
 def gabriel_edges(points: np.ndarray) -> np.ndarray:

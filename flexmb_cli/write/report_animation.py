@@ -17,8 +17,8 @@ MOST_FRAMES = 150
 MOST_TRAILS = 12
 # Shortest and longest time of the whole animation, s; between them it plays in its own time.
 SHORTEST, LONGEST = 3.0, 15.0
-# Sizes of the longest side of the box, and distance of the eye, that fill the picture.
-FLAT, DEEP, DISTANCE = 1.7, 1.05, 1.9
+# Longest side of a plane's box, diagonal of a box in space, and distance of the eye, that fill the picture.
+FLAT, DEEP, DISTANCE = 1.7, 1.65, 1.9
 
 
 def frame_rows(rows: int) -> slice:
@@ -211,7 +211,7 @@ def _box(places, view):
     if view.planar and max(map(abs, view.eye)) == 1.0:
         # The axis that is looked along would be a heap of numbers.
         box["xyz"[int(np.argmax(np.abs(view.eye)))] + "axis"]["visible"] = False
-    ratio = (FLAT if view.planar else DEEP) * half / half.max()
+    ratio = FLAT * half / half.max() if view.planar else DEEP * half / np.linalg.norm(half)
     return box | {"aspectmode": "manual", "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True))}
 
 

@@ -38,9 +38,11 @@ def mechanism_geometry(mechanism: Mechanism) -> tuple[Constant, ...]:
 
 
 def tree_geometry(tree: Tree) -> tuple[Constant, ...]:
-    """Gravity, bodies of hinge points and nodes, undeformed nodes, bodies and points of the closures."""
+    """Gravity, centres of mass, nodes, bodies of hinge points and nodes, bodies and points of closures."""
     bodies = [hinge.parent for hinge in tree.hinges]
-    found = [*gravity(tree.gravity)]
+    centres = np.array([_centre(body) for body in tree.bodies], float)
+    meaning = "centre of mass of the undeformed body, body axes"
+    found = [*gravity(tree.gravity), Constant("body/centre", ("body/body", XYZ.path), centres, "m", meaning)]
     for k, body in enumerate(tree.bodies):
         if body.elastic is not None:
             bodies += len(body.elastic.masses) * [k]
@@ -95,6 +97,13 @@ def shape_geometry(body: str, r0: np.ndarray, Phi: np.ndarray) -> tuple[Constant
         node_geometry(body, r0),
         Constant(f"elastic/{body}/shape", axes, shape, "1 or m", meaning),
     )
+
+
+def _centre(body):
+    """What a flexible body's nodes leave of its mass sits at its origin."""
+    if body.elastic is None:
+        return body.centre
+    return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
 
 
 def _closed_points(tree: Tree, closure: Closure):

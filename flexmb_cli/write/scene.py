@@ -94,6 +94,7 @@ class _Motion:
         self.joint_point = result["joint/point"][:] if have_joints else np.zeros((0, 2, 3))
         self.points = result["point/position"][rows] if have_points else np.zeros((self.rows, 0, 3))
         self.point_body = result["point/body"][:] if have_points else np.zeros(0, int)
+        self.centre = result["body/centre"][:] if "body/centre" in result else None
 
     def carried(self, body, places) -> np.ndarray:
         """Global positions (T, n, 3) of `places` (T or 1, n, 3) in the axes of `body`."""
@@ -132,6 +133,9 @@ class _Motion:
         # The origin is a place of its own in a tree, where bodies hang at it, or when there is little else.
         if body != GROUND and (self.relative or sum(part.shape[1] for part in marks) < 2):
             marks.insert(0, self.carried(body, np.zeros((1, 1, 3))))
+        # The last link of a chain is drawn to its centre of mass.
+        if body != GROUND and self.centre is not None and sum(part.shape[1] for part in marks) < 2:
+            marks.append(self.carried(body, self.centre[None, body - 1, None]))
         return np.concatenate(marks, axis=1)
 
 

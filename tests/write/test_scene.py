@@ -2,17 +2,27 @@
 
 from dataclasses import replace
 from itertools import combinations, product
+from pathlib import Path
 
 import numpy as np
 import pytest
 from turning_bar import tip, write_bar
 
+from flexmb_cli.model.build_dafms import build_dafms
 from flexmb_cli.model.mechanism import Joint
+from flexmb_cli.read.dafms import read_dafms
+from flexmb_cli.read.deck import DeckText
 from flexmb_cli.write.motion_series import BODY_MOTION
 from flexmb_cli.write.neighbours import different, gabriel_edges
 from flexmb_cli.write.quantities import ResultError, open_result
 from flexmb_cli.write.result_file import EULER_PARAMETER, XYZ, Axis, Layout, ResultFile, Series, numbered_axis
-from flexmb_cli.write.result_geometry import SIDE, joint_geometry, node_geometry, shape_geometry
+from flexmb_cli.write.result_geometry import (
+    SIDE,
+    joint_geometry,
+    node_geometry,
+    shape_geometry,
+    tree_geometry,
+)
 from flexmb_cli.write.scene import read_scene, rotations
 from flexmb_cli.write.view import view_of
 
@@ -158,3 +168,14 @@ def test_in_space_z_is_up_and_the_viewer_stands_above(gravity):
     view = view_of(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1.0)]), np.array(gravity, float))
     assert (view.planar, view.up) == (False, (0.0, 0.0, 1.0))
     assert view.eye[2] > 0
+
+
+def test_a_tree_keeps_centres_gravity_and_where_its_nodes_are():
+    """Thesis 4.4, two nodes a link: 2.5 kg at 0.5 m and 1.25 kg at 1 m of a beam of 5 kg; gravity along +y."""
+    deck = Path(__file__).parents[2] / "decks" / "dafms" / "two_link_n2.DAT"
+    tree, _ = build_dafms(read_dafms(DeckText("two_link_n2", deck.read_text(), "")))
+    kept = {constant.path: constant.values for constant in tree_geometry(tree)}
+    assert kept["body/centre"][0] == pytest.approx([0, (2.5 * 0.5 + 1.25 * 1.0) / 5.0, 0])
+    assert kept["gravity"].tolist() == [0.0, 9.8, 0.0]
+    assert kept["elastic/body 1/node_position"].tolist() == [[0.0, 0.5, 0.0], [0.0, 1.0, 0.0]]
+    assert kept["point/body"].tolist() == [0, 1, 1, 1, 2, 2]
