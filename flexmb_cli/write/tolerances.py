@@ -75,7 +75,7 @@ class Tolerance:
         if unit is not None:
             with np.errstate(invalid="ignore", over="ignore"):
                 allowed = np.maximum(np.maximum(allowed, slack), self.last_digit * unit)
-                # 0.003 - 0.002 is a little more than 0.001: the round-off of printed numbers is no difference.
+                # 0.003 - 0.002 is a little more than 0.001: round-off of printed numbers is no difference.
                 allowed = np.where(allowed > 0, allowed + 4 * np.finfo(float).eps * size, allowed)
         # An infinite value has an infinite relative allowance, but equals only itself.
         finite = np.isfinite(distance) | self.ignores
