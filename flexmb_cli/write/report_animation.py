@@ -13,17 +13,22 @@ from .view import view_of
 # Okabe and Ito's colours, told apart by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
 GREY = "#808080"
-MOST_FRAMES = 150
+MOST_FRAMES, FEWEST_FRAMES = 150, 20
+# Places of all frames together: some 30 bytes of the page each.
+MOST_PLACES = 200_000
 MOST_TRAILS = 12
+# More bodies than these share traces by their colours, so that the page stays quick.
+MOST_BODIES = 40
 # Shortest and longest time of the whole animation, s; between them it plays in its own time.
 SHORTEST, LONGEST = 3.0, 15.0
 # Longest side of a plane's box, diagonal of a box in space, and distance of the eye, that fill the picture.
 FLAT, DEEP, DISTANCE = 1.7, 1.65, 1.9
 
 
-def frame_rows(rows: int) -> slice:
-    """Every n-th row, so that there are at most `MOST_FRAMES`."""
-    return slice(0, rows, -(-rows // MOST_FRAMES) or 1)
+def frame_rows(rows: int, places: int = 1) -> slice:
+    """Every n-th row, so that there are at most `MOST_FRAMES`, fewer where each shows many `places`."""
+    frames = min(MOST_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // places))
+    return slice(0, rows, -(-rows // frames) or 1)
 
 
 def animation(scene: Scene) -> dict:
@@ -48,12 +53,14 @@ def _moving_traces(scene):
     """Traces that change with time: style, and coordinates of every row by axis."""
     digits = _digits(scene)
     traces = []
-    for number, body in enumerate(scene.bodies):
-        if not body.still:
-            style = _body_style(body, COLOURS[number % len(COLOURS)])
-            traces.append(_trace(style, _lines(body), digits))
-            if _is_plate(body):
-                traces.append(_trace(_plate_style(body, style["line"]["color"]), body.marks, digits))
+    moving = [body for body in scene.bodies if not body.still]
+    if len(moving) > MOST_BODIES:
+        traces += [_trace(style, path, digits) for style, path in _crowd(moving)]
+    for body in moving if not traces else ():
+        style = _body_style(body, COLOURS[(body.number - 1) % len(COLOURS)])
+        traces.append(_trace(style, _lines(body), digits))
+        if _is_plate(body):
+            traces.append(_trace(_plate_style(body, style["line"]["color"]), body.marks, digits))
     if scene.joints.shape[1]:
         names = [escape(name) for name in scene.joint_names]
         traces.append(_trace(_marker("joints", "#222222", 4, names), scene.joints, digits))
@@ -64,6 +71,15 @@ def _moving_traces(scene):
         style = _line("joint axes", "#222222", 2)
         traces.append(_trace(style, _axis_lines(scene), digits))
     return traces
+
+
+def _crowd(bodies):
+    """Style and path (T, n, 3) of all bodies of a colour, nan between them."""
+    gap = np.full((len(bodies[0].marks), 1, 3), np.nan)
+    for k, colour in enumerate(COLOURS):
+        group = bodies[k :: len(COLOURS)]
+        path = np.concatenate([part for body in group for part in (_lines(body), gap)], axis=1)
+        yield _line(f"bodies {escape(group[0].name)}, …", colour, 5), path
 
 
 def _still_traces(scene):

@@ -114,7 +114,10 @@ ANIMATION = """<h2>Motion</h2>
 
 def _animation(result):
     rows = len(result["time"])
-    return animation(read_scene(result, frame_rows(rows))) if rows and "body/position" in result else None
+    if not rows or "body/position" not in result:
+        return None
+    places = len(read_scene(result, slice(0, 1)).places)
+    return animation(read_scene(result, frame_rows(rows, places)))
 
 
 def _curves(result):

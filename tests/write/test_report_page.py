@@ -99,6 +99,10 @@ def test_long_runs_are_thinned_evenly(rows):
     assert min(rows, MOST_FRAMES // 2) <= len(kept) <= MOST_FRAMES
 
 
+def test_large_models_have_fewer_frames():
+    assert len(range(*frame_rows(1000, 4000).indices(1000))) == 50
+
+
 def test_frames_are_the_motion(tmp_path):
     """The bar's ends in every frame, by the closed form of `turning_bar`, to five digits of the picture."""
     with open_result(write_result(tmp_path / "r.h5")) as file:
@@ -241,3 +245,14 @@ def test_dragging_turns_the_view(page):
     before = pixels(page)
     actions(page).drag_and_drop_by_offset(canvas(page), 150, 60).perform()
     wait(lambda: np.sum(np.any(np.abs(pixels(page) - before) > 40, axis=-1)) > 200)
+
+
+def test_hundreds_of_bodies_share_a_trace_a_colour(tmp_path):
+    """Each of 200 copies of the bar is drawn, by eight traces."""
+    with open_result(write_result(tmp_path / "r.h5")) as file:
+        scene = read_scene(file)
+    bar = scene.bodies[1]
+    traces = animation(replace(scene, bodies=(bar,) * 200))["data"]
+    crowd = [trace for trace in traces if trace["name"].startswith("bodies")]
+    assert len(crowd) == 8
+    assert sum(trace["x"].count(None) for trace in crowd) == 200

@@ -171,7 +171,7 @@ def test_in_space_z_is_up_and_the_viewer_stands_above(gravity):
 
 
 def test_a_tree_keeps_centres_gravity_and_where_its_nodes_are():
-    """Thesis 4.4, two nodes a link: 2.5 kg at 0.5 m and 1.25 kg at 1 m of a beam of 5 kg; gravity along +y."""
+    """Thesis 4.4, two nodes a link: 2.5 kg at 0.5 m and 1.25 kg at 1 m of a beam of 5 kg; gravity: +y."""
     deck = Path(__file__).parents[2] / "decks" / "dafms" / "two_link_n2.DAT"
     tree, _ = build_dafms(read_dafms(DeckText("two_link_n2", deck.read_text(), "")))
     kept = {constant.path: constant.values for constant in tree_geometry(tree)}
