@@ -17,7 +17,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .constrained_report import complete, coordinates_and_speeds
 from .constrained_solve import accelerations
 from .constrained_system import SOLVED
@@ -111,7 +111,7 @@ def _ask(clock, phase, stage, at, projects):
     return ASKS
 
 
-@kernel
+@part
 def _evaluate(system, work, march, report):
     """The slope at `trial`, brought onto the constraints first where asked, or a whole report row; a code."""
     clock, z, row = march.clock[0], march.trial, march.clock[0]["row"]
@@ -136,7 +136,7 @@ def _evaluate(system, work, march, report):
     return code
 
 
-@kernel
+@part
 def _digest(system, work, march, report, spent):
     """Use an evaluation, and ask for the next one or answer."""
     clock = march.clock[0]
@@ -167,7 +167,7 @@ def _copy(a, b):
         b[i] = a[i]
 
 
-@kernel
+@part
 def _begin(march):
     clock = march.clock[0]
     _copy(march.z, march.old)
@@ -176,7 +176,7 @@ def _begin(march):
     return _ask(clock, FIRST, STAGES, clock["t"], 0)
 
 
-@kernel
+@part
 def _choose_first_step(march):
     clock = march.clock[0]
     size, speed = _scaled_norm(march, march.z), _scaled_norm(march, march.slopes[STAGES])
@@ -230,7 +230,7 @@ def _reject(march, factor):
     return _try_step(march)
 
 
-@kernel
+@part
 def _next_stage(system, work, march):
     """The next stage of a step, or its end where the error allows it."""
     clock, h, stage = march.clock[0], march.clock[0]["length"], march.clock[0]["stage"] + 1
@@ -246,7 +246,7 @@ def _next_stage(system, work, march):
     return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
 
 
-@kernel
+@part
 def _step_error(march, h):
     """Error of the step from z to trial against the tolerance."""
     clock, z, new, slopes = march.clock[0], march.z, march.trial, march.slopes
@@ -265,7 +265,7 @@ def _step_error(march, h):
     return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5
 
 
-@kernel
+@part
 def _project(system, work, march, z, t):
     """Bring a state onto the constraints at t; returns by how many tolerances it moved, or infinity."""
     clock = march.clock[0]
@@ -283,7 +283,7 @@ def _project(system, work, march, z, t):
     return _scaled_norm(march, before)
 
 
-@kernel
+@part
 def _accept(system, work, march):
     """Make the projected end of a step the state; PHI belongs to it."""
     clock, h = march.clock[0], march.clock[0]["length"]
@@ -306,7 +306,7 @@ def _ask_dense(march, stage):
     return _ask(clock, DENSE, stage, clock["step_start"] + h * STAGE_TIMES[stage], 0)
 
 
-@kernel
+@part
 def _next_dense(march, report, spent):
     """The next stage of the dense output, or its polynomial."""
     clock, stage = march.clock[0], march.clock[0]["stage"] + 1

@@ -11,7 +11,7 @@ accelerations and projections.
 """
 
 from . import constraints as equations
-from ._jit import kernel
+from ._jit import kernel, part
 from .arms import move_arms, place_arms
 from .constrained_system import (
     FORCES,
@@ -94,7 +94,7 @@ def factorise_constraints(system, work, q):
     return SOLVED
 
 
-@kernel
+@part
 def _reduce_mass(system, work, free):
     """Zᵀ M Z and its Cholesky factor."""
     n = work.jacobian.shape[1]
@@ -135,7 +135,7 @@ def solve(system, work, forces, gamma, x):
             x[k] += work.motions[k, f] * y[f] * system.speed_scale[k]
 
 
-@kernel
+@part
 def accelerations(system, work, q, u, t, ud):
     """Fill ud (n,), the rates of the speeds u at q; returns (code, power).
 
@@ -156,7 +156,7 @@ def accelerations(system, work, q, u, t, ud):
     return code, power
 
 
-@kernel
+@part
 def fill_forces(system, work, q, u, t):
     """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
 
@@ -167,7 +167,7 @@ def fill_forces(system, work, q, u, t):
     return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
 
 
-@kernel
+@part
 def fill_gamma(system, work, q, u, t):
     """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved arms belong to q and u."""
     qd, gamma = work.vectors[QD], work.rows[GAMMA]

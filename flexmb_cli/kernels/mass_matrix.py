@@ -10,7 +10,7 @@ whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 """
 
 from . import floating_frame
-from ._jit import kernel
+from ._jit import kernel, part
 from .constrained_system import PRODUCT, A
 
 
@@ -72,7 +72,7 @@ def mass_matrices(system, work, q):
         _flexible_mass(system, work, system.flexible[k], q)
 
 
-@kernel
+@part
 def _flexible_mass(system, work, f, q):
     S1, J1, J2, C0, C1, Mff, _, _, _ = constants_of(system, f)
     s, S_tt, S_tf, T, M, _ = places_of(work, f)
@@ -107,7 +107,7 @@ def mass_times(system, work, x, y):
             y[rigid + i if i < 6 else modal + i - 6] = total
 
 
-@kernel
+@part
 def inertia_and_elastic_forces(system, work, q, u, f):
     """Fill f (n,) with quadratic velocity forces, gravity, elastic forces; the mass matrices belong to q.
 
@@ -124,7 +124,7 @@ def inertia_and_elastic_forces(system, work, q, u, f):
     return power
 
 
-@kernel
+@part
 def _gyroscopic_forces(mass, axes, u, f):
     s, J = mass["moment"], mass["inertia"]
     w0, w1, w2 = u[3], u[4], u[5]
@@ -142,7 +142,7 @@ def _gyroscopic_forces(mass, axes, u, f):
     f[5] = h0 * w1 - h1 * w0
 
 
-@kernel
+@part
 def _add_weight(mass, axes, g, f):
     s = mass["moment"]
     b0 = axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2]
@@ -155,7 +155,7 @@ def _add_weight(mass, axes, g, f):
     f[5] += s[0] * b1 - s[1] * b0
 
 
-@kernel
+@part
 def _flexible_forces(system, work, flexible, q, u, f):
     S1, J1, _, _, C1, _, Kr, Dr, KG = constants_of(system, flexible)
     s, S_tt, S_tf, T, _, own = places_of(work, flexible)

@@ -10,7 +10,7 @@ the first measures are equations, Φ = μ - f(t).  The second derivative of a pr
 
 import math
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .arms import ARM, add_arm_row
 from .laws import law_values
 from .rotation import dot
@@ -106,7 +106,7 @@ def add_measure_row(system, work, k, factor, row):
             add_arm_row(system, work, arm, work.arms[ARM, other], share * part, False, row)
 
 
-@kernel
+@part
 def equation_residuals(system, work, t, near, phi):
     """Fill the last rows of phi (m,), those of the measures that are equations."""
     first = system.bodies.shape[0]
@@ -117,7 +117,7 @@ def equation_residuals(system, work, t, near, phi):
             phi[first + k] -= law_values(system.laws, system.knots, m["law"], t)[0]
 
 
-@kernel
+@part
 def equation_rows(system, work, jacobian):
     """Fill the last rows of jacobian (m, n), not scaled."""
     first = system.bodies.shape[0]
@@ -127,7 +127,7 @@ def equation_rows(system, work, jacobian):
         add_measure_row(system, work, k, 1.0, jacobian[first + k])
 
 
-@kernel
+@part
 def equation_velocities(system, t, nu):
     """Fill the last rows of nu (m,), the rates that the laws ask for."""
     first = system.bodies.shape[0]
@@ -136,7 +136,7 @@ def equation_velocities(system, t, nu):
         nu[first + k] = law_values(system.laws, system.knots, law, t)[1] if law >= 0 else 0.0
 
 
-@kernel
+@part
 def equation_accelerations(system, work, t, gamma):
     """Fill the last rows of gamma (m,), at moved arms."""
     first = system.bodies.shape[0]

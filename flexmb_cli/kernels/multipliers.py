@@ -9,13 +9,13 @@ multipliers when the independent rows bear everything, they are
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import part
 from .constrained_system import FORCES, FREE, PRODUCT
 from .independent_rows import cholesky, cholesky_solve, transposed_solution
 from .mass_matrix import mass_times
 
 
-@kernel
+@part
 def fill_multipliers(system, work, ud, lam):
     """Fill lam (m,) from the rates ud of the speeds, by the factors and forces at hand."""
     rank, m = work.rank[0], lam.shape[0]
@@ -34,7 +34,7 @@ def fill_multipliers(system, work, ud, lam):
         lam[row] /= system.row_scale[row]
 
 
-@kernel
+@part
 def _share(work, borne, lam):
     """Spread what the independent rows bear over all rows, to least norm."""
     rank, order, m = work.rank[0], work.order, lam.shape[0]
@@ -64,7 +64,7 @@ def _share(work, borne, lam):
             lam[order[rank + d]] += C[d, i] * lam[order[i]]
 
 
-@kernel
+@part
 def fill_wrenches(system, work, lam, wrenches):
     """Fill wrenches (groups, 2, 6): on the bodies i and j of every group its force, global
     axes, N, and its torque about the body's origin, body axes, N m; 0 on the ground."""
