@@ -79,6 +79,20 @@ class SmallMotions:
         """∂a/∂y' (f, f)."""
         return self._differences(STENCIL, lambda step: self.free_accelerations(0.0 * step, step))
 
+    def turning(self) -> np.ndarray:
+        """T (f, f) of y' = v + T y, v the changes of the free speeds, which may be about axes that turn."""
+        raise NotImplementedError
+
+    def speed_shift(self) -> np.ndarray:
+        """E (f, f): by how much the free speeds change, E y, when a displacement makes all speeds fit it."""
+        return np.zeros((self.freedoms, self.freedoms))
+
+    def first_order(self) -> np.ndarray:
+        """Matrix (2 f, 2 f) of y and v: y' = v + T y, v' = K y + C (v - E y)."""
+        C = self.damping()
+        below = self.stiffness() - C @ self.speed_shift()
+        return np.block([[self.turning(), np.eye(self.freedoms)], [below, C]])
+
     def _differences(self, stencil, accelerations):
         derivative = np.zeros((self.freedoms, self.freedoms))
         for k, direction in enumerate(np.eye(self.freedoms)):
@@ -135,6 +149,23 @@ class ConstrainedSmallMotions(SmallMotions):
         """Scaled accelerations (f,) of the free coordinates."""
         return (self._rates(*self.displaced(y, yd)) / self.scale)[self.free]
 
+    def turning(self) -> np.ndarray:
+        """T (f, f): small turns s in body axes have the rates s' = v - omega x s."""
+        turned = np.zeros_like(self.motions)
+        for body in range(self.analysis.arrays.bodies):
+            own = slice(6 * body + 3, 6 * body + 6)
+            turned[own] = -np.cross(self.u[own], self.motions[own].T).T
+        return (turned / self.scale[:, None])[self.free]
+
+    def speed_shift(self) -> np.ndarray:
+        """E (f, f), zero at rest."""
+        none = np.zeros(self.freedoms)
+        if not self.u.any():
+            return super().speed_shift()
+        return self._differences(
+            STENCIL, lambda step: ((self.displaced(step, none)[1] - self.u) / self.scale)[self.free]
+        )
+
     def stand_at(self, y) -> None:
         """Put the analysis to rest at the position changed by y."""
         z = self.analysis.march.z
@@ -153,8 +184,7 @@ def modes(analysis: ConstrainedMotion) -> Modes:
 def modes_of(motions: SmallMotions) -> Modes:
     """Modes of the small motions, and what neither oscillates nor is held."""
     f = motions.freedoms
-    first_order = np.block([[np.zeros((f, f)), np.eye(f)], [motions.stiffness(), motions.damping()]])
-    values, vectors = np.linalg.eig(first_order)
+    values, vectors = np.linalg.eig(motions.first_order())
     order = np.lexsort((values.imag, np.round(np.abs(values), 9)))
     values, vectors = values[order], vectors[:, order]
     moving = np.abs(values) > AT_REST * np.max(np.abs(values), initial=1.0)

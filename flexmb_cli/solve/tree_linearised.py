@@ -53,6 +53,15 @@ class TreeSmallMotions(SmallMotions):
             raise analysis.failure()
         return (dz[: self.scale.size] / self.scale)[self.free]
 
+    def turning(self) -> np.ndarray:
+        """T (f, f): turns s of a hinge with three rotations, parent's axes, have s' = v + omega x s."""
+        turned = np.zeros_like(self.motions)
+        for frame in self.arrays.frames[1:]:
+            if frame["ball"] >= 0:
+                own = slice(frame["first_rotation"], frame["first_rotation"] + 3)
+                turned[own] = np.cross(self.z[own], self.motions[own].T).T
+        return (turned / self.scale[:, None])[self.free]
+
     def stand_at(self, y) -> None:
         """Put the analysis to rest at the position changed by y."""
         z = self.displaced(y, np.zeros(self.freedoms))

@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 from dynamic_runs import AT_REST, GROUND, body
 
-from flexmb_cli.model.dynamics import DynamicModel, MassProperties, SpringDamper
+from flexmb_cli.model.dynamics import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, Simplified, TimeGrid
+from flexmb_cli.model.tree import INERTIAL, Hinge, Tree
+from flexmb_cli.model.tree import Body as Part
 from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.linearised import bring_to, modes, settle
+from flexmb_cli.solve.linearised import bring_to, modes, modes_of, settle
+from flexmb_cli.solve.tree_dynamics import TreeAnalysis
+from flexmb_cli.solve.tree_linearised import TreeSmallMotions, start_tree
 
 G = 9.81
 DOWN = (math.cos(math.pi / 4), 0.0, math.sin(math.pi / 4), 0.0)  # x axis turned to -z
@@ -170,3 +174,66 @@ def test_a_linear_system_keeps_its_frequency_while_it_moves():
     assert modes(analysis).frequency == pytest.approx(
         [natural * math.sqrt(1.0 - (1.0 / natural) ** 2) / (2.0 * math.pi)], rel=1e-7
     )
+
+
+TOP_MASS, TOP_ARM, TOP_ACROSS, TOP_ALONG = 2.0, 0.3, 0.25, 0.1
+
+
+def spinning_top(spin):
+    """A symmetric top that stands on its tip, axis z; inertia about the tip is TOP_ACROSS, TOP_ALONG."""
+    at_tip = (0.0,) * 3
+    mechanism = Mechanism(
+        (GROUND, body(2)),
+        TimeGrid(0.0, 1.0, 0.5),
+        (Joint("spherical", "spherical 1", 0, 1, at_tip, at_tip),),
+        grounds=(AT_REST,),
+    )
+    across = TOP_ACROSS - TOP_MASS * TOP_ARM**2
+    mass = MassProperties(
+        "mass 1", 1, TOP_MASS, (0.0, 0.0, TOP_ARM), (across, across, TOP_ALONG, 0.0, 0.0, 0.0)
+    )
+    first = InitialVelocity("velocity 1", 1, (0.0,) * 3, (0.0, 0.0, spin))
+    return DynamicModel(mechanism, "forward", (mass,), gravity=(0.0, 0.0, -G), velocities=(first,))
+
+
+@pytest.mark.parametrize("spin", [40.0, 90.0])
+def test_a_sleeping_top_nutates_and_precesses_as_seen_from_its_body(spin):
+    """I1 x'' - i I3 w x' - m g l x = 0 for a small tilt x in space; body axes see each root less w.
+
+    The spin itself turns by nothing held: two more eigenvalues are zero.
+    """
+    weight = TOP_MASS * G * TOP_ARM
+    root = math.sqrt((TOP_ALONG * spin) ** 2 - 4.0 * TOP_ACROSS * weight)
+    seen = [abs((TOP_ALONG * spin + sign * root) / (2.0 * TOP_ACROSS) - spin) for sign in (-1.0, 1.0)]
+    found = modes(started(spinning_top(spin)))
+    assert found.frequency * 2.0 * math.pi == pytest.approx(sorted(seen), rel=1e-7)
+    assert found.damping == pytest.approx([0.0, 0.0], abs=1e-7)
+    assert found.unheld == 2
+
+
+def test_a_top_that_spins_too_slowly_falls():
+    """Below (I3 w)² = 4 I1 m g l the tilt grows by sqrt(4 I1 m g l - (I3 w)²)/(2 I1)."""
+    spin, weight = 20.0, TOP_MASS * G * TOP_ARM
+    found = modes(started(spinning_top(spin)))
+    rate = math.sqrt(4.0 * TOP_ACROSS * weight - (TOP_ALONG * spin) ** 2) / (2.0 * TOP_ACROSS)
+    assert found.eigenvalues.real.max() == pytest.approx(rate, rel=1e-7)
+
+
+def test_a_top_of_a_tree_is_seen_from_space():
+    """Speeds of a hinge with three rotations are about axes of the parent, which stands still here."""
+    spin, weight = 40.0, TOP_MASS * G * TOP_ARM
+    tree = Tree(
+        (Part("body 1", TOP_MASS, np.diag([TOP_ACROSS, TOP_ACROSS, TOP_ALONG]), (0.0, 0.0, TOP_ARM)),),
+        (Hinge(INERTIAL, rotations=(1, 2, 3)),),
+        np.zeros(3),
+        np.array([0.0, 0.0, spin]),
+        TimeGrid(0.0, 1.0, 0.5),
+        gravity=(0.0, 0.0, -G),
+    )
+    analysis = TreeAnalysis(tree)
+    start_tree(analysis, 0.0)
+    root = math.sqrt((TOP_ALONG * spin) ** 2 - 4.0 * TOP_ACROSS * weight)
+    expected = [(TOP_ALONG * spin + sign * root) / (2.0 * TOP_ACROSS) for sign in (-1.0, 1.0)]
+    found = modes_of(TreeSmallMotions(analysis))
+    assert found.frequency * 2.0 * math.pi == pytest.approx(expected, rel=1e-7)
+    assert found.unheld == 2
