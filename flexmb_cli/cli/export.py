@@ -37,16 +37,22 @@ def export(result, form, output, quiet):
 
 def _write_vtkhdf(file, output):
     from ..write.atomic import write_whole
+    from ..write.scene import intact
     from ..write.vtkhdf import vtkhdf_bytes
 
-    write_whole(output, vtkhdf_bytes(file))
+    with intact(file):
+        content = vtkhdf_bytes(file)
+    write_whole(output, content)
 
 
 def _write_mat(file, output):
     from ..run.matlab_file import matlab_bytes
     from ..write.atomic import write_whole
+    from ..write.scene import intact
 
-    write_whole(output, matlab_bytes(file))
+    with intact(file):
+        content = matlab_bytes(file)
+    write_whole(output, content)
 
 
 def _write_csv(file, output):

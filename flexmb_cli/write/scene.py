@@ -4,6 +4,8 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import h5py
@@ -57,7 +59,7 @@ class Scene:
 def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     """The scene of `result` at `rows`.
 
-    Raises `ResultError` when it has no rows or no bodies.
+    Raises `ResultError` when it has no rows or no bodies, or places that are not finite.
     """
     if "body/position" not in result or not len(range(*rows.indices(len(result["time"])))):
         raise ResultError(f"{result.filename}: there are no bodies to draw: the result has no rows")
@@ -76,7 +78,19 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     numbered = [(number, motion.marks(number)) for number in range(len(motion.names) + 1)]
     extent = _extent([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])
     drawn = [_drawn(motion, number, marks, extent) for number, marks in numbered if marks.shape[1]]
-    return replace(scene, bodies=tuple(drawn))
+    scene = replace(scene, bodies=tuple(drawn))
+    if not np.all(np.isfinite(scene.places)):
+        raise ResultError(f"{result.filename}: it cannot be drawn: there are positions that are not finite")
+    return scene
+
+
+@contextmanager
+def intact(result: h5py.File) -> Iterator[None]:
+    """Turn what h5py raises on missing and unreadable datasets into a `ResultError`."""
+    try:
+        yield
+    except (KeyError, OSError, RuntimeError) as error:
+        raise ResultError(f"{result.filename}: a damaged result that cannot be read: {error}") from error
 
 
 class _Motion:

@@ -256,3 +256,22 @@ def test_hundreds_of_bodies_share_a_trace_a_colour(tmp_path):
     crowd = [trace for trace in traces if trace["name"].startswith("bodies")]
     assert len(crowd) == 8
     assert sum(trace["x"].count(None) for trace in crowd) == 200
+
+
+def test_a_damaged_result_is_told_and_leaves_no_page(tmp_path):
+    path = write_result(tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        del file["body/euler_parameters"]
+    pytest.importorskip("plotly", reason="plotly is not installed")
+    done = CliRunner().invoke(report, [str(path), "-o", str(tmp_path / "r.html")])
+    assert (type(done.exception), done.exception.exit_code) == (ResultError, 2)
+    assert "damaged result" in str(done.exception)
+    assert not (tmp_path / "r.html").exists()
+
+
+def test_positions_that_are_no_numbers_are_not_drawn(tmp_path):
+    path = write_result(tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        file["body/position"][3, 1] = np.nan
+    with pytest.raises(ResultError, match="not finite"):
+        page_on(path)
