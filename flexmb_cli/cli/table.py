@@ -52,5 +52,5 @@ def _remark(path, file, rows, quiet):
     told = shortfall(file)
     if told and not quiet:
         click.echo(f"{path}: note: {told}", err=True)
-    if not rows and not quiet:
+    if not rows and len(file["time"]) and not quiet:
         click.echo(f"{path}: note: it has no rows in this window of time", err=True)

@@ -151,7 +151,14 @@ def test_a_result_without_rows_gives_the_heads(tmp_path):
     path = write_result(tmp_path / "r.h5", 0, "failed", "cannot be assembled")
     done = flexmb("table", path, "energy.total", cwd=tmp_path)
     assert done.stdout == "time [s],energy.total [J]\n"
-    assert "it has no rows: cannot be assembled" in done.stderr
+    note = "the run is not complete, it has no rows: cannot be assembled"
+    assert done.stderr == f"{path}: note: {note}\n"
+
+
+def test_a_window_without_rows_is_remarked(path):
+    done = flexmb("table", path, "energy.total", "--from", "9", cwd=path.parent)
+    assert (done.returncode, done.stdout) == (0, "time [s],energy.total [J]\n")
+    assert done.stderr == f"{path}: note: it has no rows in this window of time\n"
 
 
 def test_wrong_use_is_refused(path):
