@@ -12,8 +12,8 @@ from .dafms_tree import tree_of
 from .deck import open_deck, record_failure
 from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
 
-# Both march more closely than they are compared.
-RTOL = ATOL = 1e-11
+# Both march more closely than they are compared; deflections are small against a metre.
+RTOL, ATOL = 1e-11, 1e-13
 
 ENERGIES = ("kinetic", "potential", "strain", "total")
 POINTS = {"position": "m", "velocity": "m/s"}

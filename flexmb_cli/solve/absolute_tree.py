@@ -19,6 +19,7 @@ from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.measure_table import MeasureTable
 from ..model.system_arrays import SystemArrays
 from ..model.tree import Tree
+from ..model.tree_closing import closed_tree
 from ..model.tree_poses import elastic_start, first_poses
 from ..model.vsdf_model import Integrator
 from .absolute_rows import absolute_rows
@@ -29,15 +30,15 @@ from .tree_rows import TreeRows
 class AbsoluteTree(ConstrainedMotion):
     """One run of a tree over its report times in absolute coordinates; the rows are those of a tree.
 
-    Raises ModelError for what is not carried over.
+    Raises ModelError for what is not carried over, AnalysisError for loops that do not close.
     """
 
     turns_in_body_axes = True
 
     def __init__(self, tree: Tree):
         refuse_foreign(tree)
-        self.tree = tree
         self.frames = hinge_frames(tree)
+        self.tree = tree = closed_tree(tree, self.frames)
         poses = first_poses(tree, self.frames)
         bodies = [floating_body(tree, k, poses[k]) for k in range(len(tree.bodies))]
         bodies += [
