@@ -5,10 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.errors import ModelError
+from flexmb_cli.errors import AnalysisError, ModelError
+from flexmb_cli.model.absolute_tree import hinge_frames
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.tree import ROTATION, TRANSLATION, Motor, Spring, constant
+from flexmb_cli.model.tree import (
+    INERTIAL,
+    ROTATION,
+    TRANSLATION,
+    Body,
+    Closure,
+    Hinge,
+    Motor,
+    Spring,
+    Tree,
+    constant,
+)
+from flexmb_cli.model.tree_closing import closed_tree
 from flexmb_cli.solve.absolute_tree import AbsoluteTree
+from flexmb_cli.solve.tree_dynamics import TreeAnalysis
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import deck_tree
@@ -75,3 +89,43 @@ def test_a_motor_along_a_slide_is_refused():
     slide = next(c for c in tree.coordinates if c.motion == TRANSLATION)
     (sentence,) = refused(replace(tree, motors=(Motor(slide.body, TRANSLATION, slide.axis, constant(1.0)),)))
     assert "a motor along a translation" in sentence
+
+
+@pytest.mark.parametrize("name", ["fourbar_rigid", "fourbar_flex", "slider_crank_flex"])
+def test_loops_far_from_closed_are_closed_as_by_kane(name):
+    """The first rotation and the elastic coordinates stay: nothing is left to choose in these loops."""
+    tree = deck_tree(name)
+    shift = np.array([0.0 if c.motion != ROTATION or c.body == 0 else 0.2 for c in tree.coordinates])
+    apart = replace(tree, q=tree.q + shift, time=TimeGrid(0.0, 1e-6, 1e-6))
+    kane = next(TreeAnalysis(apart).rows())
+    found = closed_tree(apart, hinge_frames(apart))
+    assert np.max(np.abs(found.q - kane.q[0])) < 1e-9
+    assert np.max(np.abs(found.y - kane.y[0])) < 1e-9 * np.max(np.abs(kane.y[0]))
+
+
+def spherical_loop(reach):
+    """Two rods of 1 m on spherical hinges, the end of the second held `reach` m from the first's root."""
+    rod = Body("rod", 1.0, np.diag([0.4, 0.1, 0.4]), (0.0, 0.5, 0.0))
+    hinges = Hinge(INERTIAL, rotations=(1, 2, 3)), Hinge(0, (0.0, 1.0, 0.0), rotations=(1, 2, 3))
+    closure = Closure("end", 1, INERTIAL, (1, 2, 3), a_point=(0.0, 1.0, 0.0), b_point=(0.0, 0.0, reach))
+    grid = TimeGrid(0.0, 1e-6, 1e-6)
+    return Tree((rod, rod), hinges, np.zeros(6), np.array([0.3, 1, 0, 0, 0, 2.0]), grid, closures=(closure,))
+
+
+def test_loops_close_by_turning_spherical_hinges():
+    """The ends lie on a line at first; gap and its rate go to round-off by turning both rods."""
+    tree = spherical_loop(1.2)
+    tilted = replace(tree, hinges=(tree.hinges[0], replace(tree.hinges[1], attitude=(0.9, 0.3, 0.1, 0.2))))
+    rows = next(AbsoluteTree(tilted).rows())
+    assert rows.constraint_residual[0] < 1e-12
+    assert rows.velocity_residual[0] < 1e-12
+    root, elbow = rows.position[0]
+    assert np.linalg.norm(elbow - root) == pytest.approx(1.0, abs=1e-12)
+    assert np.linalg.norm(elbow - [0.0, 0.0, 1.2]) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_loops_that_cannot_close_are_refused_with_their_gap():
+    """Rods of 2 m together cannot reach 2.5 m."""
+    with pytest.raises(AnalysisError, match=r"the loops cannot be closed.*gap of -?0\.") as stopped:
+        AbsoluteTree(spherical_loop(2.5))
+    assert stopped.value.time == 0.0
