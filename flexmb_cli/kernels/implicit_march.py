@@ -4,7 +4,7 @@ Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6: the
 diagonally implicit method of order 4 in five stages, gamma = 1/4, with an embedded one of order 3.
 All stages share one matrix, b + gamma h D + (gamma h)² K; it is kept while the step length is, and b
 as long as the iterations converge.  Closed loops are kept closed in the rates by the equations
-themselves, and in the coordinates at the end of every step (`tree_projection`).
+themselves, and in the coordinates at the end of every step (`stiff_projection`).
 
 The state is that of `tree_motion`: its speeds are iterated, coordinates follow from them, and Euler
 parameters and the applied work are taken from the last evaluation.
@@ -17,9 +17,9 @@ import numpy as np
 from ._jit import kernel, part
 from .kane_tree import SOLVED
 from .profile_elimination import set_profile_times
+from .stiff_projection import project_stiffly
 from .tree_jacobian import Stiff, factorise, renew, set_mass_times, solve_stiff, stiff_work
 from .tree_motion import derivative, normalise_attitudes
-from .tree_projection import project
 
 STEPPED, PAUSED, VANISHED, FAULTED = 0, 1, 2, 3
 
@@ -117,7 +117,7 @@ def march_implicitly(until, budget, tree, work, coordinates, clock, z, s):
             continue
         _accept(tree, clock, z, h, factor, s)
         if tree.closures.shape[0] > 0:
-            project(tree, work, coordinates, z)
+            project_stiffly(tree, work, coordinates, z, s.stiff)
     return STEPPED
 
 

@@ -57,6 +57,12 @@ def renew(tree, work, coordinates, z, s):
     set_mass(tree, work, coordinates, z, s.mass)
     _set_ends(s.mass, s.mass_ends)
     _set_stiffness(tree, work, s.stiff, s.stiff_ends)
+    set_pulls(tree, work, coordinates, s)
+
+
+@kernel
+def set_pulls(tree, work, coordinates, s):
+    """Fill J for placed frames and measured closures."""
     for i in range(s.rows.shape[0]):
         s.rows[i] = tree.closures[i]
         s.felt[i].fill(0.0)
@@ -98,15 +104,21 @@ def factorise(tree, f, s):
     _add_damping(tree, f, A)
     if not factorise_profile(A, s.matrix_ends):
         return False
+    set_grip(s)
+    return True
+
+
+@kernel
+def set_grip(s):
+    """Fill (b + f D + f² K)^-1 Jᵀ and J times that, and eliminate the latter."""
     rows = s.rows.shape[0]
     for i in range(rows):
-        for m in range(n):
+        for m in range(s.yields.shape[1]):
             s.yields[i, m] = s.felt[i, m]
-        substitute_profile(A, s.matrix_ends, s.yields[i])
+        substitute_profile(s.matrix, s.matrix_ends, s.yields[i])
         for j in range(rows):
             s.grip[j, i] = product(s.felt[j], s.yields[i])
     eliminate_rows(s.rows, s.grip)
-    return True
 
 
 @kernel
@@ -136,6 +148,12 @@ def solve_stiff(tree, residual, x, s):
         _answer_rigid_motion(tree, x, s)
     for i in range(s.rows.shape[0]):
         s.rows[i]["force"] = product(s.felt[i], x) - product(s.felt[i], residual)
+    give_way(x, s)
+
+
+@kernel
+def give_way(x, s):
+    """Take off x (NS,) the motion that changes the gaps by what the rows hold as forces."""
     solve_rows(s.rows, s.grip)
     for i in range(s.rows.shape[0]):
         subtract_multiple(s.rows[i]["force"], s.yields[i], x)

@@ -40,16 +40,17 @@ def largest_rate(closures):
 def project(tree, work, coordinates, z):
     """Close gaps and rates of z, near the state for which the equations have just been solved."""
     for _ in range(MOST_CORRECTIONS):
-        _measure(tree, work, coordinates, z)
+        measure(tree, work, coordinates, z)
         if largest_gap(tree.closures) <= CLOSED:
             break
         _close_gaps(tree, work, coordinates, z)
-    _measure(tree, work, coordinates, z)
+    measure(tree, work, coordinates, z)
     _close_rates(tree, work, coordinates, z)
 
 
 @kernel
-def _measure(tree, work, coordinates, z):
+def measure(tree, work, coordinates, z):
+    """Place the frames and measure the closures at the state z."""
     y, q, attitudes = parts(tree, z)
     place_frames(tree, work, coordinates, q, y, attitudes)
     measure_closures(tree.closures, work)
@@ -67,10 +68,16 @@ def _respond_to_rows(tree, work, coordinates, z):
 
 @part
 def _close_gaps(tree, work, coordinates, z):
-    """Move the coordinates by one Newton correction, none further than LONGEST."""
+    """Move the coordinates by one Newton correction."""
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["gap"]
     _respond_to_rows(tree, work, coordinates, z)
+    move_coordinates(tree, coordinates, z)
+
+
+@kernel
+def move_coordinates(tree, coordinates, z):
+    """Move the coordinates by their responses, none further than LONGEST."""
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))
@@ -96,6 +103,12 @@ def _close_rates(tree, work, coordinates, z):
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["rate"]
     _respond_to_rows(tree, work, coordinates, z)
+    change_speeds(tree, coordinates, z)
+
+
+@kernel
+def change_speeds(tree, coordinates, z):
+    """Change the speeds by their responses."""
     y, _q, _attitudes = parts(tree, z)
     for m in range(y.shape[0]):
         y[m] += coordinates[m]["response"]
