@@ -1,7 +1,7 @@
 """What of a tree the formulation in absolute coordinates does not carry over."""
 
 from ..errors import Fault, ModelError
-from .tree import ROTATION, Tree
+from .tree import INERTIAL, ROTATION, Hinge, Tree
 
 
 def refuse_foreign(tree: Tree) -> None:
@@ -39,11 +39,17 @@ def _dampers(tree):
 
 
 def _motors(tree):
+    """A motor needs an axis that rests, or that both bodies share at all times."""
     for motor in tree.motors:
-        if motor.motion != ROTATION:
-            yield _foreign_hinge(tree, motor, "motor", "a translation")
-        elif len(tree.hinges[motor.body].rotations) > 1:
-            yield _foreign_hinge(tree, motor, "motor", "more than one free rotation")
+        hinge = tree.hinges[motor.body]
+        alone = motor.motion == ROTATION or len(hinge.translations) == 1
+        if hinge.parent != INERTIAL and not (alone and has_shared_axis(hinge, motor.axis)):
+            yield _foreign_hinge(tree, motor, "motor", "a moving parent and other freedoms")
+
+
+def has_shared_axis(hinge: Hinge, axis: int) -> bool:
+    """Whether an axis of P_k is fixed in the body, too: nothing turns, or only about that axis."""
+    return hinge.rotations in ((), (axis,))
 
 
 def _foreign_hinge(tree, item, kind, what):
@@ -51,6 +57,4 @@ def _foreign_hinge(tree, item, kind, what):
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; run the deck by "
         "--formulation kane"
     )
-    if what == "a translation":
-        message = message.replace("in a hinge with", "along")
     return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}")

@@ -3,11 +3,13 @@
 import numpy as np
 
 from .absolute_hinges import coordinate_measure
+from .absolute_limits import has_shared_axis
 from .absolute_tree import Frames, shape_of
 from .measure_table import MeasureTable
 from .motion_law import POLYNOMIAL, MotionLaw
 from .system_records import FORCE, HELD_TABLE, LOAD, NONE, RELATIVE, TORQUE, blank_load, law_record
-from .tree import Table, Tree
+from .tree import ROTATION, Table, Tree
+from .vectors import rotation_matrix
 
 
 def tree_loads(table: MeasureTable, tree: Tree, frames: Frames) -> np.ndarray:
@@ -50,12 +52,16 @@ class _Loads:
             self._add(FORCE, arm, elastic.forces[node])
 
     def _add_motor(self, motor):
-        """A torque about the axis that both bodies share, and its opposite."""
+        """Torque or force along an axis that rests or that both bodies share, and its opposite."""
         base, law = self.frames.bases[motor.body], self._law(motor.law)
-        axis = np.eye(3)[motor.axis - 1]
-        self._add(TORQUE, self.table.arm(motor.body, np.zeros(3)), axis, law, True)
+        kind = TORQUE if motor.motion == ROTATION else FORCE
+        axis = base.axes[:, motor.axis - 1]
+        own = _axis_in_body(self.tree.hinges[motor.body], motor)
+        arm = self.table.arm(motor.body, np.zeros(3))
+        self._add(kind, arm, axis if own is None else own, law, own is not None)
         if base.body >= 0:
-            self._add(TORQUE, self.table.arm(base.body, np.zeros(3)), -base.axes @ axis, law, True)
+            place = self.table.arm(base.body, base.place, base.shape if base.shape.size else None)
+            self._add(kind, place, -axis, law, True)
 
     def _add_spring(self, spring):
         where = spring.body, spring.motion, spring.axis
@@ -80,3 +86,13 @@ class _Loads:
         self.table.knots.append(np.column_stack([times, values, np.zeros(len(times))]))
         self.table.laws.append(law_record(HELD_TABLE, first=first, last=first + len(times) - 1))
         return len(self.table.laws) - 1
+
+
+def _axis_in_body(hinge, motor):
+    """Axis (3,) of a motor where it is fixed in the body, as that of a second rotation is; else None."""
+    axis = np.eye(3)[motor.axis - 1]
+    if motor.motion == ROTATION and hinge.rotations[1:] == (motor.axis,):
+        return axis
+    if not has_shared_axis(hinge, motor.axis):
+        return None
+    return axis if hinge.rotations else rotation_matrix(hinge.attitude).T @ axis

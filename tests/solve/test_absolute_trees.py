@@ -9,9 +9,9 @@ from flexmb_cli.errors import AnalysisError, ModelError
 from flexmb_cli.model.absolute_tree import hinge_frames
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
+    ELASTIC,
     INERTIAL,
     ROTATION,
-    TRANSLATION,
     Body,
     Closure,
     Hinge,
@@ -71,24 +71,53 @@ def test_stiffening_by_weight_is_refused():
     assert sentence.startswith("body 2: GSTF with gravity")
 
 
-def test_motors_and_dampers_that_turn_no_single_axis_are_refused():
-    tree = deck_tree("spatial_rigid")
+def test_dampers_of_three_free_rotations_are_refused():
+    tree = deck_tree("spatial_rigid", springs=(Spring(0, ROTATION, 1, damping=1.0),))
     assert len(tree.hinges[0].rotations) == 3
-    items = {
-        "motors": (Motor(0, ROTATION, 1, constant(1.0)),),
-        "springs": (Spring(0, ROTATION, 1, damping=1.0),),
-    }
-    assert [sentence.split(" is not")[0] for sentence in refused(replace(tree, **items))] == [
-        "damper of body 1: a damper in a hinge with three free rotations",
-        "motor of body 1: a motor in a hinge with more than one free rotation",
-    ]
+    (sentence,) = refused(tree)
+    assert sentence.startswith("damper of body 1: a damper in a hinge with three free rotations")
 
 
-def test_a_motor_along_a_slide_is_refused():
-    tree = deck_tree("sliding_mass")
-    slide = next(c for c in tree.coordinates if c.motion == TRANSLATION)
-    (sentence,) = refused(replace(tree, motors=(Motor(slide.body, TRANSLATION, slide.axis, constant(1.0)),)))
-    assert "a motor along a translation" in sentence
+def carried(tree, k, motion):
+    """Whether a motor in hinge k has an axis that rests or that both bodies share."""
+    hinge = tree.hinges[k]
+    own = hinge.rotations if motion == ROTATION else hinge.translations
+    still = not hinge.rotations or (motion == ROTATION and len(own) == 1)
+    return hinge.parent == INERTIAL or (still and len(own) == 1)
+
+
+def random_motors(tree):
+    """A motor for each coordinate of a hinge; those that are carried over, and the others."""
+    kinds = {True: [], False: []}
+    for n, c in enumerate(tree.coordinates):
+        if c.motion != ELASTIC:
+            motor = Motor(c.body, c.motion, c.axis, constant(3.0 + n))
+            kinds[carried(tree, c.body, c.motion)].append(motor)
+    return kinds[True], kinds[False]
+
+
+@pytest.mark.parametrize("seed", [20, 21, 23, 24, 26, 27, 28, 29, 30, 31])
+def test_motors_act_along_their_coordinates(seed):
+    tree = random_tree(seed, bodies=5)
+    motors, _ = random_motors(tree)
+    assert motors
+    rows = first_row(replace(tree, motors=tuple(motors)))
+    attitudes = [hinge.attitude for hinge in tree.hinges if len(hinge.rotations) == 3]
+    b, remainder, F = equations(tree, tree.q, tree.y, attitudes)
+    index = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
+    for motor in motors:
+        F[index[motor.body, motor.motion, motor.axis]] += motor.law.values[0]
+    expected = np.linalg.solve(b, F - remainder)
+    assert np.max(np.abs(rows.y_rate[0] - expected)) < 1e-11 * np.max(np.abs(expected))
+
+
+def test_motors_whose_axis_no_body_shares_are_refused():
+    tree = random_tree(20, bodies=5)
+    _, foreign = random_motors(tree)
+    assert foreign
+    sentences = refused(replace(tree, motors=tuple(foreign)))
+    assert len(sentences) == len(foreign)
+    assert all("a motor in a hinge with a moving parent and other freedoms" in each for each in sentences)
 
 
 @pytest.mark.parametrize("name", ["fourbar_rigid", "fourbar_flex", "slider_crank_flex"])
