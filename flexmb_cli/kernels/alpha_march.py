@@ -12,7 +12,8 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, part
+from .arms import place_arms
 from .constrained_march import (
     BEGIN,
     CONTRADICTION,
@@ -23,11 +24,11 @@ from .constrained_march import (
     SMALLEST_STEP,
     STEP_VANISHED,
 )
-from .constrained_report import coordinates_and_speeds, observe
-from .constrained_solve import accelerations, evaluate_jacobian
-from .constrained_system import SOLVED
-from .constraint_projection import largest_gap, project_position, project_speeds
-from .generalised_alpha import BEFORE, LAST, MEAN, NEW, NEW_MEAN, solve_step
+from .constrained_report import complete, coordinates_and_speeds
+from .constrained_system import A
+from .constraint_projection import largest_gap
+from .generalised_alpha import BEFORE, LAST, MEAN, NEW, NEW_MEAN, iterate, solve_step
+from .rotation import rotation_matrices
 from .screw_turns import NEAR, OLD, note_turns
 from .screw_turns import NEW as TURNED
 from .speeds import coordinate_rates, normalise
@@ -65,13 +66,11 @@ CLOCK = np.dtype(
     ]
 )
 
-AlphaMarch = namedtuple(
-    "AlphaMarch", "clock z old trial point units turns rates missing step shift gaps newton"
-)
+AlphaMarch = namedtuple("AlphaMarch", "clock z old trial units turns rates missing step shift gaps newton")
 AlphaMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers, m equations.
 
-clock (1,) CLOCK.  z, old, trial, point, units (N,): state, that at the start of the last step, those
-tried and reported, a state's unit.  turns (3, screws): see `screw_turns`.  rates (5, n): see
+clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
+tried or reported, a state's unit.  turns (3, screws): see `screw_turns`.  rates (5, n): see
 `generalised_alpha`.  missing, step, shift (n,), gaps (3, m):
 of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
@@ -81,7 +80,7 @@ def new_march(work, turns):
     """A march at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
-    states = [np.zeros(size) for _ in range(4)]
+    states = [np.zeros(size) for _ in range(3)]
     return AlphaMarch(
         np.zeros(1, CLOCK),
         *states,
@@ -108,7 +107,7 @@ def march_rows(task, system, work, march, report, budget):
     while clock["row"] < report.times.shape[0]:
         t = report.times[clock["row"]]
         if t <= clock["t"] + SAME * clock["step"]:
-            if _fill_row(system, work, march, t, report) != SOLVED:
+            if not _fill_row(system, work, march, t, report):
                 return STEP_VANISHED
         elif clock["evaluations"] >= spent:
             return PAUSED
@@ -119,23 +118,24 @@ def march_rows(task, system, work, march, report, budget):
     return ROWS_FULL
 
 
-@kernel
+@part
 def _begin(system, work, march):
     clock, rates = march.clock[0], march.rates
-    q, u = coordinates_and_speeds(system, march.z)
     clock["start"] = clock["step_start"] = clock["t"]
     clock["left"] = 1.0
-    clock["fault"], clock["power"] = accelerations(system, work, q, u, clock["t"], rates[LAST])
-    if clock["fault"] != SOLVED:
+    _copy(march.z, march.trial)
+    if not iterate(system, work, march, clock["t"], 0.0, 0.0, 0.0):
         return STEP_VANISHED
+    clock["power"] = clock["new_power"]
+    _copy(march.trial, march.z)
     _copy(march.z, march.old)
-    for kind in (NEW, BEFORE, MEAN):
-        _copy(rates[LAST], rates[kind])
+    for kind in (LAST, BEFORE, MEAN):
+        _copy(rates[NEW], rates[kind])
     clock["step"] = clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, march)
     return READY
 
 
-@kernel
+@part
 def _first_step(system, march):
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, n = march.clock[0], system.speed_scale.shape[0]
@@ -154,7 +154,7 @@ def _copy(a, b):
         b[i] = a[i]
 
 
-@kernel
+@part
 def _step(system, work, march):
     """One accepted step; an answer."""
     clock = march.clock[0]
@@ -171,7 +171,7 @@ def _step(system, work, march):
             return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
-@kernel
+@part
 def _length(clock):
     """Length of the next step: steps of given length end at whole multiples."""
     left = clock["stop"] - clock["t"]
@@ -195,7 +195,7 @@ def _factor(clock):
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 
 
-@kernel
+@part
 def _accept(system, work, march, h):
     """Make the end of a step the state."""
     clock, rates, z = march.clock[0], march.rates, march.z
@@ -210,11 +210,13 @@ def _accept(system, work, march, h):
     _advance(clock, h)
     clock["gap"], clock["worst"] = largest_gap(system, work)
     if march.turns.shape[1] > 0:
-        evaluate_jacobian(system, work, coordinates_and_speeds(system, z)[0])
+        q = coordinates_and_speeds(system, z)[0]
+        rotation_matrices(q, work.rotations[A])
+        place_arms(system, work, q)
         note_turns(system, work, march)
 
 
-@kernel
+@part
 def _advance(clock, h):
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
@@ -232,32 +234,27 @@ def _advance(clock, h):
     clock["steps"] += 1
 
 
-@kernel
+@part
 def _fill_row(system, work, march, t, report):
-    """A report row at a time up to the present one: a code."""
-    clock, turns = march.clock[0], march.turns
-    point, x = march.point, 1.0
-    _copy(march.z, point)
+    """A report row at a time up to the present one; returns whether there is one."""
+    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
+    _copy(march.z, march.trial)
     if t < clock["t"] - SAME * clock["step_length"]:
         x = (t - clock["step_start"]) / clock["step_length"]
-        _between(system, march, x, point)
+        _between(system, march, x, march.trial)
     for s in range(turns.shape[1]):
         turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[TURNED, s]
     _copy(turns[NEAR], work.turns)
-    q, u = coordinates_and_speeds(system, point)
-    code = project_position(system, work, q, t, turns[NEAR])
-    if code == SOLVED:
-        code = project_speeds(system, work, q, u, t)[0]
-    if code == SOLVED:
-        code = observe(system, work, point, t, turns[NEAR], report, clock["row"])
-    clock["fault"] = code
-    if code == SOLVED:
-        _copy(point, report.states[clock["row"]])
-        clock["row"] += 1
-    return code
+    if not iterate(system, work, march, t, 0.0, 0.0, 0.0):
+        return False
+    _copy(march.trial, report.states[row])
+    _copy(march.rates[NEW], report.rates[row])
+    complete(system, work, march.trial, t, turns[NEAR], clock["new_power"], report, row)
+    clock["row"] += 1
+    return True
 
 
-@kernel
+@part
 def _between(system, march, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]

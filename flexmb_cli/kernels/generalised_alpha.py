@@ -16,7 +16,7 @@ free motions is that of the first.
 
 import math
 
-from ._jit import kernel
+from ._jit import kernel, part
 from .constrained_report import coordinates_and_speeds
 from .constrained_solve import factorise_constraints, fill_forces, fill_gamma, solve
 from .constrained_system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
@@ -34,12 +34,13 @@ NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
 POSITION, SPEED, ACCELERATION = 0, 1, 2
 
 MOST_ITERATIONS = 12
+STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
 SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
 SHARE = 1e-6  # of the step's error: what the iterations may leave in a step of given length
 ITERATED = 0.02  # of the tolerance: what they may leave in a step whose length is chosen
 FLOOR = 1e-13  # of the speeds: round-off
 CAUTION = 0.8
-LEAST = 1e-4  # contraction that is trusted: a smaller one may be round-off
+LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
 CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
 
 
@@ -51,19 +52,32 @@ def parameters(rho):
     return alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma
 
 
-@kernel
+@part
 def solve_step(system, work, march, h):
     """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
     clock = march.clock[0]
     alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
     share = (1.0 - alpha_f) / (1.0 - alpha_m)
-    by_position, by_speed = share * beta * h * h, share * gamma * h
     _predict(system, work, march, h)
+    if not iterate(system, work, march, clock["t"] + h, share * beta * h * h, share * gamma * h, h):
+        return False
+    _finish(march, alpha_m, alpha_f)
+    return True
+
+
+@kernel
+def iterate(system, work, march, t, by_position, by_speed, h):
+    """Bring `trial` and the accelerations NEW to the equations at t; returns whether they came there.
+
+    An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
+    t, and is brought onto the constraints.
+    """
+    clock = march.clock[0]
     # The first correction is trusted somewhat less than the last of the step before was.
     quality, left, before = 0.0, clock["left"] ** CAUTION, 0.0
     for iteration in range(MOST_ITERATIONS):
         clock["evaluations"] += 1
-        clock["fault"] = _evaluate(system, work, march, clock["t"] + h)
+        clock["fault"] = _evaluate(system, work, march, t)
         if clock["fault"] == SOLVED and (iteration == 0 or work.quality[0] != quality):
             # Other speeds are free from now on where the quality has changed.
             clock["fault"] = _set_matrix(system, work, march, by_position, by_speed)
@@ -71,6 +85,10 @@ def solve_step(system, work, march, h):
             return False
         quality = work.quality[0]
         size, gap = _correct(system, work, march, by_position, by_speed)
+        if h == 0.0:
+            if iteration == STILL_ITERATIONS - 1:
+                return True
+            continue
         if iteration > 0:
             contraction = size / before if before > 0.0 else 0.0
             if not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
@@ -79,13 +97,12 @@ def solve_step(system, work, march, h):
         clock["error"] = step_error(system, march, h)
         enough = ITERATED if clock["fixed"] == 0.0 else max(SHARE * clock["error"], FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED:
-            _finish(march, alpha_m, alpha_f)
             return True
         before = size
     return False
 
 
-@kernel
+@part
 def _predict(system, work, march, h):
     """The end of the step by accelerations that go on as before."""
     clock, n = march.clock[0], system.speed_scale.shape[0]
@@ -113,7 +130,7 @@ def _predict(system, work, march, h):
         work.turns[k] = march.turns[NEAR, k]
 
 
-@kernel
+@part
 def turn_exactly(bodies, q, step):
     """Move q by the displacements and rotation vectors (body axes) `step` (n,), of any size."""
     for body in range(bodies):
@@ -134,7 +151,7 @@ def turn_exactly(bodies, q, step):
         q[k + bodies] += step[k]
 
 
-@kernel
+@part
 def _evaluate(system, work, march, t):
     """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
     n = system.speed_scale.shape[0]
@@ -167,7 +184,7 @@ def _evaluate(system, work, march, t):
     return code
 
 
-@kernel
+@part
 def _set_matrix(system, work, march, by_position, by_speed):
     """Zᵀ (M + by_speed D + by_position K) Z where everything stands, and its Cholesky factor; a code."""
     n = system.speed_scale.shape[0]
@@ -188,7 +205,7 @@ def _set_matrix(system, work, march, by_position, by_speed):
     return NO_INERTIA if cholesky(matrix, n - rank, SMALLEST_INERTIA) else SOLVED
 
 
-@kernel
+@part
 def _correct(system, work, march, by_position, by_speed):
     """Newton's correction; returns its size in tolerances and the largest scaled gap before it."""
     n = system.speed_scale.shape[0]
@@ -217,7 +234,7 @@ def _correct(system, work, march, by_position, by_speed):
     return size, found
 
 
-@kernel
+@part
 def _largest(system, gaps):
     """The largest scaled gap of positions and speeds."""
     found = 0.0
@@ -227,7 +244,7 @@ def _largest(system, gaps):
     return found
 
 
-@kernel
+@part
 def _size(system, march, by_speed):
     """The change of the speeds by `step` in tolerances."""
     clock, n, total = march.clock[0], system.speed_scale.shape[0], 0.0
@@ -238,7 +255,7 @@ def _size(system, march, by_speed):
     return (total / n) ** 0.5
 
 
-@kernel
+@part
 def step_error(system, march, h):
     """Error of the step in tolerances, from the growth of the accelerations.
 
@@ -261,7 +278,7 @@ def step_error(system, march, h):
     return (0.5 * total / n) ** 0.5
 
 
-@kernel
+@part
 def _finish(march, alpha_m, alpha_f):
     """The means that belong to the accelerations found."""
     rates = march.rates

@@ -4,7 +4,7 @@ Modes contribute their K and D.  A spring along a line or in a joint, whose leng
 gᵀ u, contributes k g gᵀ and c g gᵀ; what turns its force is left to the iteration.
 """
 
-from ._jit import kernel
+from ._jit import part
 from .arms import ARM, RATE, add_arm_row, move_arms
 from .forces import AT_REST, LINE, RELATIVE
 from .mass_matrix import constants_of, places_of
@@ -12,7 +12,7 @@ from .measures import add_measure_row, measure_rates
 from .rotation import dot
 
 
-@kernel
+@part
 def tangent_times(system, work, by_position, by_speed, x, y):
     """y = (M + by_position K + by_speed D) x for x, y (n,) where the arms are placed; moves the arms by x.
 
@@ -41,7 +41,7 @@ def tangent_times(system, work, by_position, by_speed, x, y):
             add_measure_row(system, work, load["measure"], amount * rate, y)
 
 
-@kernel
+@part
 def _add_flexible(system, work, f, by_position, by_speed, x, y):
     constants, M, N = constants_of(system, f), places_of(work, f)[4], f["modes"]
     K, D = constants[6], constants[7]
@@ -59,7 +59,7 @@ def _add_flexible(system, work, f, by_position, by_speed, x, y):
                 y[modal + i] += (by_position * K[j - 6, i] + by_speed * D[j - 6, i]) * amount
 
 
-@kernel
+@part
 def _add_line(system, work, k, amount, y):
     d, v = work.spans[ARM, k, 0], work.spans[RATE, k, 0]
     square = dot(d, d)

@@ -15,7 +15,7 @@ from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
 from .steppers import ExplicitSteps, GeneralisedAlpha
 
-TOLERANCE = 1e-7  # of steps that GALF chooses: ten times as many keep a thousandth of it
+TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
 
 def stepper_of(integrator: Integrator):
