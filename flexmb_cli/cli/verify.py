@@ -25,15 +25,16 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
     Example:
         flexmb verify decks/dafms/two_link_n2.DAT
     """
-    from ..run.outcome import RunOptions
+    from ..run.outcome import Listener, RunOptions
     from ..run.verify import verify_deck
     from ..write.verify_text import verify_text
 
     steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
     choices = RunOptions(changes=changes, integration=steps, echo=echo, **options)
+    listener = Listener() if quiet else Listener(notice=_notice)
     codes = []
     for path in decks:
-        found = verify_deck(path, choices, tolerance)
+        found = verify_deck(path, choices, tolerance, listener)
         if found.outcome.echo:
             click.echo(found.outcome.echo, err=True, nl=False)
         show_faults(found.outcome, quiet)
@@ -45,3 +46,7 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
         if codes[-1] > 128:
             break
     sys.exit(max(codes))
+
+
+def _notice(sentence):
+    click.echo(f"flexmb: {sentence}", err=True)

@@ -10,7 +10,7 @@ from ..write.echo import echo
 from .absolute_march import AbsoluteMarch
 from .dafms_tree import tree_of
 from .deck import open_deck, record_failure
-from .outcome import INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
+from .outcome import INTERRUPTED, Listener, Outcome, RunOptions
 
 # Both march more closely than they are compared; deflections are small against a metre.
 RTOL, ATOL = 1e-11, 1e-13
@@ -46,7 +46,9 @@ class Verification:
     @property
     def largest(self) -> Difference | None:
         """The largest relative difference; None before anything was compared."""
-        return max(self.differences, key=lambda found: found.relative, default=None)
+        # What is no number is further apart than any.
+        sizes = np.nan_to_num([found.relative for found in self.differences], nan=np.inf)
+        return self.differences[int(np.argmax(sizes))] if self.differences else None
 
     def as_dict(self) -> dict:
         """The record that `--json` prints."""
@@ -84,8 +86,6 @@ def verify_deck(
         record_failure(found.outcome, failure, options)
     except KeyboardInterrupt:
         found.outcome.exit_code = INTERRUPTED
-    except Terminated:
-        found.outcome.exit_code = TERMINATED
     return found
 
 

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.run.verify import Difference, verify_deck
+from flexmb_cli.run.outcome import Outcome, RunOptions
+from flexmb_cli.run.verify import Difference, Verification, verify_deck
 from tests.run.dafms_runs import DECKS, NAMES, loaded, run
 
 COUPLED = [name for name in NAMES if not name.endswith("unco")]
@@ -60,6 +60,11 @@ def test_decks_of_other_dialects_are_refused():
 
 def test_a_share_of_what_is_always_zero_is_the_difference_itself():
     assert Difference("x", "m", 0.5, 0.0, 0.0).relative == 0.5
+
+
+def test_what_is_no_number_is_the_largest_difference():
+    each = [Difference(name, "m", size, 1.0, 0.0) for name, size in (("a", 1.0), ("b", np.nan), ("c", 2.0))]
+    assert Verification(Outcome("x.DAT"), 1e-6, tuple(each)).largest.name == "b"
 
 
 def test_a_run_in_absolute_coordinates_writes_the_files_of_the_deck(tmp_path):
