@@ -97,6 +97,7 @@ class Cache:
 
     folder: Path | None = None
     lasting = True
+    compiling = False
 
     @classmethod
     def must_compile(cls, name: str) -> bool:
@@ -104,16 +105,24 @@ class Cache:
         return cls.folder is not None and not any(cls.folder.glob(f"**/{name}-*.nbi"))
 
 
-def compile_alone(name: str, call) -> None:
-    """Run `call`, which compiles the kernel `name`, unless another process does so meanwhile.
+def _compiling_alone(dispatcher):
+    """Have `dispatcher` compiled by one of several first runs; the others wait and find it in the cache."""
+    function, compile_now = dispatcher.py_func, dispatcher.compile
+    name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
 
-    Several first runs at once wait for the one that compiles, and find its code in the cache.
-    """
-    if not Cache.must_compile(name):
-        return
-    with _lock(Cache.folder / "compiling.lock"):
-        if Cache.must_compile(name):
-            call()
+    def compile_once(signature):
+        # Kernels within a kernel are compiled under the lock of the one that was called.
+        if Cache.compiling or not Cache.must_compile(name):
+            return compile_now(signature)
+        Cache.compiling = True
+        try:
+            with _lock(Cache.folder / f"{name}.lock"):
+                return compile_now(signature)
+        finally:
+            Cache.compiling = False
+
+    dispatcher.compile = compile_once
+    return dispatcher
 
 
 @contextlib.contextmanager
@@ -147,7 +156,7 @@ def _compiled():
 
 def kernel(function):
     """Compile `function` with numba, or leave it alone when kernels are interpreted."""
-    return function if _interpreted else _compiled()(**OPTIONS)(function)
+    return function if _interpreted else _compiling_alone(_compiled()(**OPTIONS)(function))
 
 
 def part(function):

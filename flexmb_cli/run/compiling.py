@@ -1,7 +1,5 @@
 """Saying before it happens that kernels will be compiled: the first run of a version waits for them."""
 
-from collections.abc import Callable
-
 from .outcome import Listener
 
 _ready: set[str] = set()  # entries this process need not look for again: a study asks for every case
@@ -14,19 +12,10 @@ def tell_of_compiling(listener: Listener, entry: str) -> None:
     from ..kernels import _jit
 
     if _jit.Cache.must_compile(entry):
-        listener.notice("compiling kernels (once per version, 20 s to a minute)")
+        listener.notice("compiling kernels (once per version, 20 s to two minutes)")
+    else:
+        _ready.add(entry)
     if not _jit.Cache.lasting:
         listener.notice(
             "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
         )
-
-
-def compile_first(listener: Listener, entry: str, call: Callable[[], None]) -> None:
-    """Have `entry` compiled by `call` where it must be, by one of several first runs at once."""
-    if entry in _ready:
-        return
-    from ..kernels import _jit
-
-    tell_of_compiling(listener, entry)
-    _jit.compile_alone(entry, call)
-    _ready.add(entry)

@@ -16,8 +16,8 @@ from ..write.result_file import ResultFile
 from .dafms_tree import dafms_solution
 from .outcome import Listener, Outcome, RunOptions
 from .study_cases import Cases
-from .young import Solution
 from .vsdf import vsdf_solution
+from .young import Solution
 from .young_dynamics import young_solution
 
 SOLUTIONS: dict[str, Callable] = {"young": young_solution, "dafms": dafms_solution, "vsdf": vsdf_solution}

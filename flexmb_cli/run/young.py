@@ -7,7 +7,7 @@ from ..errors import AnalysisError
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
-from .compiling import compile_first
+from .compiling import tell_of_compiling
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 MARCH = "kinematic_march.march"
@@ -61,9 +61,8 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
 def _analysis(mechanism, options, listener: Listener):
     from ..solve.kinematics import KinematicAnalysis, KinematicSettings
 
-    analysis = KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
-    compile_first(listener, MARCH, analysis.compile)
-    return analysis
+    tell_of_compiling(listener, MARCH)
+    return KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
 
 
 @dataclass

@@ -45,13 +45,6 @@ class KinematicAnalysis:
         self.clock = np.zeros(kinematic_march.CLOCK_SIZE)
         self.clock[kinematic_march.TIME] = self.mechanism.time.time(0)
 
-    def compile(self) -> None:
-        """Have the march compiled, or fetched from the cache, by asking it for no rows."""
-        n = self.arrays.q.size
-        if not self.evaluator.is_large:
-            empty = np.zeros(0), np.zeros((0, 3, n)), np.zeros((0, 3))
-            kinematic_march.march(self.system, self.state, self.motion, self.clock, *empty)
-
     @property
     def evaluator(self) -> Evaluator:
         """Residuals and Jacobians of this mechanism."""
