@@ -176,6 +176,7 @@ def _stop_on_sigterm():
     from ..run.outcome import Terminated
 
     def stop(number, frame):
+        Terminated.asked = True
         raise Terminated
 
     signal.signal(signal.SIGTERM, stop)

@@ -37,6 +37,10 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
         outcome.exit_code = INTERRUPTED
     except Terminated:
         outcome.exit_code = TERMINATED
+    except Exception:
+        if not Terminated.asked:
+            raise
+        outcome.exit_code = TERMINATED
     return outcome
 
 

@@ -12,7 +12,13 @@ KANE, ABSOLUTE = "kane", "absolute"
 
 
 class Terminated(BaseException):
-    """SIGTERM, raised where the program happens to be; like KeyboardInterrupt no Exception."""
+    """SIGTERM, raised where the program happens to be; like KeyboardInterrupt no Exception.
+
+    `asked`: it was raised, though what it interrupted may have turned it into an exception of its own,
+    as numba does while it compiles.
+    """
+
+    asked = False
 
 
 @dataclass(frozen=True)
