@@ -78,6 +78,7 @@ def test_no_file_has_a_name_that_says_nothing(path):
         ["--help"],
         ["--version"],
         ["run", "--help"],
+        ["new", "--help"],
         ["check", "decks/young/IN4-BAR.dat"],
         ["check", "decks/dafms/fourbar_flex.DAT"],
         ["beam", "--length", "1", "--nodes", "2", "--ei", "1", "--rho", "1"],

@@ -17,6 +17,7 @@ from .check import check
 from .diff import diff
 from .export import export
 from .modes import modes
+from .new import new
 from .plot import plot
 from .report import report
 from .run import run
@@ -45,7 +46,7 @@ def cli(debug):
     """
 
 
-for command in (run, check, verify, modes, diff, table, plot, report, export, sweep, beam):
+for command in (run, check, verify, modes, diff, table, plot, report, export, sweep, new, beam):
     cli.add_command(command)
 
 

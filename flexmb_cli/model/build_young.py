@@ -5,9 +5,10 @@ across it; the equations must be as many as the coordinates.
 """
 
 import math
+from collections.abc import Sequence
 
 from ..errors import Fault, ModelError
-from ..read.deck import Deck, Record
+from ..read.deck import Deck, DeckText, Record
 from ..read.line_custom import with_slip_named
 from ..read.young_dynamics import FORWARD, analysis_of
 from .equation_count import check_equation_count
@@ -22,6 +23,7 @@ DOUBTFUL_LENGTH = 1e-3
 PARALLEL = 1e-9
 DOUBTFUL_ANGLE = 20 * math.pi
 _FIRST_ANGLE = 4
+_HOLDERS = ("ground", "simplified", "driver")
 
 
 def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
@@ -53,6 +55,31 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order
+
+
+def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True) -> list[Fault]:
+    """Faults and doubts that the last of `records` brings into a deck in the making of `bodies` bodies.
+
+    The records before it are complete and without errors; the last may lack its later numbers
+    (not `complete`).  What is known only of a whole deck (equations, assembly) is not looked at.
+    """
+    last, findings = records[-1], Findings()
+    _refuse_huge_numbers(Deck("young", DeckText("", "", ""), (last,)), findings)
+    names = _names_bodies(last, bodies, findings) & _names_direction(last, findings)
+    if names and complete:
+        {**_MAKERS, "body": _body, "time": _time}[last.section](last, findings)
+        if last.section in _HOLDERS and not findings.faults:
+            check_held_coordinates(_holders(records, findings), findings)
+    return findings.in_order
+
+
+def _holders(records, findings):
+    made = {name: [] for name in _HOLDERS}
+    for record in records:
+        if record.section in made:
+            made[record.section].append(_MAKERS[record.section](record, findings))
+    grounds, simplified, drivers = (tuple(made[name]) for name in _HOLDERS)
+    return Mechanism((), TimeGrid(0.0, 0.0, 1.0), simplified=simplified, drivers=drivers, grounds=grounds)
 
 
 def _refuse_huge_numbers(deck, findings):

@@ -5,7 +5,7 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 """
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -41,6 +41,16 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
         findings.note("", group.sentence, mechanism.bodies[group.bodies[0]].place)
     if len(off) > SHOWN_GROUPS:
         findings.note("", f"{len(off) - SHOWN_GROUPS} more groups of bodies are not in balance", place)
+
+
+def imbalance(counts: Mapping[str, int]) -> str:
+    """What is wrong with the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
+    coordinates = _PER_BODY * counts["NBODY"]
+    equations = sum(
+        kind.equations * counts[kind.young_count] for kind in BY_NAME.values() if kind.young_count
+    )
+    equations += _PER_BODY * counts["NGROUN"]
+    return "" if equations == coordinates else _total(equations, coordinates, counts["NBODY"])
 
 
 def _total(equations, coordinates, bodies):

@@ -1,0 +1,232 @@
+"""`flexmb new`: a deck asked for at the keyboard, or from a pipe of answers."""
+
+import os
+import re
+import sys
+import tempfile
+from dataclasses import replace
+
+import click
+
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
+
+_NAMES = {"young": "IN-NEW.dat"}
+_KEYS = """\
+Enter    take what stands in [ ]      ?       what is asked here
+<        the question before          < NAME  back to a record, such as: < driver.1
+>        on to the first question without an answer
+!        stop; the answers are kept in a draft, and the next call goes on from there
+A line may hold one number, or as many as the record has left."""
+
+
+@click.command()
+@click.argument("dialect", type=click.Choice(list(_NAMES)))
+@click.option(
+    "-o",
+    "--output",
+    metavar="PATH",
+    help="Deck to write, - for standard output; IN-NEW.dat if not given.",
+)
+@click.option("--force", is_flag=True, help="Replace a deck that is there already.")
+@click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
+def new(dialect, output, force, restart):
+    """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
+
+    Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written.
+    Answers may also come through a pipe, a line each; there a wrong one ends the dialogue.
+
+    \b
+    Example:
+        flexmb new young -o IN-CRANK.dat
+    """
+    path = output or _NAMES[dialect]
+    _ask_to_replace(path, force)
+    talk = _Talk(dialect, path, restart)
+    try:
+        talk.run()
+    except KeyboardInterrupt:
+        talk.say_kept("interrupted")
+        sys.exit(130)
+
+
+def _ask_to_replace(path, force):
+    if os.path.isdir(path):
+        raise click.UsageError(f"{path} is a folder; -o names the deck to write")
+    if force or path == "-" or not os.path.lexists(path) or not os.path.isfile(path):
+        return
+    if not sys.stdin.isatty():
+        raise click.UsageError(f"{path} is there already; --force replaces it")
+    if not click.confirm(f"{path} is there already; replace it?", default=False, err=True):
+        sys.exit(BAD_INPUT)
+
+
+class _Talk:
+    """The dialogue at a terminal or through a pipe."""
+
+    def __init__(self, dialect, path, restart):
+        from ..write.new_young import YoungForm
+
+        self.path = path
+        self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
+        self.at_terminal = sys.stdin.isatty()
+        self.lines = []  # of a pipe, for the places of faults
+        self.dialogue = self._begin(YoungForm(), restart)
+
+    def _begin(self, form, restart):
+        from ..read.text import read_text
+        from ..write.dialogue import Dialogue, from_draft
+
+        if restart or not os.path.lexists(self.draft):
+            return Dialogue(form)
+        try:
+            dialogue = from_draft(form, read_text(self.draft).text)
+        except DeckError as failure:
+            click.echo(compiler_style(self.draft, failure.faults), err=True)
+            sys.exit(failure.exit_code)
+        click.echo(
+            f"{self.draft}: going on with {len(dialogue.values)} answers; --restart begins anew", err=True
+        )
+        return dialogue
+
+    def run(self):
+        """Ask until a deck stands that `check` accepts, and write it."""
+        if self.at_terminal:
+            click.echo(_KEYS, err=True)
+        while True:
+            while (question := self.dialogue.question) is not None:
+                self.take(question, self.ask(question))
+            if self.accepted():
+                break
+        self.write()
+
+    def ask(self, question):
+        """The answer to `question` as typed."""
+        if not self.at_terminal:
+            return self._next_line()
+        if question.first == 0:
+            click.echo(f"\n{question.entry.subject}", err=True)
+        click.echo(f"  {question.text}", err=True)
+        try:
+            if sys.stdout.isatty():
+                import readline  # noqa: F401 - its import gives input() arrow keys and a history
+
+                return input(f"  {question.prompt}")
+            # input() would write its question into a redirected standard output.
+            click.echo(f"  {question.prompt}", nl=False, err=True)
+            return self._next_line()
+        except EOFError:
+            return self.stop("end of input")
+
+    def _next_line(self):
+        line = sys.stdin.readline()
+        if not line:
+            self.stop("the answers end before the deck is complete")
+        self.lines.append(line.rstrip("\r\n"))
+        return self.lines[-1]
+
+    def take(self, question, line):
+        """Obey a command, or give the answer to the machine; the draft follows every change."""
+        word = line.strip()
+        if word == "?":
+            click.echo(f"{question.help}\n{_KEYS}", err=True)
+        elif word == "!":
+            self.stop("stopped")
+        elif word == ">":
+            self.show(self.dialogue.forward(), question)
+        elif word.startswith("<"):
+            self.go_back(word[1:].strip())
+        else:
+            self.show(self.dialogue.answer(line), question)
+            self.keep()
+
+    def go_back(self, name):
+        """To the question before, or to the record called `name`."""
+        if not name and not self.dialogue.back():
+            self.show([Fault("error", "this is the first question")])
+        elif name and not self.dialogue.back_to(name):
+            self.show([Fault("error", f"no record {name} was asked for yet; names are like driver.1")])
+
+    def show(self, faults, question=None):
+        """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""
+        if self.at_terminal:
+            for fault in faults:
+                click.echo(f"  {fault.severity}: {fault.sentence}", err=True)
+            return
+        if faults:
+            placed = [self._in_pipe(fault, question) for fault in faults]
+            click.echo(compiler_style("-", placed, self.lines), err=True)
+        if any(fault.severity == "error" for fault in faults):
+            self.say_kept("a wrong answer")
+            sys.exit(BAD_INPUT)
+
+    def _in_pipe(self, fault, question):
+        """`fault` at its word of the last line, where it has one."""
+        words = list(re.finditer(r"\S+", self.lines[-1])) if self.lines else []
+        k = fault.place.column - 1 - question.first if fault.place and question else 0
+        start, width = (words[k].start(), len(words[k][0])) if 0 <= k < len(words) else (0, 1)
+        return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
+
+    def accepted(self):
+        """Whether `flexmb check` takes the deck; else its faults are shown, and the dialogue goes back."""
+        from ..run.check import check_deck
+        from ..run.outcome import RunOptions
+
+        with tempfile.TemporaryDirectory() as folder:
+            place = os.path.join(folder, "deck")
+            with open(place, "w", encoding="utf-8", newline="\n") as stream:
+                stream.write(self._text())
+            outcome = check_deck(place, RunOptions(dialect=self.dialogue.form.dialect)).outcome
+        outcome.deck = self.path
+        lines = outcome.source.lines if outcome.source else ()
+        if outcome.faults:
+            click.echo(compiler_style(self.path, outcome.faults, lines), err=True)
+        if outcome.exit_code == 0:
+            return True
+        if not self.at_terminal:
+            self.say_kept("the deck cannot be run as it is")
+            sys.exit(outcome.exit_code)
+        self._return_to(next((f for f in outcome.faults if f.severity == "error" and f.place), None))
+        return False
+
+    def _return_to(self, fault):
+        """To the record that `check` names, else to the first; Enter keeps what is right."""
+        prefix = self.dialogue.lines[fault.place.line - 1][1] if fault else ""
+        if not (prefix and self.dialogue.back_to(prefix)):
+            self.dialogue.back_to("counts")
+
+    def _text(self):
+        return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
+
+    def write(self):
+        """The deck in its place, and the draft away."""
+        from ..write.atomic import write_whole
+
+        if self.path == "-":
+            click.echo(self._text(), nl=False)
+        else:
+            write_whole(self.path, self._text().encode())
+            click.echo(f"{self.path}: written; flexmb check {self.path} accepts it", err=True)
+        if os.path.lexists(self.draft):
+            os.unlink(self.draft)
+
+    def keep(self):
+        """Write the draft, whole or not at all, so that a closed terminal loses nothing."""
+        from ..write.atomic import write_whole
+        from ..write.dialogue import draft_text
+
+        write_whole(self.draft, draft_text(self.dialogue).encode())
+
+    def say_kept(self, why):
+        """Why the dialogue ends, and where its answers are."""
+        kept = os.path.lexists(self.draft)
+        where = (
+            f"the answers so far are in {self.draft}, the next call goes on"
+            if kept
+            else "nothing was answered"
+        )
+        click.echo(f"\nflexmb new: {why}; no deck is written, {where}", err=True)
+
+    def stop(self, why):
+        """End without a deck (exit 1)."""
+        self.say_kept(why)
+        sys.exit(ANALYSIS_FAILED)
