@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import Fault, FlexmbError, ModelError
 from ..model.build_young import build_young
+from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
 from .check_tree import TreeFindings, check_tree
@@ -124,7 +125,7 @@ def _built(deck):
     from ..model.build_young_dynamics import build_young_dynamics
 
     model, warnings = build_young_dynamics(deck)
-    return model.mechanism, warnings
+    return model.mechanism, [*warnings, *unit_doubts(model)]
 
 
 def _diagnose(report: CheckReport, mechanism, jacobian):

@@ -1,6 +1,7 @@
 """Diagnose a deck of forward dynamics: assembly, rank, repeated equations and what is free to move."""
 
 from ..model.build_young_dynamics import build_young_dynamics
+from ..model.unit_doubts import unit_doubts
 from .check import before_and_after, gaps_of, parts_of
 from .outcome import RunOptions, refuse_warnings
 
@@ -8,7 +9,7 @@ from .outcome import RunOptions, refuse_warnings
 def check_forward(report, options: RunOptions) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     model, warnings = build_young_dynamics(report.deck)
-    report.outcome.faults += warnings
+    report.outcome.faults += [*warnings, *unit_doubts(model)]
     refuse_warnings(report.outcome, options)
     from ..kernels import _jit
 

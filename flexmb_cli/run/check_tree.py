@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import AnalysisError
 from ..model.mechanism import TimeGrid
 from ..model.tree import ELASTIC, Tree
+from ..model.unit_doubts import unit_doubts
 from .dafms_tree import tree_of
 from .outcome import RunOptions
 
@@ -52,6 +53,7 @@ def check_tree(report, options: RunOptions) -> None:
     not positive definite.
     """
     tree = tree_of(report.deck, options, report.outcome)
+    report.outcome.faults += unit_doubts(tree)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)

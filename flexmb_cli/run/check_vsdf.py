@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..model.unit_doubts import unit_doubts
 from .check import before_and_after
 from .outcome import RunOptions, refuse_warnings
 from .vsdf import mechanism_of
@@ -10,6 +11,7 @@ from .vsdf import mechanism_of
 def check_vsdf(report, options: RunOptions) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     mechanism = mechanism_of(report.deck, options, report.outcome)
+    report.outcome.faults += unit_doubts(mechanism)
     from ..kernels import _jit
 
     _jit.interpret()
