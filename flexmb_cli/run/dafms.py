@@ -21,15 +21,7 @@ def run_dafms(
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
     tree = tree_of(deck, options, outcome)
-    absolute = options.formulation == ABSOLUTE
-    # The march in absolute coordinates has no checkpoints.
-    journal = Journal(None if absolute else paths.resume, identity_of(deck, tree, options))
-    if options.resume:
-        journal.find()
-    if absolute:
-        outcome.faults += _doubts(tree)
-        refuse_warnings(outcome, options)
-    march = AbsoluteMarch(tree, listener) if absolute else _March(tree, journal, listener)
+    journal, march = _beginning(deck, tree, paths, options, outcome, listener)
     files = _ResultFiles(deck, tree, paths, options, stdout)
     try:
         listener.begin(tree.time.rows)
@@ -58,6 +50,19 @@ def run_dafms(
         raise
     outcome.files = files.close()
     journal.remove()
+
+
+def _beginning(deck, tree, paths, options, outcome, listener):
+    """Journal and march of a run; that in absolute coordinates keeps no checkpoints."""
+    absolute = options.formulation == ABSOLUTE
+    journal = Journal(None if absolute else paths.resume, identity_of(deck, tree, options))
+    if options.resume:
+        journal.find()
+    if not absolute:
+        return journal, _March(tree, journal, listener)
+    outcome.faults += _doubts(tree)
+    refuse_warnings(outcome, options)
+    return journal, AbsoluteMarch(tree, listener)
 
 
 def _doubts(tree):
