@@ -26,11 +26,11 @@ def check_forward(report, options: RunOptions) -> None:
     report.counts = parts_of(model.mechanism) | {
         "equations": len(arrays.equations),
         "coordinates": speeds,
-        "degrees_of_freedom": speeds - found.rank + len(model.mechanism.drivers),
+        "degrees_of_freedom": int(speeds - found.rank) + len(model.mechanism.drivers),
     }
     report.time = model.mechanism.time.start
     report.gaps = before_and_after(before, gaps_of(analysis, arrays, analysis.march.z[: arrays.q.size]))
-    report.rank, report.smallest = found.rank, found.smallest
+    report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
     refuse_warnings(report.outcome, options)

@@ -27,13 +27,13 @@ def check_vsdf(report, options: RunOptions) -> None:
     finally:
         report.outcome.faults += analysis.warnings
     report.counts = _parts(mechanism) | {
-        "equations": found.equations,
-        "coordinates": found.coordinates,
-        "degrees_of_freedom": found.coordinates - found.rank + len(mechanism.motions),
+        "equations": int(found.equations),
+        "coordinates": int(found.coordinates),
+        "degrees_of_freedom": int(found.coordinates - found.rank) + len(mechanism.motions),
         "report_times": mechanism.time.rows,
     }
     report.gaps = before_and_after(before, _gaps(analysis, analysis.march.z[: arrays.q.size]))
-    report.rank, report.smallest = found.rank, found.smallest
+    report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
     refuse_warnings(report.outcome, options)

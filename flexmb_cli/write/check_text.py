@@ -39,16 +39,17 @@ def _rank_lines(report):
     yield f"  rank {report.rank} of {coordinates}, smallest singular value {report.smallest:.1e}"
     yield from redundant_lines(report)
     for names in report.free:
-        yield "  not determined to first order: " + _few(names)
+        yield "  not determined to first order: " + few(names)
 
 
 def redundant_lines(report):
     """Groups of equations one of which repeats the others."""
     for group in report.redundant:
-        yield "  redundant, one of: " + _few(group)
+        yield "  redundant, one of: " + few(group)
 
 
-def _few(names):
+def few(names) -> str:
+    """The first names of a group, and how many there are besides."""
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return "; ".join(names[:MOST_NAMES]) + more
 

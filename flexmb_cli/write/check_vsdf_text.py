@@ -1,6 +1,6 @@
 """Text of what `flexmb check` found of a VSDF deck (`run.check.CheckReport`)."""
 
-from .check_text import assembly_lines, redundant_lines
+from .check_text import assembly_lines, few, redundant_lines
 
 
 def check_vsdf_text(report) -> str:
@@ -19,8 +19,15 @@ def check_vsdf_text(report) -> str:
         *assembly_lines(report),
         f"  rank {report.rank} of {counts['equations']}, smallest singular value {report.smallest:.1e}",
         *redundant_lines(report),
+        *_free_line(report.free),
     ]
     return "".join(f"{line}\n" for line in lines)
+
+
+def _free_line(free):
+    """The motions left, each by the first of its coordinates."""
+    if free:
+        yield f"  free motions {len(free)}, such as those of: " + few([names[0] for names in free])
 
 
 def _body_line(body):
