@@ -12,9 +12,15 @@ import time
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from flexmb_cli.cli import cli
+from flexmb_cli.model.build_vsdf import build_vsdf
 from flexmb_cli.read.dialects import read_deck
 from flexmb_cli.read.text import read_text
+from flexmb_cli.read.vsdf_cards import CARDS
+from flexmb_cli.run.check import CheckReport
+from flexmb_cli.run.outcome import Outcome
 
 TOP = Path(__file__).resolve().parents[1]
 FOUR_BAR = TOP / "decks" / "young" / "IN4-BAR.dat"
@@ -173,6 +179,13 @@ def test_a_pipe_of_answers_gives_a_deck_that_check_accepts(tmp_path):
     assert (checked.returncode, checked.stderr) == (0, "")
 
 
+def test_a_title_in_another_character_code_does_not_end_the_dialogue(tmp_path):
+    text = "\n".join(["Gef\xfchrt", *answers()[1:], ""]).encode("latin-1")
+    done = subprocess.run([*NEW, "young"], cwd=tmp_path, input=text, capture_output=True, timeout=120)
+    assert done.returncode == 0
+    assert (tmp_path / "IN-NEW.dat").read_text(encoding="utf-8").startswith("{ Gef\ufffdhrt }\n")
+
+
 def test_a_wrong_answer_in_a_pipe_is_shown_where_it_stands_and_keeps_the_draft(tmp_path):
     lines = [line.replace("1 2 0 0 2 0 6.10", "1 9 0 0 2 0 6.10") for line in answers()]
     done = piped(lines=lines, cwd=tmp_path)
@@ -216,3 +229,28 @@ def test_a_folder_that_is_missing_is_told_with_the_first_answer(tmp_path):
     done = piped("-o", "none/IN.dat", lines=answers(), cwd=tmp_path)
     assert done.returncode == 2
     assert "none/IN.dat.draft: cannot be written: its folder does not exist" in done.stderr
+
+
+def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
+    """What is checked must stand where the deck will: the node table is named relative to it.
+
+    Only the model is built here, which reads the node table; motion is the business of tests/vsdf.
+    """
+    looked_at = []
+
+    def build_only(path, options):
+        deck = read_deck(read_text(path), options.dialect)
+        looked_at.append(build_vsdf(deck, Path(path).parent)[0])
+        return CheckReport(Outcome(path, source=deck.source), deck)
+
+    monkeypatch.setattr("flexmb_cli.run.check.check_deck", build_only)
+    (tmp_path / "fe").symlink_to(TOP / "decks" / "vsdf" / "fe")
+    counted = sum(card.word not in ("FEMN", "FEMM", "FEMK", "RIGI", "GRAV", "TIME", "INTG") for card in CARDS)
+    files = ["TXT fe/pendulum_nodes.txt", "MM fe/pendulum_M.mtx", "MM fe/pendulum_K.mtx"]
+    lines = ["rod", "1" + " 0" * (counted - 1), "FLEX 9 1 13 9", *files, "0 0 -9.81", "1 0.1 0", "", "", ""]
+    done = CliRunner().invoke(
+        cli, ["new", "vsdf", "-o", str(tmp_path / "rod.vsdf")], input="".join(f"{line}\n" for line in lines)
+    )
+    assert (done.exit_code, len(looked_at)) == (0, 1), done.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["fe", "rod.vsdf"]
+    assert (tmp_path / "rod.vsdf").read_text().startswith("VSDF rod\n")

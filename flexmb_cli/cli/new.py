@@ -10,7 +10,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 
-_NAMES = {"young": "IN-NEW.dat"}
+_NAMES = {"young": "IN-NEW.dat", "vsdf": "NEW.vsdf"}
 _KEYS = """\
 Enter    take what stands in [ ]      ?       what is asked here
 <        the question before          < NAME  back to a record, such as: < driver.1
@@ -25,7 +25,7 @@ A line may hold one number, or as many as the record has left."""
     "-o",
     "--output",
     metavar="PATH",
-    help="Deck to write, - for standard output; IN-NEW.dat if not given.",
+    help="Deck to write, - for standard output; IN-NEW.dat or NEW.vsdf if not given.",
 )
 @click.option("--force", is_flag=True, help="Replace a deck that is there already.")
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
@@ -60,17 +60,24 @@ def _ask_to_replace(path, force):
         sys.exit(BAD_INPUT)
 
 
+def _form(dialect):
+    from ..write.new_vsdf import VsdfForm
+    from ..write.new_young import YoungForm
+
+    return {"young": YoungForm, "vsdf": VsdfForm}[dialect]()
+
+
 class _Talk:
     """The dialogue at a terminal or through a pipe."""
 
     def __init__(self, dialect, path, restart):
-        from ..write.new_young import YoungForm
-
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
+        # A title in another character code is no reason to lose the answers behind it.
+        sys.stdin.reconfigure(errors="replace")
         self.lines = []  # of a pipe, for the places of faults
-        self.dialogue = self._begin(YoungForm(), restart)
+        self.dialogue = self._begin(_form(dialect), restart)
 
     def _begin(self, form, restart):
         from ..read.text import read_text
@@ -171,11 +178,13 @@ class _Talk:
         from ..run.check import check_deck
         from ..run.outcome import RunOptions
 
-        with tempfile.TemporaryDirectory() as folder:
-            place = os.path.join(folder, "deck")
-            with open(place, "w", encoding="utf-8", newline="\n") as stream:
-                stream.write(self._text())
-            outcome = check_deck(place, RunOptions(dialect=self.dialogue.form.dialect)).outcome
+        # Beside its place, because a deck names matrices and node tables relative to itself.
+        folder = "." if self.path == "-" else os.path.dirname(self.path) or "."
+        place = {"dir": folder, "prefix": ".flexmb-", "suffix": ".tmp"}
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", **place) as stream:
+            stream.write(self._text())
+            stream.flush()
+            outcome = check_deck(stream.name, RunOptions(dialect=self.dialogue.form.dialect)).outcome
         outcome.deck = self.path
         lines = outcome.source.lines if outcome.source else ()
         if outcome.faults:

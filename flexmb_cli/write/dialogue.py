@@ -104,7 +104,7 @@ class Question:
     @property
     def prompt(self) -> str:
         """What Enter gives, and the mark behind which the answer is typed."""
-        return "> " if None in self.offered else f"[{' '.join(self.offered) or 'none'}] > "
+        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "
 
     @property
     def help(self) -> str:
@@ -316,12 +316,16 @@ def _texts(asked, line):
     """The texts that `line` gives for the cells from the asked ones on; None where Enter gives nothing."""
     if not line.strip():
         return list(asked.offered)
-    return [line.strip()] if asked.cells[0].letter == TEXT else line.split()
+    letters = [cell.letter for cell in asked.entry.cells[asked.first :]]
+    # Text goes on to the end of the line, blanks and all.
+    return line.strip().split(None, letters.index(TEXT) if TEXT in letters else -1)
 
 
 def _spelled(cell, text):
     """Value and doubt of a cell's text.  Raises Misspelt."""
-    if cell.letter == TEXT:
+    if cell.letter == TEXT and not text.isprintable():
+        raise number.Misspelt(f"must be text that can be printed; read {number.shown(text)}")
+    if cell.letter == TEXT or text == cell.default == "":
         return text, ""
     if cell.letter == WORD:
         word = text.upper()

@@ -128,6 +128,10 @@ def test_a_title_cannot_end_its_comment():
     assert "cannot hold }" in errors(Dialogue(YoungForm()).answer("a } b"))[0]
 
 
+def test_a_title_of_control_characters_is_refused():
+    assert "must be text that can be printed" in errors(Dialogue(YoungForm()).answer("a\0b"))[0]
+
+
 def one_body(*held):
     return talk("", "1 0 0 0 0 0 0 0 0 6 0 0", "", "", *held)
 
