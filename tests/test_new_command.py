@@ -119,8 +119,11 @@ def test_a_dialogue_at_a_terminal_with_a_slip_help_and_a_way_back(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["IN-T.dat"]
 
 
-@pytest.mark.parametrize(("key", "code", "why"), [("\x03", 130, "interrupted"), ("\x04", 1, "end of input")])
-def test_ctrl_c_and_ctrl_d_keep_a_draft_and_the_next_call_goes_on(tmp_path, key, code, why):
+ENDINGS = [("\x03", 130, "interrupted"), ("\x04", 1, "end of input"), ("!\n", 1, "stopped")]
+
+
+@pytest.mark.parametrize(("key", "code", "why"), ENDINGS)
+def test_ctrl_c_ctrl_d_and_a_mark_keep_a_draft_and_the_next_call_goes_on(tmp_path, key, code, why):
     terminal = Terminal("young", cwd=tmp_path)
     title, counts, body, *rest = answers()
     terminal.say("text", title)

@@ -5,70 +5,17 @@ one number, one question or the rest of a record, as Pascal's READ took them.
 """
 
 import json
-import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import groupby, takewhile
+from dataclasses import replace
+from itertools import takewhile
 from typing import Protocol
 
 from ..errors import DeckError, Fault, Place
 from ..read import number
 from ..read.deck import Number, Record
+from .questions import TEXT, Entry, Question, spelled
 
-INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"
-_KINDS = {INTEGER: "an integer", REAL: "a number", TEXT: "text to the end of the line"}
 _DRAFT = "flexmb new"
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One value of a record: `letter` INTEGER, REAL, WORD (one of `words`) or TEXT (the rest of a line).
-
-    `default`: what an empty answer gives, None where there must be one.
-    """
-
-    key: str
-    meaning: str
-    unit: str = ""
-    letter: str = REAL
-    default: str | None = None
-    words: tuple[str, ...] = ()
-
-    @property
-    def kind(self) -> str:
-        """What must be typed, for messages."""
-        return _KINDS.get(self.letter) or f"one of {', '.join(self.words)}"
-
-    @property
-    def pattern(self) -> str | None:
-        """The meaning without its component: equal for x, y, z of one vector, None without components."""
-        component = rf"\b{re.escape(self.key.split('.')[-1])}\b"
-        return re.sub(component, "{}", self.meaning, count=1) if re.search(component, self.meaning) else None
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A record that is asked for; `number` counts within the section, 0 where there is one a deck."""
-
-    section: str
-    number: int
-    subject: str
-    cells: tuple[Cell, ...]
-
-    @property
-    def prefix(self) -> str:
-        """Its name, as `Record.prefix`."""
-        return f"{self.section}.{self.number}" if self.number else self.section
-
-    @property
-    def groups(self) -> list[tuple[int, int]]:
-        """Ranges of cells that are asked for together: the components of one vector, or a single cell."""
-        indices, ranges = range(len(self.cells)), []
-        # A cell without components belongs to nobody: its own index keeps it apart.
-        for _, found in groupby(indices, key=lambda i: (self.cells[i].pattern or i, self.cells[i].unit)):
-            group = list(found)
-            ranges.append((group[0], group[-1] + 1))
-        return ranges
 
 
 class Form(Protocol):
@@ -85,46 +32,6 @@ class Form(Protocol):
     def entries(self, values: dict[str, str]) -> list[Entry]: ...  # noqa: D102
     def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]: ...  # noqa: D102
     def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]: ...  # noqa: D102
-
-
-@dataclass(frozen=True)
-class Question:
-    """What is asked now: cells of a record from its cell `first` on, and what Enter gives for each."""
-
-    entry: Entry
-    first: int
-    cells: tuple[Cell, ...]
-    offered: tuple[str | None, ...]
-
-    @property
-    def text(self) -> str:
-        """Names, meaning and unit in one line."""
-        return f"{' '.join(cell.key for cell in self.cells)}: {self._meaning}"
-
-    @property
-    def prompt(self) -> str:
-        """What Enter gives, and the mark behind which the answer is typed."""
-        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "
-
-    @property
-    def help(self) -> str:
-        """A line for every value that is asked for."""
-        return "\n".join(_explained(*pair) for pair in zip(self.cells, self.offered, strict=True))
-
-    @property
-    def _meaning(self):
-        first = self.cells[0]
-        if len(self.cells) == 1:
-            meaning = first.meaning
-        else:
-            meaning = first.pattern.format(", ".join(cell.key.split(".")[-1] for cell in self.cells))
-        return f"{meaning}, {first.unit}" if first.unit else meaning
-
-
-def _explained(cell, offered):
-    unit = f", {cell.unit}" if cell.unit else ""
-    enter = "" if offered is None else f"; Enter gives {offered or 'none'}"
-    return f"{cell.key}: {cell.meaning}{unit}; {cell.kind}{enter}"
 
 
 class Dialogue:
@@ -232,7 +139,7 @@ class Dialogue:
             try:
                 if text is None:
                     raise number.Misspelt(f"must be {cell.kind}; Enter gives none here")
-                doubt = _spelled(cell, text)[1]
+                doubt = spelled(cell, text)[1]
             except number.Misspelt as fault:
                 faults.append(Fault("error", f"{cell.key} {fault}", place, entry.subject))
                 continue
@@ -248,7 +155,7 @@ class Dialogue:
         """The value kept for a cell when it is well spelled, else None."""
         text = self.values.get(_name(entry, cell))
         try:
-            return None if text is None else _spelled(cell, text)[0]
+            return None if text is None else spelled(cell, text)[0]
         except number.Misspelt:
             return None
 
@@ -308,7 +215,7 @@ def _record(index, entry, values):
     for column, cell in enumerate(entry.cells, start=1):
         text = values[_name(entry, cell)]
         place = Place(index + 1, column)
-        numbers.append(Number(cell.key, _spelled(cell, text)[0], cell.meaning, cell.unit, place, text))
+        numbers.append(Number(cell.key, spelled(cell, text)[0], cell.meaning, cell.unit, place, text))
     return Record(entry.section, entry.number, entry.subject, tuple(numbers))
 
 
@@ -319,17 +226,3 @@ def _texts(asked, line):
     letters = [cell.letter for cell in asked.entry.cells[asked.first :]]
     # Text goes on to the end of the line, blanks and all.
     return line.strip().split(None, letters.index(TEXT) if TEXT in letters else -1)
-
-
-def _spelled(cell, text):
-    """Value and doubt of a cell's text.  Raises Misspelt."""
-    if cell.letter == TEXT and not text.isprintable():
-        raise number.Misspelt(f"must be text that can be printed; read {number.shown(text)}")
-    if cell.letter == TEXT or text == cell.default == "":
-        return text, ""
-    if cell.letter == WORD:
-        word = text.upper()
-        if word not in cell.words:
-            raise number.Misspelt(f"must be {cell.kind}; read {number.shown(text)}")
-        return word, ""
-    return number.integer(text) if cell.letter == INTEGER else number.real(text)

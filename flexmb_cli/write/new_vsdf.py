@@ -10,7 +10,7 @@ from ..errors import Fault
 from ..read import number
 from ..read.deck import Record
 from ..read.vsdf_cards import BY_WORD, CARDS, END, FINAL, Card
-from .dialogue import INTEGER, TEXT, Cell, Entry
+from .questions import INTEGER, TEXT, Cell, Entry
 
 MOST = 1000
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN", "FEMM", "FEMK"), ("RIGI",)

@@ -12,7 +12,7 @@ from ..model.equation_count import imbalance
 from ..read import number
 from ..read.deck import Record
 from ..read.young_sections import COUNTS, YOUNG_SECTIONS, Section
-from .dialogue import INTEGER, REAL, TEXT, Cell, Entry
+from .questions import INTEGER, REAL, TEXT, Cell, Entry
 
 MOST = 1000
 """Largest count that is asked for one by one; a deck beyond it is a program's work."""
