@@ -108,7 +108,7 @@ class _Cluster:
         self.shared = client.scatter(sweep.job, broadcast=True)
         self.deaths = Counter()
         self.block_of = {}
-        self.arriving = as_completed()
+        self.arriving = as_completed(loop=client.loop)
 
     def solve(self, blocks):
         rest = iter(blocks)
