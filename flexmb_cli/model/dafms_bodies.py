@@ -37,7 +37,10 @@ def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
 
 def _body(values, k, findings):
     name = f"body {k}"
-    elastic = _elasticity(values, k, findings) if values.number("counts", k, "NUMNP").value else None
+    flexible = values.number("counts", k, "NUMNP").value > 0
+    elastic = _elasticity(values, k, findings) if flexible else None
+    if not flexible:
+        _warn_of_unused_cards(values, k, findings)
     centre = values.values("mass_centre", k, _ZERO)
     if elastic is not None and any(centre):
         place = values.place("mass_centre", k)
@@ -58,6 +61,15 @@ def _body(values, k, findings):
         torque,
         values.place("mass", k),
     )
+
+
+def _warn_of_unused_cards(values, k, findings):
+    """ELDA and GSTF speak of nodes: on a body that has none they would change nothing."""
+    for card, section in (("ELDA", "elastic_damping"), ("GSTF", "stiffening")):
+        asked = values.values(section, k, (0,))
+        if any(asked if card == "ELDA" else asked[:1]):
+            message = f"{card} is not used: the body is rigid, NUMNP = 0"
+            findings.warn(f"body {k}", message, values.place(section, k))
 
 
 def _mass(values, k, elastic, findings):
@@ -88,6 +100,14 @@ def _inertia(values, k, findings):
     inertia = np.diag([float(number.value) for number in moments])
     for (i, j), product in zip(((0, 1), (0, 2), (1, 2)), products, strict=True):
         inertia[i, j] = inertia[j, i] = product
+    lowest = np.linalg.eigvalsh(inertia)[0] if any(products) and np.all(np.isfinite(inertia)) else 0.0
+    if lowest < -2 * _LAST_DECIMAL and np.all(np.diag(inertia) >= 0):
+        findings.error(
+            f"body {k}",
+            f"PROD and INER give a principal moment of inertia of {lowest:.4g} kg m^2, and no mass has a "
+            "negative one: both are about O_k, I12 is -∫ x1 x2 dm",
+            values.place("product", k),
+        )
     return inertia
 
 

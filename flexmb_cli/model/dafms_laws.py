@@ -23,7 +23,7 @@ def build_laws(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
-    springs += [Spring(*where, damping=r["CS"], place=r.place) for r, where in hinged.entries("damper")]
+    springs += _dampers(hinged, findings)
     motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]
     motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
     drives = [
@@ -37,6 +37,16 @@ def build_laws(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
         "motors": tuple(motors),
         "prescribed": tuple(drives),
     }
+
+
+def _dampers(hinged, findings):
+    dampers = []
+    for record, where in hinged.entries("damper"):
+        if record["CS"] < 0:
+            message = f"CS = {record['CS']}: a negative damper feeds energy in"
+            findings.warn(record.subject, message, record.at("CS").place)
+        dampers.append(Spring(*where, damping=record["CS"], place=record.place))
+    return dampers
 
 
 class _HingeCards:

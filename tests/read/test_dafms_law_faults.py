@@ -237,6 +237,43 @@ CASES = [
     ),
     pytest.param(
         deck_text(
+            "spatial_rigid",
+            ("END \n", "ELDA\n    1       0.1\n    2       0.0\nGSTF\n    1    0\n    2    1\nEND \n"),
+        ),
+        [
+            "43:13: warning: body 1: ELDA is not used: the body is rigid, NUMNP = 0",
+            "47:10: warning: body 2: GSTF is not used: the body is rigid, NUMNP = 0",
+        ],
+        id="cards of flexible bodies for rigid ones",
+    ),
+    pytest.param(
+        deck_text(
+            "spatial_rigid",
+            (
+                "END \n",
+                "PROD\n    1        .2       0.0       0.0\n    2       0.0       0.0       0.0\nEND \n",
+            ),
+        ),
+        [
+            (
+                "43:14: error: body 1: PROD and INER give a principal moment of inertia of -0.07361 kg m^2,"
+                " and no mass has a negative one: both are about O_k, I12 is -∫ x1 x2 dm"
+            ),
+        ],
+        id="products of inertia larger than any mass has",
+    ),
+    pytest.param(
+        deck_text(
+            "spatial_rigid",
+            ("END \n", "DAMP\n    1\n    2    3      -0.5\nEND \n"),
+        ),
+        [
+            "44:17: warning: damper 1: CS = -0.5: a negative damper feeds energy in",
+        ],
+        id="a negative damper",
+    ),
+    pytest.param(
+        deck_text(
             "shaft_beam_n2",
             ("END \n", "GSTF\n    1    1       0.4\nEND \n"),
         ),
