@@ -14,7 +14,7 @@ from ..read.fe_files.formats import read_matrix
 from ..read.fe_files.matrix_file import FEFileFault
 from . import cache, modes
 from .centrifugal import centrifugal_stiffness
-from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
+from .input_tests import COLLINEAR, Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .nodal_matrices import condensed, nodal_part
 from .reference_frame import Frame, reference_frame
@@ -110,7 +110,8 @@ def _basis(given, matrices, frame: Frame, findings) -> _Basis | None:
             return _interface_basis(given, K, S, frame)
         return _eigen_basis(given, K, S, frame, available)
     except modes.FreeMotion as motion:
-        findings.error(given.name, _free_motion(given, motion.shape), given.stiffness.place)
+        place = given.place if _clamped_on_a_line(given) else given.stiffness.place
+        findings.error(given.name, _free_motion(given, motion.shape), place)
     except modes.IndefiniteMass:
         message = "the mass matrix is not positive definite; is it complete, or of another model?"
         findings.error(given.name, message, given.mass.place)
@@ -144,10 +145,24 @@ def _free_motion(given, shape):
             "the interface nodes do not hold the body: three that are not on one line are needed "
             f"(it moves most at node {node})"
         )
+    if _clamped_on_a_line(given):
+        return (
+            "the clamped nodes do not hold the body in its frame: three that are not on one line are needed "
+            f"(it moves most at node {node})"
+        )
     return (
         f"held in its frame the body still moves without strain, most at node {node}: is the mesh in one "
         "piece, without hinges?"
     )
+
+
+def _clamped_on_a_line(given):
+    """Whether the body is held by clamped nodes that leave it a rotation."""
+    if not given.clamped:
+        return False
+    held = given.positions[np.isin(given.numbers, given.clamped)]
+    spread = np.linalg.svd(held - held.mean(axis=0), compute_uv=False)
+    return len(held) < 3 or spread[1] <= COLLINEAR * spread[0]
 
 
 def _rows_of(given, nodes):

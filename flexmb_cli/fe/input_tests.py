@@ -29,7 +29,17 @@ def check_matrices(given: FlexibleInput, S, K, findings: Findings) -> Figures:
     """All tests of mass `S` and stiffness `K`, both sparse (3 n, 3 n); faults go to `findings`."""
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
+    _check_exchanged(given, S, K, findings)
     return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, findings))
+
+
+def _check_exchanged(given, S, K, findings):
+    """Only a stiffness lets the body translate freely, so the two matrices cannot be mistaken."""
+    translations = np.tile(np.eye(3), (len(given.numbers), 1))
+    of_mass, of_stiffness = (np.abs(A @ translations).max() / abs(A).max() for A in (S, K))
+    if of_mass <= RIGID_ERROR < of_stiffness:
+        message = "it gives no force in a translation, and the stiffness does: are the files exchanged?"
+        findings.error(given.name, f"this mass matrix looks like a stiffness; {message}", given.mass.place)
 
 
 def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, findings: Findings) -> None:

@@ -18,6 +18,8 @@ from .young import read_young
 from .young_sections import Column
 
 MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
+# One word behind DYNAMICS, or none, is a slip rather than prose.
+NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 SECTION = "dynamics"
 CLOSING = "END"
 INVERSE, FORWARD = "inverse", "forward"
@@ -135,7 +137,7 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = read_young(source)
     opening = _opening(deck)
     if opening is None:
-        return deck
+        return replace(deck, warnings=(*deck.warnings, *_nearly_opening(deck)))
     cards = _Cards(source, opening)
     cards.read()
     if any(fault.severity == "error" for fault in cards.faults):
@@ -151,9 +153,23 @@ def analysis_of(deck: Deck) -> str | None:
 
 def _opening(deck):
     """Number of the line that opens the cards, None without one."""
-    last = deck.one("time").at("step").place
-    lines = deck.source.lines
-    return next((n for n in range(last.line + 1, len(lines) + 1) if MARKER.fullmatch(lines[n - 1])), None)
+    return next((n for n, line in _lines_behind(deck) if MARKER.fullmatch(line)), None)
+
+
+def _lines_behind(deck):
+    """Number and text of every line behind that of dT."""
+    last = deck.one("time").at("step").place.line
+    return list(enumerate(deck.source.lines, start=1))[last:]
+
+
+def _nearly_opening(deck):
+    """A warning for every line that looks like the opening one and is not."""
+    message = (
+        "this line is read as prose; DYNAMICS inverse or DYNAMICS forward opens cards with masses and loads"
+    )
+    for n, line in _lines_behind(deck):
+        if found := NEARLY.fullmatch(line):
+            yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))))
 
 
 @dataclass

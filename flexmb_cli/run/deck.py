@@ -59,12 +59,12 @@ def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -
     """Options that mean nothing to the deck's dialect are said to be without effect."""
     foreign = []
     if deck.dialect != "young" and options.solver:
-        foreign.append("--feps, --epslu and --nrmax are for YOUNG decks")
+        foreign.append("--feps, --epslu and --nrmax are for YOUNG decks and have")
     if deck.dialect != "dafms" and options.formulation == ABSOLUTE:
-        foreign.append("--formulation is for DAFMS decks")
-    if deck.dialect == "young" and (options.integration or options.resume):
-        foreign.append("--rtol, --atol, --method and --resume are for DAFMS decks")
-    outcome.faults += [Fault("warning", f"{sentence} and have no effect here") for sentence in foreign]
+        foreign.append("--formulation is for DAFMS decks and has")
+    if deck.dialect != "dafms" and (options.integration or options.resume):
+        foreign.append("--rtol, --atol, --method and --resume are for DAFMS decks and have")
+    outcome.faults += [Fault("warning", f"{sentence} no effect here") for sentence in foreign]
 
 
 def paths_of(deck: Deck, options: RunOptions):

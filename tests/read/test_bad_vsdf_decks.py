@@ -437,3 +437,10 @@ def test_the_columns_of_a_card_are_drawn_above_it():
         "        1       2.O       0.5",
         "                ^^^",
     ]
+
+
+def test_a_step_that_rk45_does_not_use_is_told():
+    text = changed(("       1.0      0.01\n", "       1.0      0.01      0.02\nINTG\n RK45    1.0E-9\n"))
+    assert told(text) == [
+        "28:27: warning: TIME: RK45 chooses its steps by the tolerance; the step of 0.02 s is not used"
+    ]

@@ -113,3 +113,10 @@ def test_every_dynamic_deck_stands_in_the_readme():
     assert {path.stem for path in DECKS.glob("*.dat")} == {
         stem for stem in ("IN4-BAR-MASS", "IN-RSSR-MASS", "IN-BRICARD", "IN-ANDREWS") if f"`{stem}`" in text
     }
+
+
+def test_a_line_that_nearly_opens_cards_is_told():
+    deck = read("DYNAMICS invers\nMASS 1 1 0 0 0 1 1 1\n")
+    assert deck.section("mass") == []
+    assert [(f.severity, f.place.line, f.place.column) for f in deck.warnings] == [("warning", 4, 1)]
+    assert "DYNAMICS inverse or DYNAMICS forward opens cards" in deck.warnings[0].message
