@@ -10,7 +10,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 
-_NAMES = {"young": "IN-NEW.dat", "vsdf": "NEW.vsdf"}
+_NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
 Enter    take what stands in [ ]      ?       what is asked here
 <        the question before          < NAME  back to a record, such as: < driver.1
@@ -25,7 +25,7 @@ A line may hold one number, or as many as the record has left."""
     "-o",
     "--output",
     metavar="PATH",
-    help="Deck to write, - for standard output; IN-NEW.dat or NEW.vsdf if not given.",
+    help="Deck to write, - for standard output; IN-NEW.dat, NEW.DAT or NEW.vsdf if not given.",
 )
 @click.option("--force", is_flag=True, help="Replace a deck that is there already.")
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
@@ -61,10 +61,11 @@ def _ask_to_replace(path, force):
 
 
 def _form(dialect):
+    from ..write.new_dafms import DafmsForm
     from ..write.new_vsdf import VsdfForm
     from ..write.new_young import YoungForm
 
-    return {"young": YoungForm, "vsdf": VsdfForm}[dialect]()
+    return {"young": YoungForm, "dafms": DafmsForm, "vsdf": VsdfForm}[dialect]()
 
 
 class _Talk:
