@@ -89,7 +89,7 @@ def _begins_vsdf(lines):
 def _begins_dafms(lines):
     # Cards before the first macro are skipped by the historic program, but they are never many.
     macro = any(line[:4].upper() in _DAFMS_MACROS for line in lines[1:20])
-    return macro and not lines[0].strip(" 0123456789")
+    return macro and not lines[0].strip(" 0123456789+-")
 
 
 def _begins_young(lines):

@@ -7,32 +7,50 @@ from ..kernels.constrained_solve import choose_order, evaluate_jacobian
 from ..kernels.constrained_system import GAMMA, NO_INERTIA
 from ..kernels.constraint_projection import fill_nu, project_position
 from ..kernels.mass_matrix import mass_times
-from ..kernels.speeds import normalise
+from ..kernels.speeds import move, normalise
 from .assembly import assemble_by_search, assembly_failure
 from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
 from .dynamic_rows import body_axes, global_axes
 
 SINGULAR_VALUE = 1e-9  # of the largest
+MOST_STEPS = 60
+MET = 1e-14  # scaled gaps
+HOPELESS = 1e6
 FITS = 1e-6  # of the largest speed: what initial velocities may be changed without a warning
 
 
 def assembled(analysis, t: float) -> np.ndarray:
-    """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
+    """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError.
+
+    The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may
+    widen gaps on their way to a position that closes.
+    """
     arrays = analysis.arrays.kinematic
     q, near = arrays.q.copy(), arrays.screw_angles
-    evaluator = analysis.evaluator
-    if len(arrays.equations):
-        q, gap = assemble_by_search(evaluator, q, t, near)
-        normalise(analysis.arrays.bodies, q)
-        gap = evaluator.residual(q, t, near)
-        if np.max(np.abs(gap)) > CLOSED:
-            q, gap = assemble_by_search(evaluator, q, t, near)
-            normalise(analysis.arrays.bodies, q)
-            gap = evaluator.residual(q, t, near)
-        if np.max(np.abs(gap)) > CLOSED:
-            raise assembly_failure(evaluator, gap, t)
     normalise(analysis.arrays.bodies, q)
-    return q
+    if not len(arrays.equations):
+        return q
+    found, gap = assemble_by_search(analysis.evaluator, q, t, near)
+    for start in (found, q):
+        closed = _by_newton(analysis, start.copy(), t, near)
+        if closed is not None:
+            return closed
+    raise assembly_failure(analysis.evaluator, gap, t)
+
+
+def _by_newton(analysis, q, t, near):
+    """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
+    bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
+    normalise(bodies, q)
+    for _ in range(MOST_STEPS):
+        gap = evaluator.residual(q, t, near)
+        largest = np.max(np.abs(gap))
+        if largest <= MET or not largest < HOPELESS:
+            break
+        evaluate_jacobian(analysis.system, analysis.work, q)
+        step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=SINGULAR_VALUE)[0]
+        move(bodies, q, -step * analysis.arrays.speed_scale)
+    return q if np.max(np.abs(evaluator.residual(q, t, near))) <= CLOSED else None
 
 
 def order_of_elimination(analysis, q, t: float) -> Mobility:

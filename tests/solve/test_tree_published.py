@@ -83,6 +83,15 @@ def test_shaft_and_beam_converges_with_the_number_of_nodes():
     assert abs(maxima[0] - maxima[2]) > 5 * abs(maxima[1] - maxima[2])
 
 
+def test_shaft_and_beam_one_way_with_2_5_and_10_nodes():
+    """Rest after the pulse with any mesh; the tip's maximum converges to the 0.018776 of 10 nodes."""
+    rows = [run(deck_tree(f"shaft_beam_n{n}", one_way=True)) for n in (2, 5, 10)]
+    assert max(np.max(np.abs(after_the_pulse(one))) for one in rows) < 1e-13
+    maxima = [np.max(tip(one)) for one in rows]
+    assert maxima[2] == pytest.approx(0.018776, abs=6e-7)
+    assert abs(maxima[0] - maxima[2]) > 3 * abs(maxima[1] - maxima[2])
+
+
 # Section 4.4, ranges over 0-5 s recomputed for each mesh: angles in rad, tips of both links in m.
 TWO_LINK = {
     "two_link_n2": [(-0.04766, 0.04817), (-0.08721, 0.08727), (-1.32e-4, 1.34e-4), (-1.67e-4, 1.83e-4)],
