@@ -173,6 +173,7 @@ def _closure(record, bodies, findings):
     for number, least in ((first, 1), (second, 0)):
         if not least <= number.value <= len(bodies):
             message = f"{number.key} = {number.value}: there are bodies {least} to {len(bodies)}"
+            message += "; the inertial frame goes second, as KB = 0" if number.value == 0 else ""
             findings.error(record.subject, message, number.place)
     if first.value == second.value:
         message = f"KA = KB = {first.value}: a closure joins two bodies"

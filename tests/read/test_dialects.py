@@ -82,3 +82,10 @@ def test_reading_and_building_a_young_deck_import_no_numerical_library():
     deck = str(DECKS / "young" / "IN4-BAR.dat")
     done = subprocess.run([sys.executable, "-c", program, deck], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_dafms_deck_with_a_slip_of_sign_in_its_counts_is_still_a_dafms_deck():
+    text = (DECKS / "dafms" / "pendulum.DAT").read_text()
+    assert recognise(text.splitlines()) == "dafms"
+    first, rest = text.split("\n", 1)
+    assert recognise([f"{first[:-2]}-1", *rest.splitlines()]) == "dafms"
