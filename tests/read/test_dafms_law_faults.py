@@ -181,7 +181,8 @@ CASES = [
             ("    3    0    0    0    0    1    1", "    0    0    3    0    0    1    1"),
         ),
         [
-            "54:5: error: closure 1: KA = 0: there are bodies 1 to 3; the inertial frame goes second, as KB = 0",
+            "54:5: error: closure 1: KA = 0: there are bodies 1 to 3; "
+            "the inertial frame goes second, as KB = 0",
         ],
         id="a closure whose first body is the inertial frame",
     ),
