@@ -52,7 +52,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     choices = RunOptions(changes=changes, solver=solver, integration=integration, echo=echo, **options)
     _refuse_shared_files(decks, choices)
-    _stop_on_sigterm()
+    _stop_on_signals()
     codes = []
     for outcome in _outcomes(decks, choices, jobs, quiet):
         if outcome.echo:
@@ -172,14 +172,17 @@ def _dialect(deck, options):
         return options.dialect
 
 
-def _stop_on_sigterm():
-    from ..run.outcome import Terminated
+def _stop_on_signals():
+    from ..run.outcome import Stop, Terminated
 
     def stop(number, frame):
-        Terminated.asked = True
-        raise Terminated
+        Stop.asked = KeyboardInterrupt if number == signal.SIGINT else Terminated
+        raise Stop.asked
 
     signal.signal(signal.SIGTERM, stop)
+    # A shell that runs its commands in the background has them ignore Ctrl-C.
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, stop)
 
 
 def _report_outcome(outcome, quiet, verbose):

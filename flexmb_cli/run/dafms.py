@@ -10,7 +10,7 @@ from .checkpoint import Journal
 from .compiling import tell_of_compiling
 from .dafms_tree import tree_of
 from .energy_drift import EnergyDrift
-from .outcome import ABSOLUTE, Outcome, RunOptions, refuse_warnings
+from .outcome import ABSOLUTE, Outcome, RunOptions, Stop, refuse_warnings
 
 
 def run_dafms(
@@ -31,6 +31,7 @@ def run_dafms(
             outcome.rows += len(values["time"])
             outcome.statistics = march.statistics
             listener.advance(len(values["time"]))
+            Stop.heed()
     except AnalysisError as failure:
         outcome.files = files.close_failed(failure.args[0], march.stopped_at)
         journal.remove()

@@ -10,7 +10,7 @@ from ..read.text import read_text
 from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
-from .outcome import ABSOLUTE, INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Terminated
+from .outcome import ABSOLUTE, INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Stop, Terminated
 from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
 
@@ -38,9 +38,9 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
     except Terminated:
         outcome.exit_code = TERMINATED
     except Exception:
-        if not Terminated.asked:
+        if Stop.asked is None:
             raise
-        outcome.exit_code = TERMINATED
+        outcome.exit_code = INTERRUPTED if Stop.asked is KeyboardInterrupt else TERMINATED
     return outcome
 
 

@@ -12,13 +12,23 @@ KANE, ABSOLUTE = "kane", "absolute"
 
 
 class Terminated(BaseException):
-    """SIGTERM, raised where the program happens to be; like KeyboardInterrupt no Exception.
+    """SIGTERM, raised where the program happens to be; like KeyboardInterrupt no Exception."""
 
-    `asked`: it was raised, though what it interrupted may have turned it into an exception of its own,
-    as numba does while it compiles.
+
+class Stop:
+    """What a signal asked for: KeyboardInterrupt or Terminated, None before.
+
+    Libraries in whose midst it is raised may swallow it (HDF5 calling back for a write) or turn it into an
+    exception of their own (numba compiling): a run looks here between its blocks of rows.
     """
 
-    asked = False
+    asked: type[BaseException] | None = None
+
+    @classmethod
+    def heed(cls) -> None:
+        """Raise what was asked for and got lost."""
+        if cls.asked is not None:
+            raise cls.asked
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
 from .compiling import tell_of_compiling
-from .outcome import Listener, Outcome, RunOptions, refuse_warnings
+from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 
 MARCH = "kinematic_march.march"
 
@@ -43,6 +43,7 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
             outcome.rows += rows.time.size
             outcome.statistics = str(count)
             listener.advance(rows.time.size)
+            Stop.heed()
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
     except AnalysisError as failure:
