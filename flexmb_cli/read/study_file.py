@@ -120,6 +120,8 @@ class _Reader:
         if take not in TAKES or not quantity.strip():
             forms = ", ".join(TAKES)
             return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+        if not _names_a_column(name):
+            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
         return Kept(name, quantity.strip(), take)
 
     def _text(self, key):
@@ -157,6 +159,11 @@ class _Reader:
             if found:
                 return Place(number, found.start(1) + 1, len(name))
         return None
+
+
+def _names_a_column(name):
+    """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL."""
+    return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
 
 
 def _is_number(value):
