@@ -51,6 +51,8 @@ def compare(
         return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
     if any(kinds):
         other = path_b if kinds[0] else path_a
+        if None in kinds:
+            _read_listing(other)  # it words why the file cannot be opened
         message = "this is no HDF5 result, the other file is; compare two tables, or two HDF5 results"
         raise TableError(str(other), [Fault("error", message)])
     a, b = (_read_listing(path) for path in (path_a, path_b))
@@ -83,6 +85,7 @@ def compare_listings(
 
 
 def _is_hdf5(path):
+    """None: the file cannot be opened."""
     if str(path) == "-":
         return False
     try:
@@ -90,7 +93,7 @@ def _is_hdf5(path):
             return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
     except OSError:
         # The reader that opens it again words the fault.
-        return False
+        return None
 
 
 def _read_listing(path):

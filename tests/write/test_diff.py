@@ -398,6 +398,13 @@ def test_a_table_and_an_hdf5_result_cannot_be_compared(table, result, rows, swap
     assert caught.value.exit_code == 2
 
 
+@pytest.mark.parametrize("other, told", [("absent", "no such file"), (".", "directory|folder")])
+def test_beside_an_hdf5_result_too_a_file_that_cannot_be_opened_is_told(result, rows, tmp_path, other, told):
+    with pytest.raises(TableError, match=told) as caught:
+        compare(result("a.h5", rows(TIMES)), tmp_path / other)
+    assert caught.value.name == str(tmp_path / other)
+
+
 def test_a_missing_file_is_named(table, rows, tmp_path):
     with pytest.raises(TableError, match="no such file") as caught:
         compare(table("a", rows(TIMES)), tmp_path / "none")
