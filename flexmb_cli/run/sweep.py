@@ -135,7 +135,7 @@ def solver_of(job: Job) -> CaseSolver:
 @lru_cache(maxsize=2)
 def _solver(text, folder, study):
     solver = CaseSolver(read_deck(text, study.dialect), study, folder)
-    # Cases make garbage by the thousand: looking through all that stays, numba's libraries too, costs a tenth.
+    # Cases make garbage by the thousand: to look through all that stays, too, costs a tenth.
     gc.collect()
     gc.freeze()
     return solver
