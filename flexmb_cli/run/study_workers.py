@@ -87,10 +87,13 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance, address: str) -> 
     """
     try:
         from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
     except ImportError:
         message = "--scheduler needs Dask's `distributed`: pip install 'flexmb[cluster]'"
         raise ClusterError(message) from None
     try:
+        # A Client of an address that is none hangs when it is thrown away.
+        get_address_host_port(address)
         client = Client(address, timeout=20, set_as_default=False)
     except (OSError, ValueError) as fault:
         raise ClusterError(f"no Dask scheduler answers at {address}: {fault}") from fault

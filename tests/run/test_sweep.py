@@ -266,8 +266,8 @@ def test_a_dask_cluster_survives_the_kill_of_a_worker(tmp_path):
         assert (a.exit_code, a.rows, a.values.tolist()) == (b.exit_code, b.rows, b.values.tolist())
 
 
-def test_no_scheduler_is_told(tmp_path):
-    done = flexmb(
-        "sweep", written(tmp_path, SMALL), "--scheduler", "tcp://127.0.0.1:1", cwd=tmp_path, check=False
-    )
-    assert done.returncode == 2 and "no Dask scheduler answers at tcp://127.0.0.1:1" in done.stderr
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "post://office:1"])
+def test_no_scheduler_is_told(tmp_path, address):
+    done = flexmb("sweep", written(tmp_path, SMALL), "--scheduler", address, cwd=tmp_path, check=False)
+    assert done.returncode == 2 and f"no Dask scheduler answers at {address}" in done.stderr
+    assert "Traceback" not in done.stderr
