@@ -130,6 +130,9 @@ def _elements(result, path, rows, index):
         box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
     except OSError as error:
         raise ResultError(f"{result.filename}: /{path} cannot be read: {error}") from error
+    if len(result[path]) != len(result[TIME]):
+        counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
+        raise ResultError(f"{result.filename}: a damaged result: /{path} has {counts}; run the deck again")
     return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
 
 

@@ -181,6 +181,15 @@ def test_files_of_other_kinds_are_refused(tmp_path):
         assert caught.value.exit_code == 2
 
 
+def test_a_series_that_is_shorter_than_the_time_is_told(tmp_path):
+    path = write_result(tmp_path / "r.h5", 40)
+    with h5py.File(path, "a") as file:
+        file["energy/total"].resize(7, axis=0)
+    told = "r.h5: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
+    with open_result(path) as file, pytest.raises(ResultError, match=told):
+        read(file, resolve(file, ["energy.total"]), slice(0, 5))
+
+
 def test_a_disk_that_fails_is_told(tmp_path):
     with CountingFile(write_result(tmp_path / "r.h5", 5000)) as disk, h5py.File(disk, "r") as file:
         quantities = resolve(file, ["energy.total"])
