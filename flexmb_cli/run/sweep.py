@@ -17,7 +17,7 @@ from .study_parts import Parts
 from .study_solver import CaseResult, CaseSolver
 
 LARGEST_BLOCK = 200  # cases
-BLOCKS_WANTED = 200
+BLOCKS_WANTED = 50
 MOST_DEATHS = 3  # of workers at one case
 
 
