@@ -1,11 +1,12 @@
-"""Cost of a flexible pendulum: steps, equal error against Exudyn, growth with the number of FE nodes.
+"""Cost of flexible bodies: steps, equal error against Exudyn, growth with the number of FE nodes.
 
     pip install -e '.[bench]' && python scripts/bench/flexible.py [PART...]
 
 The pendulum is that of decks/vsdf: 54 nodes, 162 degrees of freedom, let go horizontally.  Both programs
 get the same M and K and as many modes; their frames and joints differ (Exudyn: free-free modes and the
 mean of the root face, flexmb: three reference nodes and a joint of five equations), so the error of each
-is taken against itself with steps so short that they do not matter.  Times are processor seconds of
+is taken against itself with steps so short that they do not matter.  The part `slider` is the slider-crank
+with a flexible rod; see flexible_slider.py for how the two describe it.  Times are processor seconds of
 solving alone, the best of several runs, the two programs in turn.
 """
 
@@ -16,6 +17,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import flexible_slider
 import numpy as np
 from scipy import sparse
 from scipy.io import mmread, mmwrite
@@ -48,8 +50,8 @@ def mechanism(modes, folder=DECKS, *changes):
     ]
 
 
-def march(given, method, step, parameter, end=END):
-    """(last row's place of the output node, processor seconds, steps)."""
+def march(given, method, step, parameter, end=END, outputs=0):
+    """(last row's place of the output node or nodes, processor seconds, steps)."""
     from flexmb_cli.model.vsdf_model import Integrator
     from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
 
@@ -57,7 +59,7 @@ def march(given, method, step, parameter, end=END):
     analysis = FlexibleDynamics(replace(given, time=grid, integrator=Integrator(method, step, parameter)))
     begin = time.process_time()
     rows = list(analysis.rows())[-1]
-    return rows.point_position[-1, 0], time.process_time() - begin, int(analysis.clock["steps"][0])
+    return rows.point_position[-1, outputs], time.process_time() - begin, int(analysis.clock["steps"][0])
 
 
 def exudyn_pendulum(modes):
@@ -122,33 +124,70 @@ def runs_of(modes):
 
 
 def equal_error():
-    """Tables of steps and errors, and the seconds each needs for the same error."""
+    """The pendulum with few and many modes."""
     for modes in MODES:
-        contestants = runs_of(modes)
-        for run, settings in contestants.values():
-            run(settings[-1])  # compile
-        exact = {name: run(settings[0])[0] for name, (run, settings) in contestants.items()}
         print(f"{modes} modes, {END:g} s")
-        print("  program      step or tol.  error, m   µs a step   s per simulated s")
-        needed = {}
-        for name, (run, settings) in contestants.items():
-            found = []
-            for setting in settings[1:]:
-                repeats = [run(setting) for _ in range(REPEATS)]
-                spent, (place, _, steps) = min(r[1] for r in repeats), repeats[0]
-                error = np.abs(place - exact[name]).max()
-                found.append((error, spent / END))
-                row = f"  {name:12} {setting:8.0e} {error:12.1e} {spent / steps * 1e6:10.1f}"
-                print(f"{row} {spent / END:12.4f}", flush=True)
-            needed[name] = seconds_at(found)
+        compare(runs_of(modes), END, (EQUAL_ERROR,))
+
+
+def slider():
+    """The slider-crank with a flexible rod, and how far apart the converged motions of the programs are."""
+    given, M, K = flexible_slider.slider_crank()
+    end = flexible_slider.END
+    places = flexible_slider.OUTPUTS
+    contestants = {
+        "Exudyn": (
+            lambda h: flexible_slider.exudyn_march(given, M, K, h, flexible_slider.whole_bodies),
+            (flexible_slider.REFERENCE, *flexible_slider.STEPS),
+        ),
+        "Exudyn 1D": (
+            lambda h: flexible_slider.exudyn_march(given, M, K, h, flexible_slider.single_coordinates),
+            (flexible_slider.REFERENCE, *flexible_slider.STEPS),
+        ),
+        "flexmb GALF": (
+            lambda h: march(given, "GALF", h, 0.9, end, places),
+            (flexible_slider.REFERENCE, *flexible_slider.STEPS),
+        ),
+        "flexmb RK45": (lambda tol: march(given, "RK45", 0.0, tol, end, places), (1e-12, *TOLERANCES)),
+    }
+    print(f"slider-crank, rod of {given.bodies[1].flexible.modes} modes, {end:g} s")
+    exact = compare(contestants, end, flexible_slider.EQUAL_ERRORS)
+    sag = flexible_slider.deflection(exact["Exudyn"])
+    print(f"  middle of the rod off its rigid place by {sag:.2e} m")
+    for name, places in exact.items():
+        apart = np.abs(places - exact["Exudyn"]).max()
+        print(f"  converged {name} is off Exudyn by {apart:.1e} m, there or at the slider")
+
+
+def compare(contestants, end, errors):
+    """Tables of steps and errors, and the seconds each needs for the same error → the references."""
+    for run, settings in contestants.values():
+        run(settings[-1])  # compile
+    exact = {name: run(settings[0])[0] for name, (run, settings) in contestants.items()}
+    print("  program      step or tol.  error, m   µs a step   s per simulated s")
+    measured = {}
+    for name, (run, settings) in contestants.items():
+        found = []
+        for setting in settings[1:]:
+            repeats = [run(setting) for _ in range(REPEATS)]
+            spent, (place, _, steps) = min(r[1] for r in repeats), repeats[0]
+            error = np.abs(place - exact[name]).max()
+            found.append((error, spent / end))
+            row = f"  {name:12} {setting:8.0e} {error:12.1e} {spent / steps * 1e6:10.1f}"
+            print(f"{row} {spent / end:12.4f}", flush=True)
+        measured[name] = found
+    for equal in errors:
+        needed = {name: seconds_at(found, equal) for name, found in measured.items()}
         for name in ("flexmb GALF", "flexmb RK45"):
-            gain = needed["Exudyn"] / needed[name]
-            print(f"  for {EQUAL_ERROR:g} m {name} takes {needed[name]:.4f} s, Exudyn {gain:.1f} times that")
+            for peer in (peer for peer in needed if peer.startswith("Exudyn")):
+                gain = needed[peer] / needed[name]
+                print(f"  for {equal:g} m {name} takes {needed[name]:.4f} s, {peer} {gain:.2g} times that")
+    return exact
 
 
-def seconds_at(found):
+def seconds_at(found, equal):
     """Seconds per simulated second of the cheapest run whose error is small enough."""
-    return min((seconds for error, seconds in found if error <= EQUAL_ERROR), default=np.nan)
+    return min((seconds for error, seconds in found if error <= equal), default=np.nan)
 
 
 def lattice(folder, cells):
@@ -195,7 +234,7 @@ def growth():
         print(f"{6 * (cells + 1):8d} {built:12.2f} {cost * 1e6:12.1f}", flush=True)
 
 
-PARTS = {"equal-error": equal_error, "growth": growth}
+PARTS = {"equal-error": equal_error, "slider": slider, "growth": growth}
 
 
 def main():
