@@ -5,6 +5,7 @@ met at every displaced position, their accelerations y'' = a(y, y') are differen
 differences of fourth order, and y'' + C y' + K y = 0 gives the eigenvalues.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -48,7 +49,7 @@ class Modes:
     unheld: int
 
 
-class SmallMotions:
+class SmallMotions(ABC):
     """Small motions y of f freedoms about a position, scaled; a formulation's subclass finds accelerations.
 
     `motions` (n, f): speeds per unit of each free speed; `scale` (n,): of the speeds.
@@ -63,13 +64,13 @@ class SmallMotions:
         """f."""
         return self.motions.shape[1]
 
+    @abstractmethod
     def free_accelerations(self, y, yd) -> np.ndarray:
         """Scaled accelerations (f,) of the free coordinates changed by y and yd."""
-        raise NotImplementedError
 
+    @abstractmethod
     def stand_at(self, y) -> None:
         """Put the analysis to rest at the position changed by y."""
-        raise NotImplementedError
 
     def stiffness(self, stencil=STENCIL) -> np.ndarray:
         """∂a/∂y (f, f)."""
@@ -79,9 +80,9 @@ class SmallMotions:
         """∂a/∂y' (f, f)."""
         return self._differences(STENCIL, lambda step: self.free_accelerations(0.0 * step, step))
 
+    @abstractmethod
     def turning(self) -> np.ndarray:
         """T (f, f) of y' = v + T y, v the changes of the free speeds, which may be about axes that turn."""
-        raise NotImplementedError
 
     def speed_shift(self) -> np.ndarray:
         """E (f, f): by how much the free speeds change, E y, when a displacement makes all speeds fit it."""

@@ -61,7 +61,7 @@ def test_the_bricks_swing_as_the_listed_nonlinear_solution():
 
     Digits and convergence allow 7e-6 m.  That holds but for 0.4 s, where the list says -0.01657 and the
     bricks -0.016581, a unit of the last digit; steps of two thirds change theirs by 1.3e-7 m and
-    4e-4 m/s over 0.5 s.
+    4e-4 m/s over 0.5 s.  The limit of that one time was widened to 1.2e-5 m when this was seen.
     """
     z, vz, energy = nonlinear(YOUNG, 0.5, 2.5e-5)
     rows = np.searchsorted(TIMES[0.5], np.array(list(PENDULUM)) - 1e-9)
