@@ -76,8 +76,9 @@ def resolve(result: h5py.File, patterns: Iterable[str]) -> list[Quantity]:
     """The quantities that `patterns` name, in their order and each once.
 
     A pattern that is the whole name of something means just that (`coordinate.2` is the coordinate, not
-    also its speed); else it means all whose names it begins.  Capitals do not matter, and a blank may be
-    written as an underscore.  Raises `ResultError`, with near names for every pattern that fits nothing.
+    also its speed); else it means all whose names it begins: `*` is everything.  Capitals do not matter, and
+    a blank may be written as an underscore.  Raises `ResultError`, with near names for every pattern that
+    fits nothing.
     """
     known = _families(result)
     found: dict[Quantity, None] = {}
@@ -130,10 +131,20 @@ def _elements(result, path, rows, index):
         box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
     except OSError as error:
         raise ResultError(f"{result.filename}: /{path} cannot be read: {error}") from error
+    _refuse_other_length(result, path)
+    return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
+
+
+def refuse_uneven(result: h5py.File) -> None:
+    """Raise `ResultError` when a series has not a row for every time; no run leaves such a file."""
+    for family in _families(result):
+        _refuse_other_length(result, family.path)
+
+
+def _refuse_other_length(result, path):
     if len(result[path]) != len(result[TIME]):
         counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
         raise ResultError(f"{result.filename}: a damaged result: /{path} has {counts}; run the deck again")
-    return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
 
 
 def _families(result):
@@ -149,6 +160,13 @@ def _quantity(family, index):
 
 def _matched(known, pattern):
     words = [re.compile(fnmatch.translate(folded(word))) for word in pattern.split(".")]
+    if any(sign in pattern for sign in "*?["):
+        # The only name of one word is the time's, which nobody means by `*`.
+        return _among([family for family in known if family.path != TIME], words) or _among(known, words)
+    return _among(known, words)
+
+
+def _among(known, words):
     whole, begun = [], []
     for family in known:
         for form in family.forms:

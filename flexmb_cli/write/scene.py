@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from .neighbours import different, gabriel_edges
-from .quantities import ResultError
+from .quantities import ResultError, refuse_uneven
 
 # More nodes than these are drawn as points: the edges would take long to find and hide each other.
 MOST_NODES = 1500
@@ -86,8 +86,12 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
 
 @contextmanager
 def intact(result: h5py.File) -> Iterator[None]:
-    """Turn what h5py raises on missing and unreadable datasets into a `ResultError`."""
+    """Turn what h5py raises on missing and unreadable datasets into a `ResultError`.
+
+    A series that has not a row for every time is refused at once.
+    """
     try:
+        refuse_uneven(result)
         yield
     except (KeyError, OSError, RuntimeError) as error:
         raise ResultError(f"{result.filename}: a damaged result that cannot be read: {error}") from error

@@ -190,6 +190,11 @@ def test_a_series_that_is_shorter_than_the_time_is_told(tmp_path):
         read(file, resolve(file, ["energy.total"]), slice(0, 5))
 
 
+def test_a_star_is_everything_and_not_the_time_alone(result):
+    assert [q.name for q in resolve(result, ["*"])] == [q.name for q in names(result)][1:]
+    assert [q.name for q in resolve(result, ["ti*"])] == ["time"]
+
+
 def test_a_disk_that_fails_is_told(tmp_path):
     with CountingFile(write_result(tmp_path / "r.h5", 5000)) as disk, h5py.File(disk, "r") as file:
         quantities = resolve(file, ["energy.total"])
