@@ -3,10 +3,16 @@
 from collections import Counter
 from collections.abc import Callable, Iterable
 
-from ..errors import BAD_INPUT, FlexmbError
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from .sweep import MOST_DEATHS, BlockDone, Sweep, give_up_case, next_case, solve_block
 
 IN_FLIGHT = 4  # blocks a worker is given ahead
+
+
+class WorkersError(FlexmbError):
+    """The processes of a study do not live long enough to solve anything (exit 1)."""
+
+    exit_code = ANALYSIS_FAILED
 
 
 class ClusterError(FlexmbError):
@@ -24,47 +30,70 @@ def solve_here(sweep: Sweep, blocks: Iterable[int], advance: Callable[[int], Non
 def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], jobs: int) -> None:
     """Solve `blocks` in `jobs` processes.  A process that dies is replaced, and its blocks go on.
 
-    A case at which three processes died is recorded as failed.
+    A death takes down what runs beside it, too: a case seen at two deaths is solved with nothing beside it,
+    and recorded as failed when its process dies even so.
     """
-    waiting, deaths = list(blocks), Counter()
+    waiting, deaths, barren = list(blocks), Counter(), 0
     while waiting:
-        finished = _pool(sweep.job, waiting, jobs, lambda done: _keep(sweep, done, advance))
+        alone = [block for block in waiting if deaths[_place(sweep.job, block)] == MOST_DEATHS - 1][:1]
+        given, processes = (alone, 1) if alone else (waiting, jobs)
+        finished, struck = _pool(sweep.job, given, processes, lambda done: _keep(sweep, done, advance))
         waiting = [block for block in waiting if block not in finished]
-        if waiting:
-            _note_deaths(sweep.job, waiting[: jobs * IN_FLIGHT], deaths)
+        _note_deaths(sweep.job, struck, deaths)
+        barren = 0 if finished or struck else barren + 1
+        if barren == MOST_DEATHS:
+            raise WorkersError(
+                f"the processes that should solve cases ended {barren} times before they began one: killed "
+                "from outside, or out of memory; fewer of them (-j) or none (-j 1) may do"
+            )
 
 
 def _pool(job, blocks, jobs, keep):
-    """Solve blocks in a pool until all are done or one of its processes dies; the blocks that are done."""
+    """Solve blocks in a pool until all are done or one of its processes dies.
+
+    The blocks that are done, and those that were being solved at a death.
+    """
     from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     rest, running, finished = iter(blocks), set(), set()
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_ignore_interrupts)
+    spawn = get_context("spawn")
+    begun = spawn.RawArray("b", job.blocks)
+    pool = ProcessPoolExecutor(jobs, spawn, initializer=_begin_process, initargs=(begun,))
     try:
         while True:
             for block in rest:
-                running.add(pool.submit(solve_block, job, block))
+                running.add(pool.submit(_solve_noted, job, block))
                 if len(running) >= jobs * IN_FLIGHT:
                     break
             if not running:
-                return finished
+                return finished, set()
             ended, running = wait(running, return_when=FIRST_COMPLETED)
             for done in (future.result() for future in ended):
                 finished.add(done.block)
                 keep(done)
     except BrokenProcessPool:
-        return finished
+        return finished, {block for block, mark in enumerate(begun) if mark} - finished
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _ignore_interrupts():
+def _begin_process(begun):
     """Ctrl-C reaches every process of the terminal; the driver ends the workers itself."""
     import signal
 
+    global _begun
+    _begun = begun
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _solve_noted(job, block):
+    """Solve a block; who looks on can tell in whose midst a process died."""
+    _begun[block] = 1
+    done = solve_block(job, block)
+    _begun[block] = 0
+    return done
 
 
 def _keep(sweep, done: BlockDone, advance):
@@ -73,11 +102,17 @@ def _keep(sweep, done: BlockDone, advance):
 
 
 def _note_deaths(job, blocks, deaths):
+    """A death at the case that is next in each of `blocks`."""
     for block in blocks:
-        case = next_case(job, block)
-        deaths[case] += 1
-        if deaths[case] >= MOST_DEATHS:
-            give_up_case(job, block)
+        place = _place(job, block)
+        if place[1] in job.cases(block):
+            deaths[place] += 1
+            if deaths[place] >= MOST_DEATHS:
+                give_up_case(job, block)
+
+
+def _place(job, block):
+    return block, next_case(job, block)
 
 
 def solve_on_cluster(sweep: Sweep, blocks: list[int], advance, address: str) -> None:

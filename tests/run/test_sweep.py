@@ -176,22 +176,51 @@ def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_on
     assert (whole / "study.h5").read_bytes() == (killed / "study.h5").read_bytes()
 
 
-def test_a_worker_that_is_killed_is_replaced(tmp_path, monkeypatch):
+def test_a_worker_that_is_killed_is_replaced(tmp_path):
     """Its blocks go on with the case that was being solved."""
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
-    kills = []
+    kills = set()
 
     def advance(cases):
-        if len(kills) < 2:
-            children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
-            workers = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-            kills.append(workers[-1])
-            os.kill(int(workers[-1]), signal.SIGKILL)
+        children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
+        workers = {pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()}
+        for worker in sorted(workers - kills)[: 2 - len(kills)]:
+            kills.add(worker)
+            os.kill(int(worker), signal.SIGKILL)
 
     study_workers.solve_in_processes(sweep, sweep.pending(), advance, 2)
     assert len(kills) == 2
     assert [result.case for result in sweep.results()] == list(range(300))
-    assert sweep.failed == 0
+    assert [result.message for result in sweep.results() if result.exit_code] == []
+
+
+def ends_at_case_77(job, block):
+    """In place of `_solve_noted`, in a process of its own: case 77 ends it."""
+
+    def fatal(cases):
+        if next_case(job, block) == 77:
+            os._exit(1)
+
+    study_workers._begun[block] = 1
+    if block == 77 // job.block_size:
+        fatal(0)
+    return solve_block(job, block, fatal)
+
+
+def test_only_the_case_that_ends_its_processes_is_given_up(tmp_path, monkeypatch):
+    """What was solved beside it, and was struck at the same deaths, is solved."""
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_workers, "_solve_noted", ends_at_case_77)
+    study_workers.solve_in_processes(sweep, sweep.pending(), lambda cases: None, 2)
+    assert [result.case for result in sweep.results()] == list(range(300))
+    assert [result.case for result in sweep.results() if result.exit_code] == [77]
+
+
+def test_processes_that_never_begin_end_the_study(tmp_path, monkeypatch):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=4)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_workers, "_begin_process", os._exit)
+    with pytest.raises(study_workers.WorkersError, match="ended 3 times before they began one"):
+        study_workers.solve_in_processes(sweep, sweep.pending(), lambda cases: None, 2)
 
 
 def test_a_case_that_ends_its_process_three_times_is_recorded(tmp_path):
