@@ -51,9 +51,12 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
 
 def _begun(study, output, parts, fresh):
     from ..run.sweep import StudyDeckError, Sweep
+    from ..write.atomic import refuse_unwritable
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
+    # The cases are kept beside the table: without this their folder would be made with all its parents.
+    refuse_unwritable(output)
     try:
         return Sweep.of(study, parts, fresh)
     except StudyDeckError as failure:

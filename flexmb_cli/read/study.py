@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from math import prod
 
+from ..errors import Place
+
 GRID, TOGETHER, LATIN = "grid", "together", "latin-hypercube"
 SAMPLINGS = (GRID, TOGETHER, LATIN)
 LAST, FIRST, LARGEST, SMALLEST, MEAN, SERIES = "last", "first", "max", "min", "mean", "series"
@@ -13,21 +15,26 @@ TAKES = (LAST, FIRST, LARGEST, SMALLEST, MEAN, SERIES)
 class Varied:
     """A number of the deck by its readable name, and its values; of a sampled one, the ends of its range.
 
-    `logarithmic`: a sample is even in the logarithm of the number.
+    `logarithmic`: a sample is even in the logarithm of the number.  `place`: in the study's file.
     """
 
     name: str
     values: tuple[float | int, ...]
     logarithmic: bool = False
+    place: Place | None = None
 
 
 @dataclass(frozen=True)
 class Kept:
-    """A result of every case: its name in the table, the quantity, and which of its values is taken."""
+    """A result of every case: its name in the table, the quantity, and which of its values is taken.
+
+    `place`: in the study's file.
+    """
 
     name: str
     quantity: str
     take: str
+    place: Place | None = None
 
 
 @dataclass(frozen=True)

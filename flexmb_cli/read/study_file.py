@@ -45,6 +45,7 @@ class _Reader:
     def __init__(self, source, table):
         self.source, self.table = source, table
         self.faults: list[Fault] = []
+        self.within = ""  # the table whose entries are being read
 
     def study(self):
         self._refuse_unknown(self.table, KEYS, "study")
@@ -52,6 +53,7 @@ class _Reader:
         sampled = sampling == LATIN
         parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]
         results = [self._kept(*item) for item in self._entries("results")]
+        self.within = ""
         count = self._whole("count", 1, MOST_CASES) if sampled else 0
         if not sampled and "count" in self.table:
             self._fault("count", f"belongs to sampling = {LATIN!r}; others take all values given")
@@ -84,6 +86,7 @@ class _Reader:
             example = '"driver.1.B" = [1.0, 2.0]' if key == "parameters" else 'top = "max body.3.z"'
             self._fault(key, f"the table [{key}] is missing or empty; it has entries such as {example}")
             return []
+        self.within = key
         return list(table.items())
 
     def _varied(self, name, given, sampled) -> Varied | None:
@@ -95,7 +98,7 @@ class _Reader:
             return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
         if not all(map(_is_number, given)):
             return self._fault(name, "a list holds finite numbers only")
-        return Varied(name, tuple(given))
+        return Varied(name, tuple(given), place=self._place(name))
 
     def _range(self, name, given, sampled):
         self._refuse_unknown(given, RANGE_KEYS, name)
@@ -109,11 +112,12 @@ class _Reader:
         if sampled:
             if "count" in given:
                 return self._fault(name, "a sample takes its count from the study's `count`")
-            return Varied(name, (float(start), float(end)), scale == "log")
+            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))
         count = given.get("count")
         if type(count) is not int or not 2 <= count <= MOST_VALUES:
             return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
-        return Varied(name, _spaced(start, end, count, scale == "log"))
+        values = _spaced(start, end, count, scale == "log")
+        return Varied(name, values, place=self._place(name))
 
     def _kept(self, name, given) -> Kept | None:
         take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
@@ -122,7 +126,7 @@ class _Reader:
             return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
         if not _names_a_column(name):
             return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
-        return Kept(name, quantity.strip(), take)
+        return Kept(name, quantity.strip(), take, self._place(name))
 
     def _text(self, key):
         given = self.table.get(key)
@@ -151,14 +155,33 @@ class _Reader:
     def _fault(self, name, message):
         self.faults.append(Fault("error", message, self._place(name), name))
 
-    def _place(self, name):
-        """The first line on which the name stands as a key or a table's head."""
-        head = re.compile(r"\s*\[?\s*[\"']?(" + re.escape(name) + r")[\"']?\s*[\]=]")
-        for number, line in enumerate(self.source.lines, 1):
-            found = head.match(line)
-            if found:
-                return Place(number, found.start(1) + 1, len(name))
-        return None
+    def _place(self, name) -> Place | None:
+        """Where the name stands as a key, at best of the table being read; tomllib does not tell."""
+        lines = self.source.lines
+        return (self.within and _key_of_table(lines, name, self.within)) or _key(lines, name)
+
+
+def _key_of_table(lines, name, table):
+    """The name below the head [table], or behind "table." on one line."""
+    head = re.compile(r"\s*\[\s*[\"']?" + re.escape(table) + r"[\"']?\s*\]")
+    inside = False
+    for number, line in enumerate(lines, 1):
+        if re.match(r"\s*\[", line):
+            inside = bool(head.match(line))
+        found = _key_on(line, name, "" if inside else rf"{re.escape(table)}\s*\.\s*")
+        if found:
+            return Place(number, found.start(1) + 1, len(name))
+    return None
+
+
+def _key(lines, name):
+    """The first line on which the name stands as a key or a table's head."""
+    found = ((number, _key_on(line, name, r"\[?\s*")) for number, line in enumerate(lines, 1))
+    return next((Place(number, key.start(1) + 1, len(name)) for number, key in found if key), None)
+
+
+def _key_on(line, name, before):
+    return re.match(rf"\s*{before}[\"']?({re.escape(name)})[\"']?\s*[\]=]", line)
 
 
 def _names_a_column(name):

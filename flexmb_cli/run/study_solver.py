@@ -11,7 +11,7 @@ from ..errors import DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
 from ..read.deck import Deck
 from ..read.settings import SettableDeck
 from ..read.study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
-from ..write.quantities import Quantity, ResultError, resolve
+from ..write.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..write.result_file import ResultFile
 from .dafms_tree import dafms_solution
 from .outcome import Listener, Outcome, RunOptions
@@ -63,9 +63,11 @@ class CaseSolver:
 
     def _refuse_unknown_numbers(self):
         """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
-        names = [item.name for item in self.study.parameters if item.name not in self._settable]
-        if names:
-            raise DeckError([Fault("error", self._settable.unknown(name)) for name in names])
+        unknown = [item for item in self.study.parameters if item.name not in self._settable]
+        if unknown:
+            raise DeckError(
+                [Fault("error", self._settable.unknown(item.name), item.place) for item in unknown]
+            )
 
     def _solution(self, deck) -> Solution:
         outcome = Outcome(os.path.join(self.folder, deck.source.name))
@@ -113,21 +115,32 @@ class CaseSolver:
 
 
 def _quantities(study, deck, solution) -> list[Quantity]:
-    """What the study keeps, looked up in a result without rows.  Raises ResultError."""
+    """What the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
+    faults = []
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = os.path.join(folder, "empty.h5")
         ResultFile(path, deck, solution.contents.layout()).close()
         with h5py.File(path, "r") as result:
-            return [_one(result, item) for item in study.results]
+            found = [_one(result, item, faults) for item in study.results]
+    if faults:
+        raise DeckError(faults)
+    return found
 
 
-def _one(result, item):
-    found = resolve(result, [item.quantity])
-    if len(found) > 1:
-        names = ", ".join(quantity.name for quantity in found[:6])
-        raise ResultError(f"result {item.name}: {item.quantity} is more than one number: {names} …; name one")
+def _one(result, item, faults) -> Quantity | None:
+    message = ""
+    try:
+        found = resolve(result, [item.quantity])
+        if len(found) > 1:
+            names = ", ".join(quantity.name for quantity in found[:6])
+            message = f"{item.quantity} is more than one number: {names} …; name one"
+    except ResultError as failure:
+        message = str(failure).removesuffix(SHOWS_ALL)
+    if message:
+        faults.append(Fault("error", message, item.place, f"result {item.name}"))
+        return None
     return found[0]
 
 

@@ -90,6 +90,11 @@ class ReplacedText:
             raise
 
 
+def refuse_unwritable(path) -> None:
+    """Raise the `OutputError` that would come once the result for `path` is made; nothing is left there."""
+    Replacement(path).discard()
+
+
 def write_whole(path, data: bytes) -> None:
     """Put `data` at `path`, whole or not at all.  Raises `OutputError`."""
     place = Replacement(path)

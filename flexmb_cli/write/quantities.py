@@ -20,6 +20,8 @@ from ..errors import Fault, FlexmbError
 from .nearest_names import nearest
 from .quantity_names import TIME, families, folded
 
+SHOWS_ALL = "; --list shows all"
+
 
 class ResultError(FlexmbError):
     """A result cannot be read, or has no quantity of a name (exit 2)."""
@@ -191,4 +193,4 @@ def _unknown(known, pattern):
     forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
     close = nearest(pattern.split("."), forms)
     hint = f"; near it are {', '.join(close)}" if close else ""
-    return f"{pattern}: the result has no such quantity{hint}; --list shows all"
+    return f"{pattern}: the result has no such quantity{hint}{SHOWS_ALL}"

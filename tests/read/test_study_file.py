@@ -100,3 +100,24 @@ def test_the_middle_of_a_range_is_between_its_ends():
 def test_a_result_needs_a_name_that_a_table_can_hold(name):
     with pytest.raises(DeckError, match="a name of a result has letters, digits, marks and blanks"):
         study(GRID.replace(RESULTS, "") + f'[results]\n"{name}" = "max body.3.z"\n')
+
+
+@pytest.mark.parametrize(
+    "text, place",
+    [
+        (GRID, (6, 1)),
+        (GRID.replace("top", '  "top"'), (6, 4)),
+        (GRID.replace("[results]\ntop", "[ results ]\ntop"), (6, 1)),
+        # The same name as a parameter's: it stands first among the parameters.
+        (GRID.replace("point.1.x", "top"), (6, 1)),
+        ('results.top = "max body.3.z"\n' + HEAD + PARAMETERS, (1, 9)),
+        (HEAD + 'results = { top = "max body.3.z" }\n' + PARAMETERS, None),
+    ],
+)
+def test_a_result_knows_where_it_stands(text, place):
+    (kept,) = study(text).results
+    assert (kept.place and kept.place[:2]) == place
+
+
+def test_a_parameter_knows_where_it_stands():
+    assert [varied.place for varied in study(GRID).parameters] == [(3, 2, 10), (4, 2, 9)]
