@@ -1,4 +1,4 @@
-"""One self-contained HTML page on a result: status, animation, curves, audit, deck.
+"""One self-contained HTML page on a result: status, animation, curves, audit, deck and its echo.
 
 plotly.js draws: it is one file that needs no network, has curves and 3-D with frames, slider and mouse in
 one library, and comes with the well-kept Python package that carries it.  The page's content security
@@ -15,7 +15,11 @@ from string import Template
 import h5py
 import numpy as np
 
+from ..errors import DeckError
+from ..read.deck import DeckText
+from ..read.dialects import read_deck
 from .curves import Panel, Source, default_quantities, panels
+from .echo import echo
 from .quantities import ResultError, names, shortfall
 from .report_animation import COLOURS, animation, frame_rows
 from .scene import read_scene
@@ -56,6 +60,7 @@ table { border-collapse: collapse; }
 td, th { padding: .15em 1em .15em 0; text-align: left; vertical-align: top; }
 td.number { font-family: ui-monospace, monospace; }
 pre { background: #f6f6f6; padding: 1em; overflow: auto; max-height: 40em; }
+summary { cursor: pointer; }
 .failed { background: #fdecea; border-left: 4px solid #c00; padding: .5em 1em; }
 #animation { height: 640px; } .curves { height: 360px; }
 </style>
@@ -71,6 +76,7 @@ $audit
 $run
 <h2>Deck</h2>
 <pre>$deck</pre>
+$echo
 <script id="figures" type="application/json">$figures</script>
 <script>$library</script>
 <script>$script</script>
@@ -101,11 +107,16 @@ def report_page(result: h5py.File, library: str) -> str:
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         deck=escape(result["deck"].asstr()[()]),
+        echo=_echo(result),
         figures=_json({"animation": moving, "curves": drawn}),
         library=library,
         script=SCRIPT,
     )  # fmt: skip
 
+
+ECHO = """<details id="echo"><summary>Every number of the deck: line, name, value, unit, meaning</summary>
+<p>As the deck's text has them; what --set changed for this run is not in it.</p>
+<pre>{}</pre></details>"""
 
 ANIMATION = """<h2>Motion</h2>
 <div id="animation"></div>
@@ -189,6 +200,19 @@ def _run(result):
         for kind in ("body", "joint", "driver", "point", "coordinate") if f"{kind}/name" in result
     ]  # fmt: skip
     return [(what.replace("bodys", "bodies"), told) for what, told in found if told]
+
+
+def _echo(result):
+    """Every number of the deck's text with its meaning, folded; the text alone where it cannot be read."""
+    name, digest, dialect = (
+        str(result.attrs.get(key, "")) for key in ("deck_name", "deck_sha256", "dialect")
+    )
+    text = DeckText(name, result["deck"].asstr()[()], digest)
+    try:
+        told = echo(read_deck(text, dialect))
+    except DeckError as failure:
+        return f"<p>This deck cannot be read: {escape(str(failure))}</p>"
+    return ECHO.format(escape(told))
 
 
 def _table(pairs):

@@ -6,6 +6,7 @@ import re
 import shutil
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import conftest
 import h5py
@@ -14,12 +15,14 @@ import pytest
 from click.testing import CliRunner
 from turning_bar import tip, write_bar
 
+from flexmb_cli.cli.check import check
 from flexmb_cli.cli.report import report
 from flexmb_cli.write.quantities import ResultError, open_result
 from flexmb_cli.write.report_animation import MOST_FRAMES, animation, frame_rows
 from flexmb_cli.write.report_page import report_page
 from flexmb_cli.write.scene import read_scene
 
+DECKS = Path(__file__).resolve().parents[2] / "decks"
 TIMES = np.arange(7.0)
 HOSTILE = '</script><img src=x onerror="window.hacked=1"><script>window.hacked=1</script>\'"&\u2028'
 DRIVER = shutil.which("chromedriver")
@@ -78,6 +81,24 @@ def test_a_run_without_rows_still_has_its_page(tmp_path):
     page = page_on(write_result(tmp_path / "r.h5", times=[], status="failed", message="no assembly"))
     assert "There are no rows to draw." in page
     assert "2 1 1 1 0 0 0 0 0 2 0 1" in page
+
+
+def test_the_deck_is_echoed_number_by_number_in_a_fold(tmp_path):
+    """IN2-1-1's first cards, with lines, names, units and meanings as `check --echo` prints them."""
+    deck = (DECKS / "young/IN2-1-1.dat").read_text()
+    path = write_result(tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        file["deck"][()], file.attrs["dialect"] = deck, "young"
+    fold = re.search(r'<details id="echo">(.*?)</details>', page_on(path), re.DOTALL)[1]
+    printed = CliRunner().invoke(check, [str(DECKS / "young/IN2-1-1.dat"), "--echo"]).output
+    lines = html.unescape(re.search(r"<pre>(.*?)</pre>", fold, re.DOTALL)[1]).splitlines()
+    assert len(lines) > 50 and lines[1:] == printed.splitlines()[1 : len(lines)]
+    assert "what --set changed for this run is not in it" in fold
+
+
+def test_a_deck_that_cannot_be_read_any_more_still_has_its_page(tmp_path):
+    page = page_on(spoil(write_result(tmp_path / "r.h5")))
+    assert "<p>This deck cannot be read: there is no dialect" in page
 
 
 def test_the_same_result_gives_the_same_page(tmp_path):
