@@ -14,6 +14,8 @@ from pathlib import Path
 import h5py
 import pytest
 
+pytestmark = pytest.mark.processes
+
 TOP = Path(__file__).resolve().parents[1]
 FOUR_BAR = TOP / "decks" / "young" / "IN4-BAR.dat"
 HELD = TOP / "decks" / "young" / "IN1-1-1.dat"

@@ -22,6 +22,8 @@ from flexmb_cli.read.vsdf_cards import CARDS
 from flexmb_cli.run.check import CheckReport
 from flexmb_cli.run.outcome import Outcome
 
+pytestmark = pytest.mark.processes
+
 TOP = Path(__file__).resolve().parents[1]
 FOUR_BAR = TOP / "decks" / "young" / "IN4-BAR.dat"
 NEW = [sys.executable, "-m", "flexmb_cli", "new"]

@@ -120,6 +120,7 @@ def test_a_material_that_does_not_make_the_stiffness_is_refused(tmp_path, change
 @pytest.mark.parametrize(
     "element, cells", [("C3D20R", (12, 1, 2)), ("C3D20", (12, 1, 1)), ("C3D8I", (24, 1, 1))]
 )
+@pytest.mark.processes
 def test_a_beam_of_calculix_stiffens_as_southwell_says(tmp_path, element, cells):
     """Cantilever turning about its root: omega² grows by 1.193 w² out of plane, by 0.193 w² in plane.
 

@@ -12,7 +12,7 @@ from flexmb_cli.cli.run import run
 from scripts.brick_beam import Beam
 from tests.fe.calculix import asked, clamp, deck_of, needs_ccx, own_frequencies, reported, timoshenko
 
-pytestmark = needs_ccx
+pytestmark = [needs_ccx, pytest.mark.processes]
 
 # No lateral contraction, so that the clamped face holds exactly what beam theory holds.
 SLENDER = Beam((0.5, 0.01, 0.02), (12, 1, 2), "C3D20R", poisson=0.0)

@@ -124,6 +124,7 @@ def free_rod():
     return moving, moving.move(FREE_ROD)
 
 
+@pytest.mark.long_motion
 def test_the_free_rod_flies_as_listed(free_rod):
     moving, states = free_rod
     tip = next(point for point in moving.mechanism.outputs if point.name.endswith(" 51"))
@@ -131,6 +132,7 @@ def test_the_free_rod_flies_as_listed(free_rod):
         np.testing.assert_allclose(moving.node(tip, states[time])[0], wanted, rtol=0, atol=3e-6)
 
 
+@pytest.mark.long_motion
 def test_the_free_rod_keeps_momentum_angular_momentum_and_energy(free_rod):
     """P, H about the origin of space, and energy of the start; the integrator's tolerance is 1e-8."""
     moving, states = free_rod
@@ -141,6 +143,7 @@ def test_the_free_rod_keeps_momentum_angular_momentum_and_energy(free_rod):
         assert energy == pytest.approx(2.840608e-2, abs=1e-8)
 
 
+@pytest.mark.long_motion
 def test_the_pendulum_swings_as_listed():
     """Nine modes, five equations of the revolute joint, node 51, from rest."""
     moving = Moving(supplied("pendulum"))

@@ -31,6 +31,7 @@ def rows_of_two_and_three_blocks(name):
     return {"motor_gear": (41, 64), "stiff_arm": (2, 3)}.get(name, (46, 69))  # motor: 0.2 s, row 40
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("name", NAMES)
 def test_a_run_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_one(tmp_path, monkeypatch, name):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
@@ -47,6 +48,7 @@ def test_a_run_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_one
     same_bytes(whole, stopped, name)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", ["radau", "lsoda"])
 def test_other_integrators_resume_to_the_same_bytes(tmp_path, method):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
@@ -205,6 +207,7 @@ def kill_when_grown(arguments, journal, growth):
     return False
 
 
+@pytest.mark.processes
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill is Unix's")
 def test_a_run_killed_ten_times_goes_on_to_the_same_bytes(tmp_path):
     """Each kill comes after the journal has grown by a random amount, at whatever moment that is."""
@@ -221,6 +224,7 @@ def test_a_run_killed_ten_times_goes_on_to_the_same_bytes(tmp_path):
     assert sorted(os.listdir(killed)) == sorted(f"pendulum.{ending}" for ending in ENDINGS)
 
 
+@pytest.mark.processes
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of the file size are Unix's")
 def test_a_disk_that_fills_up_ends_the_run_which_goes_on_when_there_is_room(tmp_path):
     """The limit of the file size stands for the full disk; the journal or a result meets it first."""
@@ -243,6 +247,7 @@ def hear_interrupts():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
     arguments = [part for part in command(tmp_path, "--set", "time.IT=1000000") if part != "-q"]

@@ -19,6 +19,8 @@ from flexmb_cli.run.study_cases import Cases
 from flexmb_cli.run.study_parts import Parts
 from flexmb_cli.run.sweep import Sweep, give_up_case, next_case, solve_block
 
+pytestmark = pytest.mark.processes
+
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 RSSR, PENDULUM = DECKS / "young/IN-RSSR.dat", DECKS / "dafms/pendulum.DAT"
 FLEXMB = [sys.executable, "-m", "flexmb_cli"]

@@ -14,6 +14,8 @@ from tests.naive.planar_lagrange import PlanarTree
 from tests.run.dafms_runs import NAMES
 from tests.solve.tree_runs import deck_tree, run
 
+pytestmark = pytest.mark.long_motion
+
 PLANAR = (
     "pendulum",
     "pendulum_strict",

@@ -13,6 +13,8 @@ from tests.naive.nonlinear_bricks import Bricks, swing
 from tests.read.vsdf_decks import DECKS, supplied
 from tests.vsdf.test_runs import PENDULUM, Run
 
+pytestmark = pytest.mark.long_motion
+
 YOUNG, POISSON, DENSITY = 1e7, 0.49, 0.26 / (0.1 * 0.01 * 0.015)
 PINNED, TIP = (0, 2, 4), 50
 TIMES = {0.5: np.linspace(0, 0.5, 1001), 0.1: np.linspace(0, 0.1, 201)}

@@ -218,6 +218,7 @@ def click(page, label):
             button.click()
 
 
+@pytest.mark.processes
 def test_no_error_reaches_the_console_and_hostile_words_do_nothing(page):
     faults = [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
     assert faults == []
@@ -227,6 +228,7 @@ def test_no_error_reaches_the_console_and_hostile_words_do_nothing(page):
     assert page.execute_script("return performance.getEntriesByType('resource').length") == 0
 
 
+@pytest.mark.processes
 def test_the_picture_is_not_blank(page):
     """The bar's colour, and the grey of the axes, cover a part of the canvas."""
     rest(page)
@@ -238,6 +240,7 @@ def test_the_picture_is_not_blank(page):
     assert np.sum(np.min(picture, axis=-1) < 250) > 1000
 
 
+@pytest.mark.processes
 def test_the_slider_moves_the_mechanism(page):
     """A click on the middle of the rail shows row 3 of 0..6."""
     actions = pytest.importorskip("selenium.webdriver").ActionChains
@@ -252,6 +255,7 @@ def test_the_slider_moves_the_mechanism(page):
     assert "t = 3 s" in page.find_element("css selector", "#animation .slider-label").text
 
 
+@pytest.mark.processes
 def test_play_runs_through_all_rows_and_pause_holds(page):
     rest(page)
     click(page, "play")
@@ -260,6 +264,7 @@ def test_play_runs_through_all_rows_and_pause_holds(page):
     assert np.max(np.abs(bar_tip(page) - tip(TIMES)[0])) < 2e-5
 
 
+@pytest.mark.processes
 def test_dragging_turns_the_view(page):
     actions = pytest.importorskip("selenium.webdriver").ActionChains
     rest(page)
