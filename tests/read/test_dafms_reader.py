@@ -141,10 +141,10 @@ def test_faults_of_several_cards_are_told_together():
 @pytest.mark.parametrize("counts", ["99999    3", "99999    2"])
 def test_huge_counts_in_a_short_deck_end_at_once(counts):
     text = f"{counts}\nDFMB\n    1    0    0    0    0\n"
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(DeckError, match="unexpected end of the deck"):
         read(text)
-    assert time.perf_counter() - started < 1.0
+    assert time.process_time() - started < 1.0
 
 
 def test_the_format_description_tells_every_card_with_its_format():

@@ -126,10 +126,10 @@ def test_reading_a_megabyte_takes_seconds():
 
     points = "".join(f"    1{i * 1e-3:10.3f}{i % 7:10.1f}\n" for i in range(40_000))
     text = changed(("END\n", f"TABL\n{points}END\n"))
-    start = time.perf_counter()
+    start = time.process_time()
     read(text)
     assert len(text) > 1_000_000
-    assert time.perf_counter() - start < 10.0
+    assert time.process_time() - start < 10.0
 
 
 def test_an_empty_deck_is_refused():
