@@ -13,15 +13,16 @@ from .beam_cards import beam_block
 from .fortran_fields import filled
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
-OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "PRES", "FORC", "TOQU", "DESN")
-OPTIONAL += ("PROD", "ELDA", "GSTF", "UNCO", "TOLR", "METH")
+OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
 
-_WIDE, _REAL, _INTEGER = 13, 10, 5
+WIDE, _REAL, _INTEGER = 13, 10, 5
+_WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
 
 
 def _width(record):
     """Columns of a real number; those of a beam stand in no card."""
-    return _WIDE if record.section.startswith("stiffness.") or record.section == "tolerance" else _REAL
+    return WIDE if record.section.startswith(_WIDE_SECTIONS) else _REAL
 
 
 def field(value: Number, width: int) -> str:
@@ -140,7 +141,7 @@ class _Deck:
             fields = [f"{n:5d}" for n in numbers]
             lines += [("".join(fields[i : i + 10]), skyline.prefix) for i in range(0, size, 10)]
         columns = [record for record in self.records if record.section == f"stiffness.{k}"]
-        lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, _WIDE)
+        lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, WIDE)
         masses = self.by_prefix[f"nodal_mass.{k}"]
         return lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
 
@@ -160,9 +161,17 @@ class _Deck:
                 fields.insert(0, f"{record.number:5d}")
             if card.word == "GRAV":
                 fields.insert(0, f"{0:5d}")
-            first = 7 if card.tail else len(fields)
+            first = 7 if card.word == "LOOP" else len(fields)
             lines += [("".join(part), record.prefix) for part in (fields[:first], fields[first:]) if part]
+            lines += self._rows(f"{card.section}.{record.number}")
         return lines
+
+    def _rows(self, section):
+        """The table that follows a record: points of TABM and TABL, rotations of NROT."""
+        for record in self.records:
+            if record.section == section:
+                width = _width(record)
+                yield from self._list([(n, record.prefix) for n in record.numbers], 6, width)
 
     def _state(self):
         records = [record for record in self.records if record.section == "state"]

@@ -16,12 +16,8 @@ from flexmb_cli.write.dialogue import Dialogue, draft_text, from_draft
 from flexmb_cli.write.new_dafms import DafmsForm
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
-NOT_ASKED = ("TABL", "TABM", "NROT")
-TYPED = [
-    path
-    for path in sorted(DECKS.glob("*.DAT"))
-    if not any(line in NOT_ASKED for line in path.read_text().splitlines())
-]
+TYPED = sorted(DECKS.glob("*.DAT"))
+TABLES = ("motor_table", "torque_table", "nodal_rotation")
 # Cards that do nothing are not asked for (X(L)), and the run is always to be integrated.
 LEFT = ("first_coordinate", "counts.jdi", "id", "equations", "heading", "run", "echo", "one_way")
 
@@ -57,8 +53,19 @@ def line_for(deck, entry, count):
     if section == "state":
         pair = [deck.section(name) for name in ("coordinate", "speed")]
         return _words([records[k - 1].numbers[0] for records in pair if records])
+    if section.startswith(TABLES):
+        return _of_table(deck, section, k, count)
     records = deck.section(section)
     return _words(records[max(k, 1) - 1].numbers[-count:]) if records else ""
+
+
+def _of_table(deck, section, k, count):
+    """The head of a card with a table, or its k-th row: points are pairs, rotations a row an axis."""
+    name, _, entry = section.partition(".")
+    record = deck.section(name)[int(entry or k) - 1]
+    head = 2 if name == "nodal_rotation" else 3
+    first = head + (k - 1) * count if entry else 0
+    return _words(record.numbers[first : first + count])
 
 
 def _count(deck, card):
@@ -160,6 +167,54 @@ def test_a_beam_gives_its_block_and_offers_its_share_of_mass_and_inertia():
     stiffness = full_matrix([n.value for n in deck.one("counts.jdi").numbers], packed)
     np.testing.assert_allclose(np.linalg.inv(stiffness)[-1, -1], 1.2**3 / (3 * 40), rtol=1e-9)
     assert [record["q"] for record in deck.section("coordinate")] == [0.0] * 4
+
+
+TABLES_OF_A_BEAM = {"TABM": 1, "TABL": 1, "NROT": 1}
+WITH_TABLES = "1 3 " + " ".join(str(TABLES_OF_A_BEAM.get(word, 0)) for word in OPTIONAL)
+
+
+def entered(dialogue, prefix=""):
+    """Enter to every question up to the record `prefix`, or to the end."""
+    while dialogue.question is not None and dialogue.question.entry.prefix != prefix:
+        assert dialogue.answer("") == []
+    return dialogue
+
+
+def with_tables(body, *answers):
+    """A dialogue on one body, and the answers to its tables."""
+    dialogue = entered(talk(body[0], WITH_TABLES, *body[2:]), "motor_table.1")
+    for line in answers:
+        assert dialogue.answer(line) == [], line
+    return dialogue
+
+
+def test_the_rotation_of_a_beams_node_is_offered():
+    """A unit moment's tip slope of a cantilever is L/(EI), and its deflection L²/(2 EI)."""
+    deck = deck_of(entered(with_tables(FLEXIBLE, "1 1 1", "0 0", "1 3 1", "0 0", "1 3")))
+    row = np.array([n.value for n in deck.one("nodal_rotation").numbers[2:5]])
+    stiffness = full_matrix(
+        [n.value for n in deck.one("counts.jdi").numbers], [n.value for n in deck.one("bkp").numbers]
+    )
+    # By reciprocity the moment does to the deflections what these do to the slope.
+    deflection = np.linalg.solve(stiffness, row)
+    np.testing.assert_allclose(deflection[-1], 1.2**2 / (2 * 40), rtol=1e-7)
+    assert [n.value for n in deck.one("nodal_rotation").numbers[5:]] == [0.0] * 6
+    build_dafms(deck)
+
+
+def test_a_node_that_turns_is_one_of_a_flexible_body():
+    tables = "1 1 1", "0 0", "1 3 1", "0 0"
+    rigid = with_tables([*ROD, "2.5", "0.3 0 0.3"], *tables)
+    assert [f.sentence for f in rigid.answer("1")] == ["NROT 1: K = 1 is no flexible body"]
+    beam = with_tables(FLEXIBLE, *tables)
+    assert [f.sentence for f in beam.answer("1 4")] == ["NROT 1: I must be within 1..3; read 4"]
+
+
+def test_points_of_a_table_come_in_the_order_of_time():
+    dialogue = with_tables(FLEXIBLE, "1 1 3", "0.5 1", "0.5 2")
+    (told,) = dialogue.answer("0.4 3")
+    assert told.sentence.endswith("t must not be before that of the point above, 0.5; read 0.4")
+    assert dialogue.answer("0.6 3") == []
 
 
 WRONG = [
