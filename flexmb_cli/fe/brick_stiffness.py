@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from .bricks import FORMULATIONS, Bricks, bricks, elasticity
+from .linear_algebra import summed
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
@@ -25,7 +25,7 @@ class BodyBricks:
 
 
 def matching_bricks(positions: np.ndarray, rows: np.ndarray, material, K) -> BodyBricks:
-    """The formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n), sparse, best.
+    """The formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n) best.
 
     `positions` (n, 3), m; `material`: Young's modulus, Pa, and Poisson's ratio.
     """
@@ -59,15 +59,15 @@ def _parts(count):
 
 
 def _assembled(elements, rows, n, directions):
-    """Sum of element matrices (m, d k, d k) over the nodes, (d n, d n) sparse."""
+    """Sum of element matrices (m, d k, d k) over the nodes, (d n, d n)."""
     places = (directions * rows[:, :, None] + np.arange(directions)).reshape(len(rows), -1)
     width = places.shape[1]
     i = np.repeat(places, width, axis=1).ravel()
     j = np.tile(places, (1, width)).ravel()
-    return sparse.coo_matrix((elements.ravel(), (i, j)), (directions * n,) * 2).tocsc()
+    return summed(elements.ravel(), i, j, directions * n)
 
 
-def initial_stress_matrix(body: BodyBricks, displacements: np.ndarray) -> sparse.csc_matrix:
+def initial_stress_matrix(body: BodyBricks, displacements: np.ndarray):
     """Scalars (n, n) of K_G: the sum over elements of grad N_I . sigma . grad N_J, N/m.
 
     `displacements` (3 n,), m, are those of the load that stresses the body; K_G itself is (n, n) times

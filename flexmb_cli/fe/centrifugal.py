@@ -24,7 +24,7 @@ LARGEST_DEVIATION = 1e-4
 def centrifugal_stiffness(given: FlexibleInput, K, S, frame: Frame, Phi, findings: Findings) -> np.ndarray:
     """Phi' K_G Phi per component of w~ w~, (3, 3, N, N), body axes.
 
-    `K`, `S`: sparse (3 n, 3 n), body axes; `Phi` (3 n, N).  Faults of elements and material go to
+    `K`, `S`: (3 n, 3 n), body axes; `Phi` (3 n, N).  Faults of elements and material go to
     `findings`, and the answer is zero then.
     """
     size = Phi.shape[1]

@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from ..errors import Fault, ModelError
 from ..model.findings import Findings
@@ -16,6 +14,7 @@ from . import cache, modes
 from .centrifugal import centrifugal_stiffness
 from .input_tests import COLLINEAR, Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
+from .linear_algebra import Matrix, in_three_directions, solver, turned
 from .nodal_matrices import condensed, nodal_part
 from .reference_frame import Frame, reference_frame
 
@@ -42,11 +41,11 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
 
 @dataclass(frozen=True)
 class _Matrices:
-    """Mass and stiffness in body axes (sparse, (3 n, 3 n)), the scalar masses (n, n), what was condensed."""
+    """Mass and stiffness in body axes (3 n, 3 n), the scalar masses (n, n), what was condensed."""
 
-    S: sparse.csc_matrix
-    K: sparse.csc_matrix
-    scalar: sparse.csc_matrix
+    S: Matrix
+    K: Matrix
+    scalar: Matrix
     internal: int
 
 
@@ -62,13 +61,7 @@ def _built(given, findings) -> FlexibleBody | None:
     scalar = scalar_mass(S.matrix)
     weights = np.asarray(scalar.sum(axis=1)).ravel()
     frame = reference_frame(given, weights @ given.positions / weights.sum())
-    turn = sparse.kron(sparse.identity(len(given.numbers)), sparse.csc_matrix(frame.axes)).tocsc()
-    matrices = _Matrices(
-        sparse.kron(scalar, sparse.identity(3)).tocsc(),
-        (turn.T @ K.matrix @ turn).tocsc(),
-        scalar,
-        K.internal,
-    )
+    matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, K.internal)
     basis = _basis(given, matrices, frame, findings)
     return basis and _body(given, matrices, frame, basis, figures, findings)
 
@@ -227,7 +220,12 @@ def _effective_limit(S, frame):
         return np.zeros(6)
     free = np.setdiff1d(np.arange(S.shape[0]), frame.held)
     carried = (S @ rigid)[free]
-    return np.einsum("ij,ij->j", carried, splu(S[free][:, free].tocsc()).solve(carried))
+    inner = S[free][:, free]
+    if not isinstance(inner, np.ndarray):
+        return np.einsum("ij,ij->j", carried, solver(inner)(carried))
+    # Shapes without mass make the matrix singular; they carry nothing.
+    factor = modes.factor_of_mass(inner)
+    return np.sum(((factor / np.sum(factor**2, axis=0)).T @ carried) ** 2, axis=0)
 
 
 def _geometric(given, matrices, frame, Phi, findings):

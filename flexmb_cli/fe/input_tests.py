@@ -6,11 +6,11 @@ A failed test names its figure, the worst node and the likely causes.  The limit
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from ..errors import Place
 from ..model.findings import Findings
 from ..model.flexible_body import FlexibleInput
+from .linear_algebra import in_three_directions
 
 ISOTROPIC_DOUBT, ISOTROPIC_ERROR = 1e-8, 1e-3
 RIGID_DOUBT, RIGID_ERROR = 1e-7, 1e-4
@@ -26,7 +26,7 @@ class Figures:
 
 
 def check_matrices(given: FlexibleInput, S, K, findings: Findings) -> Figures:
-    """All tests of mass `S` and stiffness `K`, both sparse (3 n, 3 n); faults go to `findings`."""
+    """All tests of mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`."""
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
     _check_exchanged(given, S, K, findings)
@@ -61,7 +61,7 @@ def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, fi
 def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
     """S^ij must be multiples of E (24): the largest deviation, relative to the largest entry of S."""
     scalar = scalar_mass(S)
-    difference = abs(S - sparse.kron(scalar, sparse.identity(3)).tocsc())
+    difference = abs(S - in_three_directions(scalar))
     deviation = float(difference.max() / abs(S).max())
     if deviation > ISOTROPIC_DOUBT:
         row = int(difference.argmax()) // difference.shape[1]
@@ -83,9 +83,9 @@ def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
     return deviation
 
 
-def scalar_mass(S) -> sparse.csc_matrix:
+def scalar_mass(S):
     """The n x n matrix m of S^ij = m_ij E, the mean of the three directions."""
-    return ((S[0::3, 0::3] + S[1::3, 1::3] + S[2::3, 2::3]) / 3).tocsc()
+    return (S[0::3, 0::3] + S[1::3, 1::3] + S[2::3, 2::3]) / 3
 
 
 def rigid_motions(r: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ EPSILON[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
 def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass) -> dict[str, np.ndarray]:
     """The invariants m, s0, S1, J0, J1, J2, C0, C1, Mff of nodes `r0` (n, 3) and modes `Phi` (3 n, N).
 
-    `mass` is the sparse matrix m (n, n); names and shapes as in `FlexibleBody`.
+    `mass` is the matrix m (n, n); names and shapes as in `FlexibleBody`.
     """
     n, N = len(r0), Phi.shape[1]
     U = np.hstack([r0, Phi.reshape(n, 3, N).transpose(0, 2, 1).reshape(n, 3 * N)])

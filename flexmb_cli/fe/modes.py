@@ -5,14 +5,12 @@ Journal 6 (1968), 1313-1319.  All shapes are (3 n, k), x y z node by node, body 
 """
 
 import numpy as np
-from scipy import linalg
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
+from . import linear_algebra
 from .input_tests import rigid_motions
+from .linear_algebra import Singular, as_array, lowest_by_iteration, pencil, solver
 from .reference_frame import Frame
 
-# Up to this size all eigenvalues at once are found faster than a few by iteration.
-DENSE = 900
 # Shapes whose part independent of the others has less than this share of their square are dropped.
 DEPENDENT = 1e-10
 # Eigenvalues of the mass matrix below this share of the largest are those of shapes without mass.
@@ -58,7 +56,7 @@ def _modes_of(K, S, free, count):
     count = min(count, len(free))
     if not count:
         return np.zeros(0), np.zeros((K.shape[0], 0))
-    values, shapes = _lowest(K[free][:, free].tocsc(), S[free][:, free].tocsc(), count)
+    values, shapes = _lowest(K[free][:, free], S[free][:, free], count)
     full = np.zeros((K.shape[0], len(values)))
     full[free] = shapes
     _check_strain(K, full[:, 0])
@@ -78,48 +76,43 @@ def _lowest(K, S, count):
     Slender bodies have frequencies far apart: the lowest are found as the largest of the inverse problem.
     """
     size = K.shape[0]
-    if size <= DENSE or count > size // 3:
-        return _lowest_at_once(K.toarray(), S.toarray(), count)
+    if _is_small(size, count):
+        return _lowest_at_once(as_array(K), as_array(S), count)
     try:
-        inverse = _Inverse(size, splu(K).solve)
-    except RuntimeError:
+        solve = solver(K)
+    except Singular:
         raise FreeMotion(np.zeros(size)) from None
-    return eigsh(K, count, S, sigma=0.0, OPinv=inverse, v0=np.ones(size))
+    return lowest_by_iteration(K, S, count, solve, np.ones(size))
+
+
+def _is_small(size, count):
+    """Whether all eigenvectors at once are to be found; few are found faster by iteration."""
+    return size <= linear_algebra.DENSE or count > size // 3
 
 
 def _lowest_at_once(K, S, count):
-    size, rank = len(K), _factor_of_mass(S).shape[1]
+    size, rank = len(K), factor_of_mass(S).shape[1]
     count = min(count, rank)
     try:
         if 2 * count > size and rank == size:
-            return linalg.eigh(K, S, subset_by_index=(0, count - 1))
-        inverse, vectors = linalg.eigh(S, K, subset_by_index=(size - count, size - 1))
-    except linalg.LinAlgError:
-        raise FreeMotion(linalg.eigh(K, subset_by_index=(0, 0))[1][:, 0]) from None
+            return pencil(K, S, count)
+        inverse, vectors = pencil(S, K, count, largest=True)
+    except np.linalg.LinAlgError:
+        raise FreeMotion(np.linalg.eigh(K)[1][:, 0]) from None
     return 1.0 / inverse[::-1], (vectors / np.sqrt(inverse))[:, ::-1]
 
 
-def _factor_of_mass(S):
-    """F (size, rank) with F F' = S.
+def factor_of_mass(S: np.ndarray) -> np.ndarray:
+    """F (size, rank) with F F' = S and orthogonal columns.
 
     Reduced integration (C3D20R) leaves shapes without mass, which move at no finite frequency.
+    Raises IndefiniteMass.
     """
-    values, vectors = linalg.eigh(S)
+    values, vectors = np.linalg.eigh(S)
     if values[0] < -MASSLESS * values[-1]:
         raise IndefiniteMass
     heavy = values > MASSLESS * values[-1]
     return vectors[:, heavy] * np.sqrt(values[heavy])
-
-
-class _Inverse(LinearOperator):
-    """The solution of a linear system as the operator that eigsh wants."""
-
-    def __init__(self, size, solve):
-        super().__init__(np.float64, (size, size))
-        self._solve = solve
-
-    def _matvec(self, x):
-        return self._solve(np.ascontiguousarray(x).ravel())
 
 
 class _FreeBody:
@@ -128,7 +121,7 @@ class _FreeBody:
     def __init__(self, K, S, frame: Frame):
         self.S, self.frame = S, frame
         self._free = np.setdiff1d(np.arange(K.shape[0]), _supports(frame.r0))
-        self._factor = _factored(K, self._free)
+        self._solve = _solver(K, self._free)
         self._rigid = rigid_motions(frame.r0)
         self._weighted = S @ self._rigid
         self._mass = self._rigid.T @ self._weighted
@@ -137,7 +130,7 @@ class _FreeBody:
         """Displacements in mean axes under `forces`, both (3 n, k) or (3 n,)."""
         balanced = forces - self._weighted @ np.linalg.solve(self._mass, self._rigid.T @ forces)
         shapes = np.zeros(forces.shape)
-        shapes[self._free] = self._factor.solve(balanced[self._free])
+        shapes[self._free] = self._solve(balanced[self._free])
         return self.frame.shifted(shapes, self.S)
 
 
@@ -146,17 +139,17 @@ def _mean_axis_modes(K, S, frame, count):
     if not count:
         return np.zeros(0), np.zeros((K.shape[0], 0))
     size, body = K.shape[0], _FreeBody(K, S, frame)
-    if size <= DENSE or count > size // 3:
-        factor = _factor_of_mass(S.toarray())
+    if _is_small(size, count):
+        factor = factor_of_mass(as_array(S))
         count = min(count, factor.shape[1] - 6)
         flexibility = factor.T @ body.shapes(factor)
-        last = (factor.shape[1] - count, factor.shape[1] - 1)
-        inverse, vectors = linalg.eigh((flexibility + flexibility.T) / 2, subset_by_index=last)
-        values = 1.0 / inverse[::-1]
-        shapes = body.shapes(factor @ vectors[:, ::-1]) * values
+        inverse, vectors = np.linalg.eigh((flexibility + flexibility.T) / 2)
+        last = slice(None, -count - 1, -1)
+        values = 1.0 / inverse[last]
+        shapes = body.shapes(factor @ vectors[:, last]) * values
     else:
         start = body.shapes(np.arange(size, dtype=float))
-        values, shapes = eigsh(K, count, S, sigma=0.0, OPinv=_Inverse(size, body.shapes), v0=start)
+        values, shapes = lowest_by_iteration(K, S, count, body.shapes, start)
     _check_strain(K, shapes[:, 0])
     shapes = frame.shifted(shapes, S)
     return values, signed(shapes / np.sqrt(np.einsum("ij,ij->j", shapes, S @ shapes)))
@@ -179,7 +172,7 @@ def static_shapes(K, S, frame: Frame, forces: np.ndarray) -> np.ndarray:
         return _FreeBody(K, S, frame).shapes(forces)
     free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
     shapes = np.zeros(forces.shape)
-    shapes[free] = _factored(K, free).solve(forces[free])
+    shapes[free] = _solver(K, free)(forces[free])
     return shapes
 
 
@@ -203,10 +196,11 @@ def _supports(r0):
     return np.array(rows)
 
 
-def _factored(K, free):
+def _solver(K, free):
+    """The solution of K x = b with all freedoms but `free` at rest, as a function of b."""
     try:
-        return splu(K[free][:, free].tocsc())
-    except RuntimeError:
+        return solver(K[free][:, free])
+    except Singular:
         raise FreeMotion(np.zeros(K.shape[0])) from None
 
 
@@ -221,7 +215,7 @@ def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> np.ndarra
     inner = np.setdiff1d(np.arange(K.shape[0]), np.union1d(interface, clamped))
     shapes = np.zeros((K.shape[0], len(interface)))
     shapes[interface, np.arange(len(interface))] = 1.0
-    shapes[inner] = -_factored(K, inner).solve(K[inner][:, interface].toarray())
+    shapes[inner] = -_solver(K, inner)(as_array(K[inner][:, interface]))
     values, fixed = _modes_of(K, S, inner, count)
     if len(values) < count:
         raise TooFewMasses(len(values))
@@ -234,10 +228,10 @@ def orthonormal(shapes: np.ndarray, K, S) -> tuple[np.ndarray, np.ndarray, int]:
     norms = np.sqrt(np.maximum(np.diag(mass), 0.0))
     kept = norms > 1e-9 * norms.max(initial=0.0)
     scaled = shapes[:, kept] / norms[kept]
-    sizes, directions = linalg.eigh(scaled.T @ (S @ scaled))
+    sizes, directions = np.linalg.eigh(scaled.T @ (S @ scaled))
     independent = sizes > DEPENDENT
     basis = scaled @ (directions[:, independent] / np.sqrt(sizes[independent]))
-    values, mixed = linalg.eigh(basis.T @ (K @ basis), basis.T @ (S @ basis))
+    values, mixed = pencil(basis.T @ (K @ basis), basis.T @ (S @ basis), basis.shape[1])
     return values, signed(basis @ mixed), shapes.shape[1] - len(values)
 
 

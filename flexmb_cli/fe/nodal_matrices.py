@@ -8,10 +8,9 @@ S^ij = m_ij E no longer held, of which the equations of motion make use.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from ..read.fe_files.matrix_file import FEFileFault, MatrixFile
+from .linear_algebra import Matrix, Singular, condensed_on, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
 
@@ -20,34 +19,29 @@ SYMMETRY = 1e-6
 class NodalMatrix:
     """A symmetric matrix (3 n, 3 n) in the order of the node table, and how many freedoms it lost."""
 
-    matrix: sparse.csc_matrix
+    matrix: Matrix
     internal: int
 
 
 def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault."""
     full, nodal, internal = _ordered(name, file, numbers)
-    return NodalMatrix(full[nodal][:, nodal].tocsc(), len(internal))
+    return NodalMatrix(stored(full[nodal][:, nodal]), len(internal))
 
 
 def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     """The matrix of the nodes `numbers` (n,), internal freedoms condensed.  Raises FEFileFault."""
     full, nodal, internal = _ordered(name, file, numbers)
-    outer = full[nodal][:, nodal].tocsc()
+    outer = full[nodal][:, nodal]
     if not len(internal):
-        return NodalMatrix(outer, 0)
-    coupling = full[internal][:, nodal].tocsc()
+        return NodalMatrix(stored(outer), 0)
+    inner, coupling = full[internal][:, internal], full[internal][:, nodal]
     try:
-        inner = splu(full[internal][:, internal].tocsc())
-    except RuntimeError:
+        return NodalMatrix(stored(condensed_on(outer, coupling, inner)), len(internal))
+    except Singular:
         raise FEFileFault(
             f"{name}: the {len(internal)} internal freedoms have no stiffness of their own"
         ) from None
-    active = np.flatnonzero(np.diff(coupling.indptr))
-    solved = sparse.lil_matrix(coupling.shape)
-    solved[:, active] = inner.solve(coupling[:, active].toarray())
-    reduced = outer - coupling.T @ solved.tocsc()
-    return NodalMatrix(((reduced + reduced.T) / 2).tocsc(), len(internal))
 
 
 def _ordered(name, file, numbers):
@@ -72,9 +66,9 @@ def _check_finite(name, file):
 
 
 def _symmetric(name, file):
-    matrix = sparse.coo_matrix((file.values, (file.rows, file.columns)), (file.size, file.size)).tocsc()
+    matrix = summed(file.values, file.rows, file.columns, file.size)
     if file.one_triangle:
-        return matrix + matrix.T - sparse.diags(matrix.diagonal()).tocsc()
+        return matrix + without_diagonal(matrix).T
     largest = abs(matrix).max()
     skew = abs(matrix - matrix.T)
     if skew.max() > SYMMETRY * largest:
@@ -83,7 +77,7 @@ def _symmetric(name, file):
             f"{name} is not symmetric: entries ({row + 1}, {column + 1}) and ({column + 1}, {row + 1}) are "
             f"{matrix[row, column]:.6g} and {matrix[column, row]:.6g}"
         )
-    return ((matrix + matrix.T) / 2).tocsc()
+    return (matrix + matrix.T) / 2
 
 
 def _rows_of_nodes(name, equations, numbers):

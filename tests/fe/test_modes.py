@@ -5,7 +5,7 @@ import pytest
 from scipy.io import mmread
 from scipy.linalg import eigh
 
-from flexmb_cli.fe import modes
+from flexmb_cli.fe import linear_algebra
 from tests.fe.supplied import CHORD, FILES, NEAR_JOINT, body, pendulum
 from tests.fe.trusses import truss, truss_input
 
@@ -159,7 +159,7 @@ def test_the_modes_of_a_clamped_craig_bampton_basis_come_from_above():
 def test_sparse_and_dense_solvers_give_the_same_modes(monkeypatch):
     for choice in ({"reference": NEAR_JOINT}, {"mean": True}, {"clamped": ROOT}):
         dense = body(pendulum(modes=6, **choice))
-        monkeypatch.setattr(modes, "DENSE", 0)
+        monkeypatch.setattr(linear_algebra, "DENSE", 0)
         found = body(pendulum(modes=6, **choice))
         monkeypatch.undo()
         assert found.frequencies == pytest.approx(dense.frequencies, rel=1e-9)

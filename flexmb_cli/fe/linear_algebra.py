@@ -1,0 +1,124 @@
+"""Matrices of a body: numpy arrays while they are small, so that no check waits for scipy; sparse beyond.
+
+Both kinds have `@`, `.T`, `.diagonal()`, `abs`, `.max()` and `A[rows][:, columns]`; what differs is here.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+Matrix = Any  # np.ndarray or scipy.sparse.csc_matrix
+# At so many rows all eigenvectors at once (numpy) take about what importing scipy and iterating for a few do.
+DENSE = 900
+
+
+class Singular(Exception):
+    """A linear system has no single solution."""
+
+
+def summed(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int) -> Matrix:
+    """The matrix (size, size) of `values` at `rows`, `columns`, those at one place added up."""
+    if size <= DENSE:
+        places = np.asarray(rows, dtype=np.int64) * size + columns
+        return np.bincount(places, values, size * size).reshape(size, size)
+    from scipy import sparse
+
+    return sparse.coo_matrix((values, (rows, columns)), (size, size)).tocsc()
+
+
+def as_array(A) -> np.ndarray:
+    """`A` as an array."""
+    return A if isinstance(A, np.ndarray) else A.toarray()
+
+
+def stored(A) -> Matrix:
+    """A matrix that its neighbours need as an array where these are small, else as it is."""
+    return as_array(A) if A.shape[0] <= DENSE else A
+
+
+def without_diagonal(A) -> Matrix:
+    """`A` with zeros on its diagonal."""
+    if isinstance(A, np.ndarray):
+        return A - np.diag(A.diagonal())
+    from scipy import sparse
+
+    return A - sparse.diags(A.diagonal()).tocsc()
+
+
+def in_three_directions(scalar) -> Matrix:
+    """The matrix (3 n, 3 n) with m_ij E for every m_ij of `scalar` (n, n); stored as bodies of that size."""
+    size = 3 * scalar.shape[0]
+    if size <= DENSE:
+        return np.kron(as_array(scalar), np.eye(3))
+    from scipy import sparse
+
+    return sparse.kron(scalar, sparse.identity(3)).tocsc()
+
+
+def turned(K, axes: np.ndarray) -> Matrix:
+    """`K` (3 n, 3 n) in the axes that are the columns of `axes` (3, 3)."""
+    n = K.shape[0] // 3
+    if isinstance(K, np.ndarray):
+        blocks = K.reshape(n, 3, n, 3)
+        return np.einsum("ai,manb,bj->minj", axes, blocks, axes, optimize=True).reshape(K.shape)
+    from scipy import sparse
+
+    turn = sparse.kron(sparse.identity(n), sparse.csc_matrix(axes)).tocsc()
+    return (turn.T @ K @ turn).tocsc()
+
+
+def solver(A) -> Callable[[np.ndarray], np.ndarray]:
+    """The function b → x of A x = b, b (size,) or (size, k).  Raises Singular, then or at once."""
+    if isinstance(A, np.ndarray):
+        return lambda b: _solved(A, b)
+    from scipy.sparse.linalg import splu
+
+    try:
+        return splu(A.tocsc()).solve
+    except RuntimeError:
+        raise Singular from None
+
+
+def _solved(A, b):
+    try:
+        return np.linalg.solve(A, b)
+    except np.linalg.LinAlgError:
+        raise Singular from None
+
+
+def condensed_on(outer, coupling, inner) -> Matrix:
+    """outer - coupling' inner^-1 coupling, of (n, n), (k, n) and (k, k).  Raises Singular."""
+    solve = solver(inner)
+    if isinstance(outer, np.ndarray):
+        reduced = outer - coupling.T @ solve(coupling)
+        return (reduced + reduced.T) / 2
+    from scipy import sparse
+
+    coupling = coupling.tocsc()
+    active = np.flatnonzero(np.diff(coupling.indptr))
+    solved = sparse.lil_matrix(coupling.shape)
+    solved[:, active] = solve(coupling[:, active].toarray())
+    reduced = outer - coupling.T @ solved.tocsc()
+    return ((reduced + reduced.T) / 2).tocsc()
+
+
+def pencil(A: np.ndarray, B: np.ndarray, count: int, largest: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """`count` eigenvalues of A x = mu B x from one end, ascending, and vectors with x' B x = 1.
+
+    Both (size, size) and symmetric.  Raises numpy's LinAlgError when B is not positive definite.
+    """
+    L = np.linalg.cholesky(B)
+    reduced = np.linalg.solve(L, np.linalg.solve(L, A).T)
+    values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+    chosen = slice(len(A) - count, None) if largest else slice(count)
+    return values[chosen], np.linalg.solve(L.T, vectors[:, chosen])
+
+
+def lowest_by_iteration(K, S, count: int, solve, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest eigenvalues and S-orthonormal vectors of large matrices; `solve` applies the inverse of K."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    shape = K.shape
+    inverse = LinearOperator(shape, lambda x: solve(np.ascontiguousarray(x).ravel()), dtype=np.float64)
+    return eigsh(K, count, S, sigma=0.0, OPinv=inverse, v0=start)
