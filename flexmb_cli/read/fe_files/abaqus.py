@@ -30,6 +30,10 @@ def read_abaqus(path: Path) -> MatrixFile:
     meaning = "row, column, value" if width == 3 else "row node, direction, column node, direction, value"
     entries = table(name, body, numbers, width, meaning, comma=True)
     where = whole(name, entries[:, :-1], numbers, "nodes and directions")
+    # Rows, columns and directions count from 1; nodes of elements' own freedoms are negative.
+    wrong = np.flatnonzero((where[:, slice(None) if width == 3 else slice(1, None, 2)] < 1).any(axis=1))
+    if wrong.size:
+        raise line_fault(name, numbers[wrong[0]], "rows, columns and directions count from 1")
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
 
 

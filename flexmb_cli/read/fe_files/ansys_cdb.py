@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from .file_text import line_fault, lines_of
+from .file_text import integer, line_fault, lines_of, real
 
 _FORMAT = re.compile(r"\(\s*(\d+)i(\d+)\s*,\s*(\d+)e(\d+)", re.IGNORECASE)
 
@@ -18,18 +18,26 @@ def cdb_nodes(path: Path) -> Iterator[tuple[int, list[float], int]]:
     layout = _FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
     if layout is None:
         raise line_fault(path.name, start + 2, "a format such as (3i9,6e20.13) must follow NBLOCK")
-    integers, width, _, real = map(int, layout.groups())
+    integers, width, _, digits = _widths(path.name, start + 2, layout.groups())
     for number, line in enumerate(lines[start + 2 :], start=start + 3):
         if line.upper().startswith("N,") or line.strip() == "-1" or not line[:width].strip():
             return
-        yield _node(path.name, number, line.rstrip(), integers * width, width, real)
+        yield _node(path.name, number, line.rstrip(), integers * width, width, digits)
 
 
-def _node(name, number, line, first, width, real):
-    cells = [line[i : i + real] for i in range(first, len(line), real)]
+def _widths(name, number, texts):
+    """Counts and widths of a format's fields; a field has at least one column."""
+    found = [int(text) if len(text) < 4 else 0 for text in texts]
+    if 0 in found:
+        raise line_fault(name, number, "a format such as (3i9,6e20.13) wanted, counts and widths 1 to 999")
+    return found
+
+
+def _node(name, number, line, first, width, digits):
+    cells = [line[i : i + digits] for i in range(first, len(line), digits)]
     try:
-        node = int(line[:width])
-        values = [float(cell.replace("D", "E")) if cell.strip() else 0.0 for cell in cells]
+        node = integer(line[:width])
+        values = [real(cell) if cell.strip() else 0.0 for cell in cells]
     except ValueError:
         raise line_fault(name, number, f"a line of NBLOCK wanted; read '{line.strip()[:40]}'") from None
     if any(values[3:]):

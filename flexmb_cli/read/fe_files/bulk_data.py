@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .. import number
-from .file_text import line_fault, lines_of
+from .file_text import integer, line_fault, lines_of
 
 
 class BulkCard(NamedTuple):
@@ -57,7 +57,7 @@ def integer_field(path: Path, card: BulkCard, index: int, what: str, default: in
     if not text and default is not None:
         return default
     try:
-        return int(text)
+        return integer(text)
     except ValueError:
         raise line_fault(path.name, card.line, f"{card.name}: {what} wanted; read '{text}'") from None
 

@@ -12,7 +12,7 @@ import numpy as np
 from .file_text import check_range, filled, line_fault, lines_of, table, whole
 from .matrix_file import FEFileFault, MatrixFile
 
-_FREEDOM = re.compile(r"\s*(\d+)\.(\d)\s*")
+_FREEDOM = re.compile(r"\s*(\d{1,15})\.(\d)\s*", re.ASCII)
 
 
 def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
@@ -42,7 +42,9 @@ def read_freedoms(path: Path) -> np.ndarray:
             continue
         match = _FREEDOM.fullmatch(line)
         if match is None:
-            raise line_fault(path.name, number, f"node.direction wanted, such as 12.3; read '{line.strip()}'")
+            raise line_fault(
+                path.name, number, f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'"
+            )
         if match[2] not in "123":
             message = f"direction {match[2]} of node {match[1]}: only 1, 2, 3 can be used, no rotations"
             raise line_fault(path.name, number, message)

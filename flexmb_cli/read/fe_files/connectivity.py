@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from .bulk_data import bulk_cards, integer_field
-from .file_text import line_fault, lines_of
+from .file_text import integer, line_fault, lines_of
 from .matrix_file import FEFileFault
 
 COUNTS = (8, 20)
 _INP_TYPE = re.compile(r"TYPE\s*=\s*C3D(8|20)[A-Z]*\s*(,|$)")
-_CDB_FORMAT = re.compile(r"\(\s*\d+i(\d+)", re.IGNORECASE)
+_CDB_FORMAT = re.compile(r"\(\s*\d+i(\d{1,3})(?!\d)", re.IGNORECASE)
 # In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
 _CDB_HEAD, _CDB_COUNT = 11, 8
 # Nastran numbers the edges along the third direction before those of the upper face.
@@ -83,7 +83,7 @@ def _inp_type(path, number, line):
 
 def _integers(path, number, words):
     try:
-        return [int(word) for word in words]
+        return [integer(word) for word in words]
     except ValueError:
         message = f"whole numbers wanted; read '{' '.join(words)[:40]}'"
         raise line_fault(path.name, number, message) from None
@@ -98,7 +98,7 @@ def _cdb_elements(path):
     layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
     if layout is None:
         raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK")
-    width, words, first = int(layout[1]), [], 0
+    width, words, first = max(1, int(layout[1])), [], 0
     for number, line in enumerate(lines[start + 2 :], start=start + 3):
         if line.strip() == "-1":
             return

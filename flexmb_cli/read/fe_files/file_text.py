@@ -1,5 +1,12 @@
-"""Text of a file and tables of numbers in it; what cannot be read is told with its line."""
+"""Text of a file and tables of numbers in it; what cannot be read is told with its line.
 
+The names of these files come from decks, which may be a stranger's: only regular files are opened, and
+nothing larger than `LARGEST` is read.
+"""
+
+import os
+import re
+import stat
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -7,17 +14,56 @@ import numpy as np
 
 from .matrix_file import FEFileFault
 
+LARGEST = 2**31  # bytes
 _SHOWN = 40
+# Numbers of nodes, rows and columns fit into int64 with room for a product by 3.
+_INTEGER = re.compile(r"[+-]?[0-9]{1,15}", re.ASCII)
+_REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([EeDd]?[+-][0-9]+|[EeDd][0-9]+)?", re.ASCII)
+_NOT_FINITE = ("nan", "inf", "infinity")
+_EXACT = 2.0**53
 
 
 def bytes_of(path: Path) -> bytes:
     """What the file holds.  Raises FEFileFault when it cannot be read."""
     try:
-        return path.read_bytes()
+        # A pipe without a writer would be waited for.
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
+            _check_kind(path.name, os.fstat(stream.fileno()))
+            return stream.read()
     except FileNotFoundError:
         raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}") from None
-    except OSError as fault:
-        raise FEFileFault(f"{path.name} cannot be read: {fault.strerror}") from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or "the name is not a file name"
+        raise FEFileFault(f"{path.name} cannot be read: {reason}") from None
+
+
+def _check_kind(name, found):
+    if not stat.S_ISREG(found.st_mode):
+        raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device")
+    if found.st_size >= LARGEST:
+        raise FEFileFault(f"{name} is larger than the {LARGEST // 2**30} GB that can be read")
+
+
+def integer(text: str) -> int:
+    """The integer of at most 15 digits that `text` spells; ValueError for any other spelling."""
+    if _INTEGER.fullmatch(text.strip()) is None:
+        raise ValueError(text)
+    return int(text)
+
+
+def real(text: str) -> float:
+    """The number that `text` spells, its exponent by E, D or a sign alone; nan and inf are read as such.
+
+    ValueError for any other spelling.
+    """
+    text = text.strip()
+    found = _REAL.fullmatch(text)
+    if found is None:
+        if text.lower().lstrip("+-") in _NOT_FINITE:
+            return float(text)
+        raise ValueError(text)
+    exponent = (found[2] or "").lstrip("EeDd")
+    return float(f"{text[: found.end(1)]}e{exponent or 0}")
 
 
 def is_binary(raw: bytes) -> bool:
@@ -89,11 +135,14 @@ def _short(text):
 
 def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -> np.ndarray:
     """`values` as int64; FEFileFault at the first line that has a fraction in them."""
-    result = values.astype(np.int64)
-    wrong = np.flatnonzero((result != values).reshape(len(values), -1).any(axis=1))
+    wrong = np.flatnonzero(~_is_whole(values).reshape(len(values), -1).all(axis=1))
     if wrong.size:
         raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers")
-    return result
+    return values.astype(np.int64)
+
+
+def _is_whole(values):
+    return (np.abs(values) < _EXACT) & (values == np.rint(values))
 
 
 def check_range(name: str, entries: np.ndarray, numbers: Sequence[int], size: int) -> None:

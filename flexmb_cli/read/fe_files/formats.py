@@ -20,8 +20,17 @@ def read_matrix(
 ) -> MatrixFile:
     """The matrix at `path` in format `form`; `letter` (M or K) tells which, where a file holds several.
 
-    Raises FEFileFault.
+    Raises FEFileFault, also where a size is told that no free body with these entries has: memory is taken
+    by the size.
     """
+    found = _read(path, form, letter, mapping, mapping_form)
+    if found.size > len(found.values):
+        message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
+        raise FEFileFault(f"{path.name} has {message}")
+    return found
+
+
+def _read(path, form, letter, mapping, mapping_form) -> MatrixFile:
     if form in NEEDS_MAPPING:
         if mapping is None or mapping_form != NEEDS_MAPPING[form]:
             raise FEFileFault(

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from .file_text import line_fault, lines_of
+from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault, MatrixFile
 
 # Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.
-_FORMAT = re.compile(r"([IDEFG])(\d+)", re.IGNORECASE)
-_EQUATION = re.compile(r"\s*(\d+)\s+(\d+)\s+([A-Za-z]\w*)\s*")
+_FORMAT = re.compile(r"([IDEFG])([1-9]\d{0,2})(?!\d)", re.IGNORECASE)
+_EQUATION = re.compile(r"\s*(\d{1,15})\s+(\d{1,15})\s+([A-Za-z]\w*)\s*", re.ASCII)
 _DIRECTIONS = {"UX": 1, "UY": 2, "UZ": 3}
 
 
@@ -67,11 +67,14 @@ def _integers(name, line, number, first, count):
     """`count` integers of 14 columns; blank ones are 0."""
     cells = [line[first + 14 * i : first + 14 * (i + 1)].strip() or "0" for i in range(count)]
     try:
-        return [int(cell) for cell in cells]
+        found = [integer(cell) for cell in cells]
     except ValueError:
         raise line_fault(
             name, number, "integers of 14 columns wanted; is it a Harwell-Boeing file?"
         ) from None
+    if min(found) < 0:
+        raise line_fault(name, number, "counts of lines and entries are not negative")
+    return found
 
 
 def _check_kind(name, kind, size, columns, equations):
@@ -111,11 +114,11 @@ def _numbers(name, lines, start, count, form, wanted):
         raise FEFileFault(
             f"{name}, lines {start + 1}-{start + count}: {wanted} numbers wanted, {len(cells)} found"
         )
-    read = int if letter == "I" else float
+    read = integer if letter == "I" else real
     values = []
     for cell, number in cells[:wanted]:
         try:
-            values.append(read(cell.replace("D", "E").replace("d", "e")))
+            values.append(read(cell))
         except ValueError:
             raise line_fault(name, number, f"'{cell.strip()}' is no number") from None
     return np.array(values)

@@ -43,6 +43,8 @@ def labelled(entries: np.ndarray, values: np.ndarray, one_triangle: bool | None 
 def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]]) -> MatrixFile:
     """The full matrix of strings: first row and column, from 0, and the values that follow each other."""
     for row, column, values in strings:
+        if not 0 <= column < size:
+            raise FEFileFault(f"{name}: column {column + 1} lies outside 1..{size}")
         if row < 0 or row + len(values) > size:
             message = f"rows {row + 1} to {row + len(values)} of column {column + 1} lie outside 1..{size}"
             raise FEFileFault(f"{name}: {message}")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .file_text import bytes_of, is_binary, line_fault, lines_of
+from .file_text import bytes_of, integer, is_binary, line_fault, lines_of, real
 from .matrix_file import FEFileFault, MatrixFile, of_strings
 from .nastran import chosen
 from .nastran_op4_binary import PACKED, REAL, binary_matrices
@@ -53,8 +53,8 @@ def _heading(name, lines, at):
     """Columns, name, and width of a value."""
     head = lines[at]
     try:
-        columns, rows, _, kind = (int(head[8 * i : 8 * i + 8]) for i in range(4))
-        width = int(head[40:].upper().split("E")[-1].split(".")[0])
+        columns, rows, _, kind = (integer(head[8 * i : 8 * i + 8]) for i in range(4))
+        width = _width(head[40:])
     except ValueError:
         message = "columns, rows, form, type, name and format of an OP4 text matrix wanted"
         raise line_fault(name, at + 1, message) from None
@@ -66,10 +66,18 @@ def _heading(name, lines, at):
     return columns, head[32:40].strip().upper(), width
 
 
+def _width(form):
+    """Columns of a value in a format such as 1P,3E23.16; ValueError when there is none."""
+    width = integer(form.upper().split("E")[-1].split(".")[0])
+    if not 1 <= width <= 999:
+        raise ValueError(form)
+    return width
+
+
 def _column(name, lines, at):
     """Number of a column and its first row, 0 when strings follow."""
     try:
-        column, row, _ = map(int, lines[at].split())
+        column, row, _ = map(integer, lines[at].split())
     except (ValueError, IndexError):
         message = "column, first row and words wanted; was the file cut off?"
         raise line_fault(name, at + 1, message) from None
@@ -78,7 +86,7 @@ def _column(name, lines, at):
 
 def _string_row(name, lines, at):
     try:
-        *length, row = map(int, lines[at].split())
+        *length, row = map(integer, lines[at].split())
     except ValueError:
         raise line_fault(name, at + 1, "the heading of a string of values wanted") from None
     return row if length else row % PACKED
@@ -94,8 +102,8 @@ def _read_string(name, lines, at, layout, parts):
         for first in range(0, len(line), width):
             cell = line[first : first + width]
             try:
-                values.append(float(cell.replace("D", "E")))
+                values.append(real(cell))
             except ValueError:
-                raise line_fault(name, at + 1, f"a value wanted; read '{cell.strip()}'") from None
+                raise line_fault(name, at + 1, f"a value wanted; read '{cell.strip()[:40]}'") from None
     parts.append((row - 1, column - 1, np.array(values)))
     return at

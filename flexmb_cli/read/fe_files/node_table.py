@@ -1,5 +1,6 @@
 """Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +9,7 @@ import numpy as np
 
 from .ansys_cdb import cdb_nodes
 from .bulk_data import bulk_cards, integer_field, real_field
-from .file_text import line_fault, lines_of
+from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault
 
 _HEADING = re.compile(r"[^\d+\-.]")
@@ -30,6 +31,9 @@ def read_node_table(path: Path, form: str) -> NodeTable:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}")
     numbers = np.array([number for number, _, _ in found], dtype=np.int64)
     _check_twice(path.name, found, numbers)
+    for node, position, line in found:
+        if not all(map(math.isfinite, position)):
+            raise line_fault(path.name, line, f"the position of node {node} is not finite")
     return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
 
 
@@ -65,8 +69,8 @@ def _inp_nodes(path):
 def _node(name, number, words):
     """A node's number and position; trailing coordinates that are left out are 0."""
     try:
-        node = int(words[0])
-        values = [float(word.replace("D", "E").replace("d", "e")) for word in words[1:]]
+        node = integer(words[0])
+        values = [real(word) for word in words[1:]]
     except ValueError:
         message = f"id x y z wanted; read '{' '.join(words)[:40]}'"
         raise line_fault(name, number, message) from None
@@ -74,8 +78,6 @@ def _node(name, number, words):
         message = f"the axes of node {node} are rotated; matrices in rotated nodal axes cannot be used"
         raise line_fault(name, number, message)
     position = (values + [0.0] * 3)[:3]
-    if not all(map(np.isfinite, position)):
-        raise line_fault(name, number, f"the position of node {node} is not finite")
     return node, position, number
 
 
