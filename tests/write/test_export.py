@@ -3,6 +3,8 @@
 import csv
 import hashlib
 import io
+import shutil
+import subprocess
 import time
 
 import h5py
@@ -50,6 +52,28 @@ def test_matlab_reads_the_motion_the_names_and_the_deck(exported, tmp_path):
     assert content["point"]["position"] == pytest.approx(tip(TIMES), abs=1e-12)
     assert list(content["body"]["name"]) == ["body 1", "body 2"]
     assert content["info"]["status"] == "complete"
+
+
+OCTAVE = shutil.which("octave-cli")
+
+
+@pytest.mark.skipif(OCTAVE is None, reason="Octave is not installed")
+def test_octave_reads_every_digit(exported, tmp_path):
+    """Octave loads the struct; it prints the points with seventeen digits, and the names."""
+    exported("mat")
+    program = (
+        "load('out.mat'); printf('%d ', size(flexmb.point.position)); printf('%s,', flexmb.body.name{:});"
+        "printf('\\n'); printf('%.17g\\n', flexmb.point.position); printf('%s\\n', flexmb.info.status)"
+    )
+    # -f: no start-up files
+    done = subprocess.run(
+        [OCTAVE, "-f", "-q", "--eval", program], cwd=tmp_path, capture_output=True, text=True
+    )
+    head, *numbers, status = done.stdout.splitlines()
+    assert (head, status) == ("7 1 3 body 1,body 2,", "complete"), done.stderr
+    with h5py.File(tmp_path / "r.h5") as result:
+        # Octave counts the first index fastest.
+        assert np.array_equal(np.array(numbers, float), result["point/position"][:].ravel(order="F"))
 
 
 @pytest.mark.parametrize("form", ["csv", "mat", "vtkhdf"])
