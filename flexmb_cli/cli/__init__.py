@@ -25,6 +25,9 @@ from .sweep import sweep
 from .table import table
 from .verify import verify
 
+# Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
 
 class Group(click.Group):
     """Keeps the commands in the order of their definition."""
@@ -55,6 +58,7 @@ def main():
     if hasattr(signal, "SIGPIPE"):
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")
