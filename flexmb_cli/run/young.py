@@ -48,7 +48,7 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
         refuse_warnings(outcome, options)
     except AnalysisError as failure:
         outcome.faults += analysis.warnings
-        outcome.files = files.close_failed(failure.args[0], no_convergence=True)
+        outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
         raise
     except Exception:
         files.discard()
@@ -56,7 +56,12 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
     except BaseException:
         outcome.files = files.close_failed("interrupted", no_convergence=False)
         raise
-    outcome.files = files.close()
+    outcome.files = files.close(notes_of(analysis))
+
+
+def notes_of(analysis) -> tuple[str, ...]:
+    """What an analysis told about its way, for the result file."""
+    return tuple(fault.sentence for fault in analysis.warnings)
 
 
 def _analysis(mechanism, options, listener: Listener):
@@ -151,15 +156,15 @@ class ResultFiles:
         if self.result:
             self.result.rows(self.contents.values(rows))
 
-    def close(self) -> tuple[str, ...]:
+    def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
         if self.table_file:
             self.table_file.commit()
         if self.result:
-            self.result.close()
+            self.result.close(notes=notes)
         return self.paths.files
 
-    def close_failed(self, message, no_convergence) -> tuple[str, ...]:
+    def close_failed(self, message, no_convergence, notes=()) -> tuple[str, ...]:
         """Keep the rows so far, marked as those of a failed run; the names of the files."""
         self._begin()
         if self.table and no_convergence:
@@ -167,7 +172,7 @@ class ResultFiles:
         if self.table_file:
             self.table_file.commit()
         if self.result:
-            self.result.close("failed", message)
+            self.result.close("failed", message, notes)
         return self.paths.files
 
     def discard(self) -> None:

@@ -118,12 +118,17 @@ class ResultFile:
         if self._rows_waiting >= self._chunk:
             self._write(self._rows_waiting // self._chunk * self._chunk)
 
-    def close(self, status: str = COMPLETE, message: str = "") -> None:
-        """Write what waits, mark the file with `status` and `message`, and put it in its place."""
+    def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
+        """Write what waits, mark the file with `status` and `message`, and put it in its place.
+
+        `notes`: what the run is to be remembered for, such as singular positions that it passed.
+        """
         if self._rows_waiting:
             self._write(self._rows_waiting)
         self._file.attrs["status"] = status
         self._file.attrs["message"] = message
+        if notes:
+            self._file.attrs["notes"] = "\n".join(notes)
         self._file.close()
         self._disk.close()
         self._raise_disk_failure()
