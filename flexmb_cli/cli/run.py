@@ -13,6 +13,7 @@ from .finite import Finite
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
+RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
 
 
 @click.command()
@@ -30,7 +31,7 @@ TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
-@click.option("--rtol", type=TOLERANCE, help="DAFMS: relative tolerance of a step (1e-9).")
+@click.option("--rtol", type=RELATIVE, help="DAFMS: relative tolerance of a step (1e-9).")
 @click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (1e-9).")
 @click.option("--method", type=click.Choice(["dop853", "radau", "lsoda", "sdirk4"]),
               help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip

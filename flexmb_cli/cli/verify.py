@@ -9,6 +9,7 @@ from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
+RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
 
 
 @click.command()
@@ -16,7 +17,7 @@ TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 @deck_options
 @click.option("--tol", "tolerance", type=TOLERANCE, default=1e-6, show_default=True,
               help="Largest difference, as a share of the largest value of its kind.")  # fmt: skip
-@click.option("--rtol", type=TOLERANCE, help="Relative tolerance of a step (1e-11).")
+@click.option("--rtol", type=RELATIVE, help="Relative tolerance of a step (1e-11).")
 @click.option("--atol", type=TOLERANCE, help="Absolute tolerance of a step (1e-13).")
 def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **options):
     """Run every DAFMS DECK by Kane's equations and in absolute coordinates, and compare; writes nothing.

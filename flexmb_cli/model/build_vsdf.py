@@ -7,6 +7,7 @@ from ..read.deck import Deck
 from .deck_values import DeckValues
 from .findings import Findings
 from .mechanism import TimeGrid
+from .stepped_time import unsteppable
 from .vsdf_bodies import build_bodies, build_ground
 from .vsdf_joints import build_joints, build_motions, build_pins, build_tables
 from .vsdf_loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
@@ -62,6 +63,8 @@ def _time(values, findings):
     elif end / output + 1 > MOST_ROWS + 0.5:
         message = f"{end / output:.3g} rows are more than {MOST_ROWS}; take a larger time between rows"
         findings.error("TIME", message, record.at("output").place)
+    elif fault := unsteppable(end, output):
+        findings.error("TIME", fault, record.place)
     return TimeGrid(0.0, end, output, record.place)
 
 

@@ -19,6 +19,7 @@ from .dynamics import (
     SpringDamper,
 )
 from .findings import Findings
+from .stepped_time import unsteppable
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
 ROUND_OFF = 1e-9  # of the largest moment of inertia
@@ -47,6 +48,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
         _tolerance(deck, findings),
         _alpha_steps(deck, findings),
     )
+    _check_time(model, findings)
     _doubt_massless(model, findings)
     _doubt_idle_velocities(model, findings)
     faults = [*warnings, *findings.in_order]
@@ -199,6 +201,13 @@ def _alpha_steps(deck, findings):
     if analysis_of(deck) != FORWARD:
         findings.warn(records[0].subject, "is not used: nothing is integrated", records[0].place)
     return AlphaSteps(float(step.value), float(radius.value))
+
+
+def _check_time(model, findings):
+    grid = model.mechanism.time
+    fault = unsteppable(max(abs(grid.start), abs(grid.end)), grid.step)
+    if fault and model.analysis == FORWARD:
+        findings.error("time", fault, grid.place)
 
 
 def _doubt_massless(model, findings):

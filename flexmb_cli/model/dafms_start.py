@@ -7,6 +7,7 @@ import numpy as np
 from .deck_values import DeckValues
 from .findings import Findings
 from .mechanism import TimeGrid
+from .stepped_time import too_fine, unsteppable
 from .tree import METHODS, ROTATION, UNTURNED, Integration, generalized_coordinates
 
 MOST_ROWS = 10_000_000
@@ -25,6 +26,8 @@ def build_time(values: DeckValues, findings: Findings) -> TimeGrid:
     if not step.value > 0 or not math.isfinite(step.value):
         message = f"H = {step.value} s: the length of a step must be above zero"
         findings.error("time", message, step.place)
+    elif fault := unsteppable(steps.value * step.value, step.value):
+        findings.error("time", f"H = {step.value:g} s, IT = {steps.value}: {fault}", step.place)
     return TimeGrid(0.0, steps.value * step.value, step.value, steps.place)
 
 
@@ -35,6 +38,8 @@ def build_integration(values: DeckValues, findings: Findings) -> Integration:
     if rtol < 0 or atol < 0 or rtol >= 1:
         message = f"RTOL = {rtol}, ATOL = {atol}: tolerances lie above 0, RTOL below 1"
         findings.error("TOLR", message, values.place("tolerance"))
+    elif rtol and (fault := too_fine(rtol)):
+        findings.error("TOLR", f"RTOL: {fault}", values.place("tolerance"))
     (method,) = values.values("method", 0, (1,))
     if not 1 <= method <= len(METHODS):
         choice = ", ".join(f"{i} {name}" for i, name in enumerate(METHODS, 1))

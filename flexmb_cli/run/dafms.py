@@ -32,6 +32,9 @@ def run_dafms(
             outcome.statistics = march.statistics
             listener.advance(len(values["time"]))
             Stop.heed()
+        doubts = () if tree.one_way else march.drift.doubts
+        outcome.faults += doubts
+        refuse_warnings(outcome, options)
     except AnalysisError as failure:
         outcome.files = files.close_failed(failure.args[0], march.stopped_at)
         journal.remove()
@@ -49,7 +52,7 @@ def run_dafms(
         journal.close()
         outcome.resumable = journal.begun
         raise
-    outcome.files = files.close()
+    outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
     journal.remove()
 
 
@@ -201,11 +204,11 @@ class _ResultFiles:
         if self.result:
             self.result.rows(values)
 
-    def close(self):
+    def close(self, notes=()):
         for text in self.texts:
             text.commit()
         if self.result:
-            self.result.close()
+            self.result.close(notes=notes)
         return self.paths.files
 
     def close_failed(self, message, stopped_at=None):

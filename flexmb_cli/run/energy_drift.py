@@ -1,6 +1,10 @@
-"""How far the total energy of a run strays, for the statistics of -v."""
+"""How far the total energy of a run strays: for the statistics of -v, and as a warning."""
 
 import numpy as np
+
+from ..errors import Fault
+
+WRONG = 1e-3  # share of the kinetic and strain energy: errors of the steps are a thousandth of that
 
 
 class EnergyDrift:
@@ -17,6 +21,18 @@ class EnergyDrift:
         self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
         moved = values["energy/kinetic"] + values["energy/strain"]
         self.scale = max(self.scale, float(np.max(moved)))
+
+    @property
+    def doubts(self) -> tuple[Fault, ...]:
+        """A warning where the energy strays by more than errors of the steps do."""
+        if not self.largest > WRONG * self.scale:
+            return ()
+        message = (
+            f"{self}, which the equations keep constant: the motion is wrong from where it begins to stray "
+            "(energy/total); a loop that passes a singular position, or too coarse a tolerance; compare with "
+            "a finer TOLR and with --formulation absolute"
+        )
+        return (Fault("warning", message),)
 
     def __str__(self):
         return (

@@ -16,6 +16,7 @@ from ..kernels import tree_march
 from .tree_rows import TreeRows
 
 SOLVERS = {"radau": Radau, "lsoda": LSODA}
+WATCHED, HOPELESS = 1000, 1e6  # steps; how many times as many may be left to the end of the interval
 UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
 
 
@@ -36,8 +37,15 @@ def library_rows(analysis, stop: float) -> Iterator[TreeRows]:
         rtol=rtol,
         atol=atol,
     )
+    steps, mark = 0, solver.t
     while solver.status == "running":
         solver.step()
+        steps += 1
+        if steps % WATCHED == 0:
+            # scipy goes on with steps of any shortness where nothing can be resolved.
+            if stop - solver.t > HOPELESS * (solver.t - mark):
+                raise _step_failure(solver.t, settings.method)
+            mark = solver.t
         if solver.status == "failed":
             raise _step_failure(solver.t, settings.method)
         times = analysis.due_times(solver.t)

@@ -1,0 +1,20 @@
+"""What can be integrated in double precision: times, and tolerances of a step."""
+
+LONGEST, SHORTEST = 1e9, 1e-12  # s: 30 years, and what is left of a second when its last digits are taken
+FINEST = 1e-14  # relative tolerance of a step; round-off is 2e-16 of every number, and a step adds dozens
+
+
+def unsteppable(end: float, interval: float) -> str:
+    """Why a motion up to the time `end`, with rows `interval` apart, cannot be integrated; "" if it can."""
+    if end > LONGEST:
+        return f"the last time would be {end:.3g} s; motions are integrated up to {LONGEST:g} s (30 years)"
+    if 0.0 < interval < SHORTEST:
+        return f"the time between rows is {interval:.3g} s; below {SHORTEST:g} s there is only round-off"
+    return ""
+
+
+def too_fine(rtol: float) -> str:
+    """Why a relative tolerance cannot be kept; "" if it can."""
+    if rtol >= FINEST:
+        return ""
+    return f"a relative tolerance of {rtol:g} is finer than round-off allows; {FINEST:g} is the finest"
