@@ -43,6 +43,7 @@ def motion(tmp_path_factory):
         return {name: result[name][:] for name in ("time", "point/position", "audit/constraint_residual")}
 
 
+@pytest.mark.long_motion
 def test_the_slider_moves_as_with_a_rigid_rod(motion):
     """The six modes bend and twist; between the reference nodes, which carry the joints, none stretches."""
     slider = motion["point/position"][:, 3]
@@ -51,6 +52,7 @@ def test_the_slider_moves_as_with_a_rigid_rod(motion):
     assert motion["audit/constraint_residual"].max() < 1e-12
 
 
+@pytest.mark.long_motion
 def test_the_rod_bends_as_a_pinned_beam_under_its_own_inertia(motion):
     """5 q L⁴/(384 E I) at the middle for a load that is linear along the rod, q = -mu a at both ends' mean.
 

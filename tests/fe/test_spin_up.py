@@ -59,6 +59,7 @@ def tip_deflections(times, stiffened):
     return tip.shape[1] @ moved.y[:N]
 
 
+@pytest.mark.long_motion
 def test_the_stiffened_cantilever_stays_within_3_mm_of_the_nonlinear_beam():
     nonlinear, stiffened, _ = np.array(list(TIP.values())).T
     found = tip_deflections(list(TIP), stiffened=True)

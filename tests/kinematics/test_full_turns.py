@@ -20,6 +20,7 @@ def angle_of(law, t):
     return C + B * t + 0.5 * A * t * t
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("law", [(0.3, 1.0, 0.0), (0.3, -2.0, 0.0), (0.0, 9.0, -3.0), (-0.7, 0.0, 1.7)])
 @pytest.mark.parametrize("step", [0.01, 0.5, 2.0 * np.pi, 11.0])
 def test_a_crank_rocker_follows_its_closed_form_at_any_step(law, step):

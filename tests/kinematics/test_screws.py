@@ -52,6 +52,7 @@ def test_the_slide_follows_any_number_of_turns_either_way(pitch, step):
     assert np.max(np.abs(rows.acceleration[:, 1, 2] - 2.0 * LAW[1] * pitch)) <= 1e-11 * (1.0 + abs(pitch))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("pitch", [0.5, -0.3, 0.02, 20.0])
 @pytest.mark.parametrize("step", [0.1, 1.0, 30.0])
 def test_the_turn_follows_the_slide(pitch, step):

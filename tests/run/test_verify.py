@@ -20,6 +20,7 @@ def verified(name):
     return verify_deck(str(DECKS / f"{name}.DAT"), RunOptions(), 1e-7)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("name", COUPLED)
 def test_kane_and_absolute_coordinates_give_one_motion(name):
     """Over the whole run, to 1e-7 of the largest value of each kind; 6e-9 were measured."""
