@@ -4,6 +4,8 @@ DAFMS thesis (Zhao, 1992), section 2.2 and appendix C, TSYSIN.  The listing look
 hinge with the parent (NP(L(k))); its card, and any branched tree, mean the node stored with body k.
 """
 
+import math
+
 import numpy as np
 
 from .deck_values import DeckValues
@@ -59,9 +61,10 @@ def _free_axes(values, k, name):
 
 def _node(values, bodies, parent, k, point, findings):
     """Node of the flexible parent at P_k, from 0; None when P_k does not follow one."""
-    if parent == INERTIAL or bodies[parent].elastic is None:
-        return None
     own = values.record("hinge_node", k)
+    if parent == INERTIAL or bodies[parent].elastic is None:
+        _note_unused_node(own, parent, k, findings)
+        return None
     stated = own.at("NP").value if own else 0
     positions = bodies[parent].elastic.positions
     if stated == 0:
@@ -76,6 +79,13 @@ def _node(values, bodies, parent, k, point, findings):
     if not _same_point(positions[stated - 1], point):
         _report_other_point(values, positions[stated - 1], stated, parent, k, point, findings)
     return stated - 1
+
+
+def _note_unused_node(own, parent, k, findings):
+    """The listing does not look at NP of a parent without nodes; flexmb neither."""
+    if own and own.at("NP").value > 0 and parent != INERTIAL:
+        message = f"NP = {own.at('NP').value} is not used: body {parent + 1} is rigid, and Q(k) says where P_k is"
+        findings.note(f"hinge of body {k}", message, own.at("NP").place)
 
 
 def _same_point(node, point):
@@ -125,7 +135,7 @@ def _attitude(values, section, card, k, findings):
     if record is None:
         return UNTURNED
     e1, e2, e3, e4 = (number.value for number in record.numbers)
-    length = float(np.linalg.norm((e1, e2, e3, e4)))
+    length = math.hypot(e1, e2, e3, e4)
     if length == 0:
         message = "four zeros are no attitude; not turned is 0.0 0.0 0.0 1.0, the scalar last"
         findings.error(f"{card} of body {k}", message, record.place)

@@ -7,6 +7,7 @@ carrying nodes right behind it: a parent always comes before its children.  Fram
 frame.  Hinges that turn with the slope of their node hang on *riders* instead, see `tree_riders`.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -53,7 +54,7 @@ LUMP = np.dtype(
 
 def rotation_matrix(attitude) -> np.ndarray:
     """Rotation matrix (3, 3) of Euler parameters e0..e3, which need not be normalised."""
-    e0, *e = np.array(attitude, float) / np.linalg.norm(attitude)
+    e0, *e = np.array(attitude, float) / math.hypot(*attitude)
     e = np.array(e)
     cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross

@@ -80,13 +80,26 @@ def test_the_tables_of_vsdf_decks_are_the_pinned_ones_or_end_in_the_same_rows(ta
             assert line == pytest.approx(other, rel=0, abs=1e-4 * max(map(abs, other))), f"{name}: {UPDATE}"
 
 
+def results(folder, environments, *arguments):
+    """The HDF5 files that a run leaves in each of the environments."""
+    for k, environment in enumerate(environments):
+        place = folder / str(k)
+        place.mkdir()
+        flexmb(place, "run", "-q", "--no-out", *arguments, **environment)
+        yield {path.name: path.read_bytes() for path in place.glob("*.h5")}
+
+
 def test_the_bytes_of_a_flexible_body_do_not_depend_on_threads(tmp_path):
     """The linear algebra below numpy adds up in another order with two threads than with one."""
-    results = []
-    for threads in ("1", "2"):
-        folder = tmp_path / threads
-        folder.mkdir()
-        set_to = {"OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
-        flexmb(folder, "run", "-q", "--set", "time.end=0.01", DECKS / "vsdf/pendulum.vsdf", **set_to)
-        results.append((folder / "pendulum.h5").read_bytes())
-    assert results[0] == results[1]
+    environments = [{"OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads} for threads in "12"]
+    deck = DECKS / "vsdf/pendulum.vsdf"
+    one, two = results(tmp_path, environments, "--set", "time.end=0.01", deck)
+    assert one == two and len(one) == 1
+
+
+def test_the_bytes_of_rigid_bodies_do_not_depend_on_the_processor(tmp_path):
+    """For a Prescott OpenBLAS adds up without the wide registers of other processors."""
+    environments = [{"OPENBLAS_CORETYPE": "Prescott"}, {}]
+    decks = [DECKS / "dafms/spatial_rigid.DAT", DECKS / "young/IN5BODY.dat"]
+    one, other = results(tmp_path, environments, *decks)
+    assert one == other and len(one) == 2
