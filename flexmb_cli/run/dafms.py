@@ -22,35 +22,52 @@ def run_dafms(
     """
     tree = tree_of(deck, options, outcome)
     journal, march = _beginning(deck, tree, paths, options, outcome, listener)
-    files = _ResultFiles(deck, tree, paths, options, stdout)
+    with Stop.later():
+        files = _ResultFiles(deck, tree, paths, options, stdout)
     try:
+        Stop.heed()
         listener.begin(tree.time.rows)
         journal.begin(files.unfinished)
         for values in march.blocks(options.resume):
-            files.rows(values)
-            outcome.rows += len(values["time"])
-            outcome.statistics = march.statistics
+            with Stop.later():
+                files.rows(values)
+                outcome.rows += len(values["time"])
+                outcome.statistics = march.statistics
             listener.advance(len(values["time"]))
             Stop.heed()
     except AnalysisError as failure:
-        outcome.files = files.close_failed(failure.args[0], march.stopped_at)
-        journal.remove()
+        with Stop.later():
+            outcome.files = files.close_failed(failure.args[0], march.stopped_at)
+            journal.remove()
         raise
     except OutputError:
         files.discard()
         journal.close()
+        outcome.resumable = journal.begun
         raise
     except Exception:
         files.discard()
         journal.remove()
         raise
     except BaseException:
-        outcome.files = files.close_failed("interrupted")
-        journal.close()
-        outcome.resumable = journal.begun
+        with Stop.later():
+            journal.close()
+            outcome.resumable = journal.begun
+            outcome.files = files.close_interrupted(outcome.rows)
         raise
-    outcome.files = files.close()
-    journal.remove()
+    _complete(files, journal, outcome)
+
+
+def _complete(files, journal, outcome):
+    """Put the results in their places; where they cannot be, the journal stays for the next attempt."""
+    with Stop.later():
+        try:
+            outcome.files = files.close()
+        except OutputError:
+            journal.close()
+            outcome.resumable = journal.begun
+            raise
+        journal.remove()
 
 
 def _beginning(deck, tree, paths, options, outcome, listener):
@@ -59,6 +76,7 @@ def _beginning(deck, tree, paths, options, outcome, listener):
     journal = Journal(None if absolute else paths.resume, identity_of(deck, tree, options))
     if options.resume:
         journal.find()
+        outcome.faults += journal.doubts
     if not absolute:
         return journal, _March(tree, journal, listener)
     outcome.faults += _doubts(tree)
@@ -117,7 +135,8 @@ class _March:
         self.analysis = TreeAnalysis(self.tree, checkpoint)
         for rows in self.analysis.rows():
             values = tree_values(self.tree, rows, point_motion(self.tree, rows))
-            self.journal.append(values, vars(self.analysis.checkpoint))
+            with Stop.later():
+                self.journal.append(values, vars(self.analysis.checkpoint))
             self.drift.add(values)
             yield values
 
@@ -154,7 +173,7 @@ class _ResultFiles:
             make_folder(options.folder)
         try:
             self._open(tree)
-        except Exception:
+        except BaseException:
             self.discard()
             raise
 
@@ -202,21 +221,25 @@ class _ResultFiles:
             self.result.rows(values)
 
     def close(self):
-        for text in self.texts:
-            text.commit()
-        if self.result:
-            self.result.close()
+        from ..write.atomic import put_in_place
+
+        put_in_place(self._all())
         return self.paths.files
 
     def close_failed(self, message, stopped_at=None):
         self._echo()
         if self.series and stopped_at:
             self.series.failed(*stopped_at)
-        for text in self.texts:
-            text.commit()
         if self.result:
-            self.result.close("failed", message)
-        return self.paths.files
+            self.result.mark("failed", message)
+        return self.close()
+
+    def close_interrupted(self, rows):
+        """Keep the rows so far; where there are none, the results of an earlier run stay."""
+        if rows == 0:
+            self.discard()
+            return ()
+        return self.close_failed("interrupted")
 
     def discard(self):
         for file in self._all():

@@ -15,7 +15,8 @@ MARCH = "kinematic_march.march"
 
 def write_solution(solution: "Solution", deck, paths, options, outcome, listener, stdout) -> None:
     """Write the rows of `solution` as they come; raises as `keep_rows`."""
-    files = ResultFiles(deck, solution.contents, paths, options, stdout)
+    with Stop.later():
+        files = ResultFiles(deck, solution.contents, paths, options, stdout)
     keep_rows(solution.analysis, solution.rows, files, options, outcome, listener, solution.count)
 
 
@@ -36,27 +37,32 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
     try:
+        Stop.heed()
         listener.begin(rows_wanted)
         for rows in analysis.rows():
-            files.rows(rows)
-            count.add(rows)
-            outcome.rows += rows.time.size
-            outcome.statistics = str(count)
+            with Stop.later():
+                files.rows(rows)
+                count.add(rows)
+                outcome.rows += rows.time.size
+                outcome.statistics = str(count)
             listener.advance(rows.time.size)
             Stop.heed()
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
     except AnalysisError as failure:
         outcome.faults += analysis.warnings
-        outcome.files = files.close_failed(failure.args[0], no_convergence=True)
+        with Stop.later():
+            outcome.files = files.close_failed(failure.args[0], no_convergence=True)
         raise
     except Exception:
         files.discard()
         raise
     except BaseException:
-        outcome.files = files.close_failed("interrupted", no_convergence=False)
+        with Stop.later():
+            outcome.files = files.close_interrupted(outcome.rows)
         raise
-    outcome.files = files.close()
+    with Stop.later():
+        outcome.files = files.close()
 
 
 def _analysis(mechanism, options, listener: Listener):
@@ -126,7 +132,7 @@ class ResultFiles:
 
             try:
                 self.result = ResultFile(paths.h5, deck, contents.layout())
-            except Exception:
+            except BaseException:
                 self.discard()
                 raise
 
@@ -153,10 +159,9 @@ class ResultFiles:
 
     def close(self) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
-        if self.table_file:
-            self.table_file.commit()
-        if self.result:
-            self.result.close()
+        from ..write.atomic import put_in_place
+
+        put_in_place(self._all())
         return self.paths.files
 
     def close_failed(self, message, no_convergence) -> tuple[str, ...]:
@@ -164,14 +169,21 @@ class ResultFiles:
         self._begin()
         if self.table and no_convergence:
             self.table.failed()
-        if self.table_file:
-            self.table_file.commit()
         if self.result:
-            self.result.close("failed", message)
-        return self.paths.files
+            self.result.mark("failed", message)
+        return self.close()
+
+    def close_interrupted(self, rows: int) -> tuple[str, ...]:
+        """Keep the rows so far; where there are none, the results of an earlier run stay."""
+        if rows == 0:
+            self.discard()
+            return ()
+        return self.close_failed("interrupted", no_convergence=False)
 
     def discard(self) -> None:
         """Leave no file."""
-        for file in (self.table_file, self.result):
-            if file:
-                file.discard()
+        for file in self._all():
+            file.discard()
+
+    def _all(self):
+        return [file for file in (self.table_file, self.result) if file]

@@ -4,7 +4,7 @@ What a file holds is its `Layout`; rows are gathered and written by whole chunks
 the file do not depend on the blocks in which the analysis delivers them.
 """
 
-import io
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
@@ -16,6 +16,7 @@ from .. import __version__
 from ..errors import OutputError
 from ..read.deck import Deck
 from .atomic import Replacement, output_error
+from .forgiving_disk import ForgivingDisk
 
 CONVENTIONS = "flexmb-1"
 COMPLETE, FAILED = "complete", "failed"
@@ -96,8 +97,9 @@ class ResultFile:
         if self._place.direct:
             raise OutputError(f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none")
         self._written = 0
+        self._status, self._message = COMPLETE, ""
         self._waiting: list[Values] = []
-        self._disk = _ForgivingDisk(self._place.temporary)
+        self._disk = ForgivingDisk(self._place.temporary)
         self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
         self._describe(deck, layout.analysis)
         self._chunk = chunk_rows(layout)
@@ -118,16 +120,29 @@ class ResultFile:
         if self._rows_waiting >= self._chunk:
             self._write(self._rows_waiting // self._chunk * self._chunk)
 
-    def close(self, status: str = COMPLETE, message: str = "") -> None:
-        """Write what waits, mark the file with `status` and `message`, and put it in its place."""
+    def mark(self, status: str, message: str) -> None:
+        """Say how the run ended; without a word it is complete."""
+        self._status, self._message = status, message
+
+    def finish(self) -> None:
+        """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
             self._write(self._rows_waiting)
-        self._file.attrs["status"] = status
-        self._file.attrs["message"] = message
+        self._file.attrs["status"] = self._status
+        self._file.attrs["message"] = self._message
         self._file.close()
         self._disk.close()
         self._raise_disk_failure()
+
+    def commit(self) -> None:
+        """Put the finished file in its place."""
         self._place.commit()
+
+    def close(self, status: str = COMPLETE, message: str = "") -> None:
+        """Mark the file, finish it and put it in its place."""
+        self.mark(status, message)
+        self.finish()
+        self.commit()
 
     def discard(self) -> None:
         """Leave no file; one that stood at the path before stays."""
@@ -145,7 +160,7 @@ class ResultFile:
             ("flexmb_version", __version__),
             ("dialect", deck.dialect),
             ("analysis", analysis),
-            ("deck_name", deck.source.name),
+            ("deck_name", printable_name(deck.source.name)),
             ("deck_sha256", deck.source.sha256),
             ("status", FAILED),
             ("message", CUT_SHORT),
@@ -214,33 +229,9 @@ class ResultFile:
             raise output_error(self._place.path, failure) from failure
 
 
-class _ForgivingDisk(io.FileIO):
-    """The file below HDF5.  It remembers the first failure to write and swallows what follows.
-
-    HDF5 itself must not meet a full disk: it then crashes the process when its file is closed.
-    """
-
-    def __init__(self, path):
-        self.failure: OSError | None = None
-        super().__init__(path, "w+")
-
-    def write(self, data):
-        """Write all of `data`; tell HDF5 that it is done in any case."""
-        view = memoryview(data)
-        while view and self.failure is None:
-            try:
-                view = view[super().write(view) :]
-            except OSError as error:
-                self.failure = error
-        return len(data)
-
-    def truncate(self, size=None):
-        """Set the file's length."""
-        try:
-            return super().truncate(size)
-        except OSError as error:
-            self.failure = self.failure or error
-            return size
+def printable_name(name: str) -> str:
+    """A file name as UTF-8 can hold it: bytes that are none are written as \\xff."""
+    return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
 def chunk_rows(layout: Layout) -> int:
