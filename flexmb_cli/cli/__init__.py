@@ -57,6 +57,7 @@ def main():
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     signal.signal(signal.SIGTERM, _terminate)
+    sys.unraisablehook = _pass_over_stops
     _open_closed_streams()
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")
@@ -106,6 +107,12 @@ def _refuse_lost_folder():
     except OSError:
         _tell("flexmb: error: the current folder does not exist any more")
         sys.exit(BAD_INPUT)
+
+
+def _pass_over_stops(lost):
+    """A stop that came in the midst of Python's own clearing up is not raised there; it is no traceback."""
+    if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated):
+        sys.__unraisablehook__(lost)
 
 
 def _terminate(number, frame):

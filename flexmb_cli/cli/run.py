@@ -92,8 +92,10 @@ def _outcomes(decks, options, jobs, quiet):
         yield from _outcomes_in_parallel(decks, options, jobs)
         return
     from ..run.deck import run_deck
+    from ..run.outcome import Stop
 
     for deck in decks:
+        Stop.heed()
         # The bar ends its line before anything is said of the outcome.
         with _Progress(quiet) as progress:
             outcome = run_deck(deck, options, progress.listener, sys.stdout)
@@ -106,7 +108,9 @@ def _outcomes_in_parallel(decks, options, jobs):
     from multiprocessing import get_context
 
     from ..run.deck import run_deck
+    from ..run.orphans import outlive_workers
 
+    outlive_workers()
     context = get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(decks)), context, initializer=_begin_worker) as pool:
         waiting = [pool.submit(run_deck, deck, options) for deck in decks]

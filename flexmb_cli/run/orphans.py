@@ -1,4 +1,4 @@
-"""Worker processes end with the process that started them, also when that one is killed."""
+"""Worker processes end with the process that started them, however it ends; it does not end with them."""
 
 import os
 import signal
@@ -15,6 +15,15 @@ def end_with_parent() -> None:
     parent = parent_process()
     if parent is not None:
         Thread(target=_kill_after, args=(parent,), daemon=True).start()
+
+
+def outlive_workers() -> None:
+    """Have a worker, or a scheduler, that dies raise an error here.
+
+    The system would end this process as well, silently, for writing into a pipe that nobody reads.
+    """
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
 def _kill_after(parent):

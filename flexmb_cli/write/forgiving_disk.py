@@ -1,6 +1,8 @@
 """The file below HDF5, which must not learn that a disk is full."""
 
 import io
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 
 class ForgivingDisk(io.FileIO):
@@ -31,7 +33,14 @@ class ForgivingDisk(io.FileIO):
             self.failure = self.failure or error
             return size
 
-    def complain(self) -> None:
-        """Raise the OSError that was swallowed, if any."""
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """Raise the OSError that was swallowed, whatever HDF5 made of it."""
+        try:
+            yield
+        except Exception as fault:
+            if self.failure is None:
+                raise
+            raise self.failure from fault
         if self.failure is not None:
             raise self.failure

@@ -6,6 +6,7 @@ the file do not depend on the blocks in which the analysis delivers them.
 
 import os
 from collections.abc import Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from math import prod
 
@@ -15,7 +16,7 @@ import numpy as np
 from .. import __version__
 from ..errors import OutputError
 from ..read.deck import Deck
-from .atomic import Replacement, output_error
+from .atomic import Replacement, located
 from .forgiving_disk import ForgivingDisk
 
 CONVENTIONS = "flexmb-1"
@@ -99,15 +100,12 @@ class ResultFile:
         self._written = 0
         self._status, self._message = COMPLETE, ""
         self._waiting: list[Values] = []
-        self._disk = ForgivingDisk(self._place.temporary)
-        self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
-        self._describe(deck, layout.analysis)
         self._chunk = chunk_rows(layout)
-        scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
-        for constant in layout.constants:
-            self._make_constant(constant, scales)
-        self._series = self._make_series(layout.series, scales)
-        self._raise_disk_failure()
+        self._file = None
+        self._disk = ForgivingDisk(self._place.temporary)
+        with self._on_disk():
+            self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
+            self._begin(deck, layout)
 
     @property
     def temporary(self) -> str:
@@ -128,11 +126,11 @@ class ResultFile:
         """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
             self._write(self._rows_waiting)
-        self._file.attrs["status"] = self._status
-        self._file.attrs["message"] = self._message
-        self._file.close()
-        self._disk.close()
-        self._raise_disk_failure()
+        with self._on_disk():
+            self._file.attrs["status"] = self._status
+            self._file.attrs["message"] = self._message
+            self._file.close()
+            self._disk.close()
 
     def commit(self) -> None:
         """Put the finished file in its place."""
@@ -146,13 +144,24 @@ class ResultFile:
 
     def discard(self) -> None:
         """Leave no file; one that stood at the path before stays."""
-        self._file.close()
-        self._disk.close()
+        # HDF5 may trip over what the disk has refused; all of it is thrown away.
+        with suppress(Exception):
+            if self._file:
+                self._file.close()
+        with suppress(OSError):
+            self._disk.close()
         self._place.discard()
 
     @property
     def _rows_waiting(self):
         return sum(len(block["time"]) for block in self._waiting)
+
+    def _begin(self, deck, layout):
+        self._describe(deck, layout.analysis)
+        scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
+        for constant in layout.constants:
+            self._make_constant(constant, scales)
+        self._series = self._make_series(layout.series, scales)
 
     def _describe(self, deck, analysis):
         for name, value in (
@@ -214,19 +223,23 @@ class ResultFile:
         """Write the first `count` waiting rows; the others go on waiting."""
         gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
         stop = self._written + count
-        for path, dataset in self._series.items():
-            dataset.resize(stop, axis=0)
-            dataset[self._written : stop] = gathered[path][:count]
-        self._raise_disk_failure()
+        with self._on_disk():
+            for path, dataset in self._series.items():
+                dataset.resize(stop, axis=0)
+                dataset[self._written : stop] = gathered[path][:count]
         self._written = stop
         rest = {path: values[count:] for path, values in gathered.items()}
         self._waiting = [rest] if len(rest["time"]) else []
 
-    def _raise_disk_failure(self):
-        failure = self._disk.failure
-        if failure is not None:
+    @contextmanager
+    def _on_disk(self):
+        """Leave no file when the disk, or anything else, ends the writing."""
+        try:
+            with located(self._place.path), self._disk.blamed():
+                yield
+        except BaseException:
             self.discard()
-            raise output_error(self._place.path, failure) from failure
+            raise
 
 
 def printable_name(name: str) -> str:

@@ -81,25 +81,23 @@ def _blocks(head: TableHead, rows) -> Iterator[list[Row]]:
 
 
 def _write_hdf5(path, head, rows):
-    with ForgivingDisk(path) as disk:
-        with h5py.File(disk, "w", libver=FILE_FORMAT) as file:
-            _fill(file, head, rows, disk)
-        disk.complain()
+    with ForgivingDisk(path) as disk, disk.blamed(), h5py.File(disk, "w", libver=FILE_FORMAT) as file:
+        _fill(file, head, rows, disk)
 
 
 def _fill(file, head, rows, disk):
     datasets = _datasets(file, head)
     start = 0
     for block in _blocks(head, rows):
-        disk.complain()
-        stop = start + len(block)
-        counts = list(zip(*block, strict=True))
-        for name, values in zip(("case", "exit_code", "rows"), counts, strict=False):
-            datasets[name][start:stop] = values
-        datasets["message"][start:stop] = counts[3]
-        for k, column in enumerate(head.columns):
-            datasets[column.path][start:stop] = np.array([row[4][k] for row in block])
-        start = stop
+        with disk.blamed():  # a long study need not be gone through for nothing
+            stop = start + len(block)
+            counts = list(zip(*block, strict=True))
+            for name, values in zip(("case", "exit_code", "rows"), counts, strict=False):
+                datasets[name][start:stop] = values
+            datasets["message"][start:stop] = counts[3]
+            for k, column in enumerate(head.columns):
+                datasets[column.path][start:stop] = np.array([row[4][k] for row in block])
+            start = stop
 
 
 def _datasets(file, head):

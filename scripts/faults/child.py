@@ -1,4 +1,4 @@
-"""Commands in children of this process, which has imported flexmb and loaded its kernels: a tenth of a second each."""
+"""Commands in forks of this process, which has imported flexmb and loaded its kernels."""
 
 import os
 import signal
@@ -46,11 +46,12 @@ class Hit:
     environment: dict = field(default_factory=dict)
 
 
-def run_forked(arguments: Sequence, folder: Path, hit: Hit = Hit()) -> Ended:
+UNHIT = Hit()
+
+
+def run_forked(arguments: Sequence, folder: Path, hit: Hit = UNHIT) -> Ended:
     """Run `flexmb ARGUMENTS` in `folder` by a fork of this process."""
-    said = [tempfile.TemporaryFile() for _ in range(3)]
-    said[0].write(hit.stdin)
-    said[0].seek(0)
+    said = _streams(hit)
     sys.stdout.flush(), sys.stderr.flush()
     start = time.monotonic()
     number = os.fork()
@@ -59,11 +60,9 @@ def run_forked(arguments: Sequence, folder: Path, hit: Hit = Hit()) -> Ended:
     return _awaited(number, start, hit, said)
 
 
-def run_process(arguments: Sequence, folder: Path, hit: Hit = Hit()) -> Ended:
+def run_process(arguments: Sequence, folder: Path, hit: Hit = UNHIT) -> Ended:
     """The same by a Python of its own, from its first import; without `trip` and `begin`."""
-    said = [tempfile.TemporaryFile() for _ in range(3)]
-    said[0].write(hit.stdin)
-    said[0].seek(0)
+    said = _streams(hit)
     environment = {name: value for name, value in (os.environ | hit.environment).items() if value is not None}
     command = [sys.executable, "-m", "flexmb_cli", *map(os.fsencode, map(str, arguments))]
     start = time.monotonic()
@@ -78,6 +77,14 @@ def run_process(arguments: Sequence, folder: Path, hit: Hit = Hit()) -> Ended:
         finally:
             os._exit(99)
     return _awaited(number, start, hit, said)
+
+
+def _streams(hit):
+    """Files for the three standard streams."""
+    said = [tempfile.TemporaryFile() for _ in range(3)]  # noqa: SIM115 - closed when they have been read
+    said[0].write(hit.stdin)
+    said[0].seek(0)
+    return said
 
 
 def _become(arguments, folder, hit, said):

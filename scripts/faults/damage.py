@@ -37,7 +37,7 @@ def other_run_resumed(stage, chance, number, folder) -> Verdict:
 
 
 def damaged_journal(stage, chance, number, folder) -> Verdict:
-    """A journal cut, zeroed or garbled anywhere: the run goes on from what is whole, or says that it cannot."""
+    """A journal cut, zeroed or garbled: the run goes on from what is whole, or says that it cannot."""
     command = _trees(stage, number)
     before = command.prepare(folder, with_old=False)
     journal = _stopped(command, folder, chance)

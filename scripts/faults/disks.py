@@ -67,7 +67,7 @@ def _refused(command, folder, before, ended):
 
 
 def small_disk(stage, chance, number, folder) -> Verdict:
-    """A file system of random size, from nothing to what the outputs need; then the command where there is room."""
+    """A file system of random size, from nothing to what the outputs need; then with room enough."""
     command = stage.spread(stage.writers, number)
     needed = sum(map(len, command.whole.values())) + sum(map(len, command.inputs.values()))
     room = (

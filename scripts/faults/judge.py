@@ -1,9 +1,11 @@
-"""The rules: an output is the old one, the new one whole, or marked partial; a message says which; nothing is lost."""
+"""The rules: an output is the old one, the new one whole, or marked partial, and a message says which."""
 
 import re
+import shutil
 from pathlib import Path
 
 import h5py
+import numpy as np
 
 from .child import HANGS, Ended
 from .stage import Command
@@ -39,6 +41,7 @@ def faults_of_files(command: Command, folder: Path, before: dict, ended: Ended) 
         states[output] = state = _state(command, folder, before, output)
         if state is None:
             found.append(f"{output} is neither the old one, nor the new one, nor marked partial")
+            _keep_evidence(folder, output)
         elif state == "partial" and ended.code not in (1, *STOPPED):
             found.append(f"{output} is partial after exit {ended.code}")
         elif state == "old" and ended.code == 0:
@@ -48,6 +51,12 @@ def faults_of_files(command: Command, folder: Path, before: dict, ended: Ended) 
     if ended.code == 2 and set(states.values()) - {"old"} and "several" not in command.name:
         found.append(f"exit 2 left {states}")
     return found + _strangers(command, folder, before, ended)
+
+
+def _keep_evidence(folder, output):
+    """The command that is given again would write over it."""
+    if (folder / output).is_file():
+        shutil.copy(folder / output, folder.parent / f"seen-{Path(output).name}")
 
 
 def _state(command, folder, before, output):
@@ -88,11 +97,13 @@ def _begins(file, name, item, rows):
     """Whether a dataset of the complete result begins with the partial one's."""
     if not isinstance(item, h5py.Dataset):
         return True
-    part = file[name][()]
-    value = item[()]
-    if getattr(value, "shape", ()) == getattr(part, "shape", ()):
-        return bytes(value) == bytes(part) if isinstance(value, bytes) else value.tobytes() == part.tobytes()
-    return len(part) == rows and value[:rows].tobytes() == part.tobytes()
+    part, value = np.asarray(file[name][()]), np.asarray(item[()])
+    if part.shape != value.shape:
+        if len(part) != rows:
+            return False
+        value = value[:rows]
+    # Texts are objects, whose bytes are their addresses.
+    return part.tolist() == value.tolist() if part.dtype == object else part.tobytes() == value.tobytes()
 
 
 def _strangers(command, folder, before, ended):
@@ -111,14 +122,14 @@ def _strangers(command, folder, before, ended):
 
 
 def _belongs(name, command, ended):
-    if command.resumable and ended.code != 0:
-        if name.endswith((".resume", ".draft")) or ".parts/" in name or ".parts.done/" in name:
-            return True
+    kept = name.endswith((".resume", ".draft")) or ".parts/" in name or ".parts.done/" in name
+    if command.resumable and ended.code != 0 and kept:
+        return True
     return ended.code == KILLED and bool(OURS.search(name))
 
 
 def faults_of_finish(command: Command, folder: Path, before: dict, ended: Ended) -> list[str]:
-    """What is wrong after the command was given again: it must have its end, and the bytes of the undisturbed one."""
+    """What is wrong after the command was given again: it must give the bytes of the undisturbed one."""
     found = [f"given again: {fault}" for fault in faults_of_end(ended, {0})]
     for output in command.outputs:
         path = folder / output

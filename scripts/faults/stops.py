@@ -133,11 +133,14 @@ def signals_at_any_time(stage, chance, number, folder) -> Verdict:
 
 
 def signals_to_process(stage, chance, number, folder) -> Verdict:
-    """SIGINT or SIGTERM to a process of its own; not in the first tenth of a second, which is Python's."""
+    """SIGINT or SIGTERM to a process of its own; not while Python itself is starting."""
     command = stage.spread(stage.writers, number // 2)
     sent = (signal.SIGINT, signal.SIGTERM)[number % 2]
     hit = Hit(sent, chance.uniform(0.15, 3.0))
-    return _hit_and_finish(command, folder, hit, chance.random() < 0.5, run_process, sent)
+    verdict = _hit_and_finish(command, folder, hit, chance.random() < 0.5, run_process, sent)
+    if any("KeyboardInterrupt" in fault and "flexmb_cli/" not in fault for fault in verdict.faults):
+        return Verdict(command.name, skipped="Python itself was still starting")
+    return verdict
 
 
 def _hit_and_finish(command, folder, hit, with_old, run=run_forked, sent=signal.SIGKILL):
@@ -146,7 +149,8 @@ def _hit_and_finish(command, folder, hit, with_old, run=run_forked, sent=signal.
     ended = command.run(folder, hit, run)
     allowed = {0, -sent} if sent == signal.SIGKILL else {0, 128 + sent}
     if run is run_process:
-        allowed.add(-sent)  # SIGTERM before the command has begun; SIGINT as Python tells shells of it: $? is 130
+        # SIGTERM before the command has begun; SIGINT as Python tells shells of it.
+        allowed.add(-sent)
     found = faults_of_end(ended, allowed) + faults_of_files(command, folder, before, ended)
     finished = _go_on(command, folder, Hit())
     found += faults_of_finish(command, folder, before, finished)

@@ -1,4 +1,4 @@
-"""What a command may find around it: closed streams, full pipes, odd names, other locales, masks of permissions."""
+"""What a command may find around it: closed streams, full pipes, odd names, locales, masks of permissions."""
 
 import os
 import shutil

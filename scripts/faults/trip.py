@@ -1,4 +1,4 @@
-"""Moments at which a run can be hit: what it does to the files of a folder is counted, and one deed goes wrong.
+"""Moments at which a run can be hit: its deeds to the files of a folder are counted, and one goes wrong.
 
 Counted are opening for writing, every write to a file, renaming, removing, making and cutting.  `install`
 must come before the first import of flexmb: files are then opened through a class that counts its writes.
@@ -22,7 +22,7 @@ _TAKES_ROOM = ("open", "write", "os.mkdir")
 
 @dataclass
 class Trip:
-    """What goes wrong in `folder` at the deed number `at` (from 1; 0: never); `sent` is the signal of STOP."""
+    """What goes wrong in `folder` at the deed number `at` (from 1; 0: never); `sent`: the signal of STOP."""
 
     folder: str
     at: int = 0
