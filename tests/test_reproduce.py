@@ -4,7 +4,9 @@ Expected numbers: the recomputed figures of the sources' examples, as named in t
 and tests/vsdf; here only what the page says of them is read back.
 """
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,14 +15,15 @@ import pytest
 
 pytestmark = pytest.mark.processes
 
-SCRIPT = Path(__file__).resolve().parents[1] / "scripts/reproduction/page.py"
+SCRIPT = Path(__file__).resolve().parents[1] / "scripts/reproduce"
 
 
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     """Rows of cells of every table by the title above it, and the folder of the page."""
     folder = tmp_path_factory.mktemp("reproduction")
-    subprocess.run([sys.executable, str(SCRIPT), str(folder)], check=True, stdout=subprocess.DEVNULL)
+    environment = os.environ | {"FLEXMB_PYTHON": sys.executable}
+    subprocess.run([str(SCRIPT), str(folder)], check=True, stdout=subprocess.DEVNULL, env=environment)
     page = (folder / "index.html").read_text(encoding="utf-8")
     parts = re.split(r"<h2>(.*?)</h2>", page)[1:]
     found = {}
@@ -72,3 +75,19 @@ def test_the_pictures_are_there(tables):
     pictures = re.findall(r'src="(.*?)"', page)
     assert len(pictures) == 5
     assert all((folder / name).stat().st_size > 10_000 for name in pictures)
+
+
+def test_without_an_interpreter_named_it_makes_its_own_environment(tmp_path):
+    """The script in a checkout whose scripts/venv and interpreter only tell how they are called."""
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / ".venv/bin").mkdir(parents=True)
+    shutil.copy(SCRIPT, tmp_path / "scripts/reproduce")
+    for name in ("scripts/venv", ".venv/bin/python"):
+        (tmp_path / name).write_text('#!/bin/sh\necho "${0##*/} $*"\n')
+        (tmp_path / name).chmod(0o755)
+    environment = {name: value for name, value in os.environ.items() if name != "FLEXMB_PYTHON"}
+    done = subprocess.run(
+        [tmp_path / "scripts/reproduce", "here"], capture_output=True, text=True, env=environment
+    )
+    assert done.stderr == "venv plot\n"
+    assert done.stdout == f"python {tmp_path}/scripts/reproduction/page.py here\n"

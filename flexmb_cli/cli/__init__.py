@@ -26,6 +26,9 @@ from .sweep import sweep
 from .table import table
 from .verify import verify
 
+# Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
 
 class Group(click.Group):
     """Keeps the commands in the order of their definition."""
@@ -58,6 +61,7 @@ def main():
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     signal.signal(signal.SIGTERM, _terminate)
     sys.unraisablehook = _pass_over_stops
+    os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")

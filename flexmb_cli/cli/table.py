@@ -22,12 +22,24 @@ def table(result, names, listing, start, stop, every, style, quiet):
     A NAME says what, which, the quantity and the component: body.3.z, body.2.omega.x, body.1.velocity (all
     three), point.1.acceleration, coordinate.2, coordinate.theta2, reaction.4.force, driver.1.effort,
     energy.total, elastic.2.node3.y.  Patterns such as "body.*.z" need quotes in a shell; the deck's own
-    names count too: "reaction.revolute 2.force".
+    names count too: "reaction.revolute 2.force".  "*" is everything.
+
+    Of the table of a study (flexmb sweep) the cases are printed, a row each, with their parameters and
+    results as columns; a NAME is that of one of these.
 
     \b
     Example:
         flexmb table OUT4-BAR.h5 body.3.z point.1.velocity --every 5 --from 0.5
+        flexmb table study.h5 top --format text
     """
+    from ..write.study_text import is_study
+
+    if is_study(result):
+        if start is not None or stop is not None:
+            message = "is the table of a study, a row a case: it has no times for --from and --to"
+            raise click.UsageError(f"{result} {message}")
+        _print_study(result, names, listing, every, style, quiet)
+        return
     from ..write.quantities import names as all_names
     from ..write.quantities import open_result, resolve
     from ..write.table import chosen_rows, list_text, table_text
@@ -42,6 +54,25 @@ def table(result, names, listing, start, stop, every, style, quiet):
         rows = chosen_rows(file, start, stop, every)
         _remark(result, file, rows, quiet)
         for piece in table_text(file, quantities, rows, style or "csv"):
+            click.echo(piece, nl=False)
+
+
+def _print_study(path, names, listing, every, style, quiet):
+    import h5py
+
+    from ..write.study_text import chosen_columns, study_columns, study_notes, study_text
+    from ..write.table import list_text
+
+    with h5py.File(path, "r") as file:
+        columns = study_columns(file)
+        if names or not listing:
+            columns = chosen_columns(columns, names)
+        if listing:
+            click.echo(list_text(columns, style or "text"), nl=False)
+            return
+        for note in () if quiet else study_notes(file, columns, bool(names)):
+            click.echo(f"{path}: note: {note}", err=True)
+        for piece in study_text(file, columns, every, style or "csv"):
             click.echo(piece, nl=False)
 
 

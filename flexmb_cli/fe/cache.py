@@ -18,7 +18,7 @@ from ..errors import Fault
 from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 2
+LAYOUT = 3
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
 _ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped"))
 

@@ -52,7 +52,7 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
     except AnalysisError as failure:
         outcome.faults += analysis.warnings
         with Stop.later():
-            outcome.files = files.close_failed(failure.args[0], no_convergence=True)
+            outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
         raise
     except Exception:
         files.discard()
@@ -62,7 +62,12 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
             outcome.files = files.close_interrupted(outcome.rows)
         raise
     with Stop.later():
-        outcome.files = files.close()
+        outcome.files = files.close(notes_of(analysis))
+
+
+def notes_of(analysis) -> tuple[str, ...]:
+    """What an analysis told about its way, for the result file."""
+    return tuple(fault.sentence for fault in analysis.warnings)
 
 
 def _analysis(mechanism, options, listener: Listener):
@@ -157,21 +162,23 @@ class ResultFiles:
         if self.result:
             self.result.rows(self.contents.values(rows))
 
-    def close(self) -> tuple[str, ...]:
+    def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
         from ..write.atomic import put_in_place
 
+        if self.result:
+            self.result.note(notes)
         put_in_place(self._all())
         return self.paths.files
 
-    def close_failed(self, message, no_convergence) -> tuple[str, ...]:
+    def close_failed(self, message, no_convergence, notes=()) -> tuple[str, ...]:
         """Keep the rows so far, marked as those of a failed run; the names of the files."""
         self._begin()
         if self.table and no_convergence:
             self.table.failed()
         if self.result:
             self.result.mark("failed", message)
-        return self.close()
+        return self.close(notes)
 
     def close_interrupted(self, rows: int) -> tuple[str, ...]:
         """Keep the rows so far; where there are none, the results of an earlier run stay."""

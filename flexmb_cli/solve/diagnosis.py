@@ -89,7 +89,7 @@ class Mobility:
     `redundant`: groups of equations, one group a dependency; any one of a group repeats the others.
     `free`: groups of coordinate names that can change together, largest share first.  `motions`:
     the unit null vectors (freedoms, coordinates), scaled.  `pivots`: a coordinate for each of them
-    that no other moves.
+    that no other moves; `repeated`: a row for each group of `redundant` that no other has.
     """
 
     equations: int
@@ -100,6 +100,7 @@ class Mobility:
     free: tuple[tuple[str, ...], ...]
     motions: np.ndarray
     pivots: tuple[int, ...]
+    repeated: tuple[int, ...] = ()
 
     @property
     def freedoms(self) -> int:
@@ -114,7 +115,7 @@ def mobility(evaluator: Evaluator, q, t, near) -> Mobility:
     rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
     arrays = evaluator.arrays
     motions, pivots = sparse_basis(right[rank:])
-    dependencies, _ = sparse_basis(left[:, rank:].T)
+    dependencies, repeated = sparse_basis(left[:, rank:].T)
     return Mobility(
         equations=len(arrays.equations),
         coordinates=q.size,
@@ -124,6 +125,7 @@ def mobility(evaluator: Evaluator, q, t, near) -> Mobility:
         free=tuple(tuple(arrays.coordinate_name(k) for k in involved(row)) for row in motions),
         motions=motions,
         pivots=pivots,
+        repeated=repeated,
     )
 
 

@@ -9,17 +9,20 @@ from ..kernels import kinematic_march
 from ..model.arrays import KinematicArrays, kinematic_arrays
 from ..model.mechanism import Mechanism
 from .assembly import assemble_by_search, assembly_failure, free_motion_error, redundancy_warning
+from .crossing import row_across
 from .diagnosis import CLOSED, mobility, moves_freely
 from .kinematic_system import kinematic_system, rows_of, with_dependent_columns
-from .lockup import step_failure
+from .lockup import singular_start, step_failure
+from .passages import Passages
 from .position import Evaluator
-from .rows import Rows
+from .rows import Rows, first_rows
 from .settings import KinematicSettings
 from .tilt import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
 
 CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 LARGEST_BLOCK = 1024  # rows
 MOST_STEPS = 5000
+ASIDE = 1e-3  # of the time between rows: a start that is singular is no longer so
 
 
 class KinematicAnalysis:
@@ -34,6 +37,8 @@ class KinematicAnalysis:
         self.settings = settings or KinematicSettings()
         self.system = kinematic_system(self.arrays, self.settings)
         self.warnings: list[Fault] = []
+        self.passages = Passages(self)
+        self._sparse, self._left_out = None, ((), ())
         self._restart(self.arrays.q)
 
     def _restart(self, q):
@@ -61,32 +66,68 @@ class KinematicAnalysis:
             first = self._assemble_otherwise()
         refuse_tilted_drive(self.mechanism, first)
         yield first
-        grid, size = self.mechanism.time, self._at_once(LARGEST_BLOCK)
-        for start in range(1, grid.rows, size):
-            end = min(start + size, grid.rows)
-            block = self._block(start, end)
-            if block is not None:
-                yield keeps_axis(self.mechanism, block)
-            if block is None or block.time.size < end - start:
-                reached = start + (0 if block is None else block.time.size)
-                raise step_failure(self, grid.time(reached))
+        row = 1
+        while row < self.mechanism.time.rows:
+            for rows in self._rows_from(row):
+                row += rows.time.size
+                yield keeps_axis(self.mechanism, rows)
+
+    def _rows_from(self, row) -> Iterator[Rows]:
+        """A block of report rows, and the row behind it where that stands at a crossing of two motions."""
+        wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
+        memory = self.passages.memory()
+        block = self._block(row, row + wanted)
+        reached = 0 if block is None else block.time.size
+        count, across = reached, None
+        # A row so near to a crossing that its rates are round-off, and the one the march could not reach.
+        for k in (self.passages.first_without_rates(memory, block) if reached else 0, reached):
+            if k < wanted and across is None:
+                across = self._row_across(row + k, memory)
+                count = reached if across is None else k
+        if count:
+            part = first_rows(block, count)
+            self.passages.look(memory, part)
+            yield part
+        if across is not None:
+            yield across
+        elif count < wanted:
+            raise step_failure(self, self.mechanism.time.time(row + count))
+
+    def _row_across(self, row, memory) -> Rows | None:
+        """The report row, if it stands where two motions cross; else the march stays where it was."""
+        kept = self.state, self.motion, self.clock
+        found = row_across(self, self.mechanism.time.time(row), memory)
+        if found is None:
+            self.state, self.motion, self.clock = kept
+        return found
 
     def _at_once(self, most):
         """How many steps or rows the kernel is given at a time: an interrupt waits for them."""
         return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
 
-    def _marcher(self) -> Callable:
+    def marcher(self) -> Callable:
+        """The march of this mechanism, by dense or by sparse factors: see `kinematic_march.march`."""
         if not self.evaluator.is_large:
             return lambda *arguments: kinematic_march.march(self.system, *arguments)
-        if not hasattr(self, "_sparse"):
+        if self._sparse is None:
             from .sparse_march import SparseMarch
 
-            self._sparse = SparseMarch(self.evaluator)
+            self._sparse = SparseMarch(self.evaluator, *self._left_out)
         return self._sparse.march
+
+    def carry(self, march, state, motion, clock, t: float, attempts: int | None = None) -> bool:
+        """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
+        out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
+        while clock[kinematic_march.TIME] < t:
+            clock[kinematic_march.BUDGET] = attempts or self._at_once(MOST_STEPS)
+            march(state, motion, clock, np.array([t]), out, audit)
+            if attempts or clock[kinematic_march.BUDGET] > 0.0:
+                break
+        return clock[kinematic_march.TIME] >= t
 
     def _march(self, times, out, audit):
         """Fill rows until all are reached or the way is barred; returns how many were."""
-        reached, march = 0, self._marcher()
+        reached, march = 0, self.marcher()
         while reached < times.size:
             self.clock[kinematic_march.BUDGET] = self._at_once(MOST_STEPS)
             rest = slice(reached, None)
@@ -117,11 +158,30 @@ class KinematicAnalysis:
         for motion in found.motions:
             if moves_freely(evaluator, q, t, near, motion):
                 raise free_motion_error(evaluator, q, found, motion, t)
-        if found.freedoms:
-            self.warnings.append(redundancy_warning(found))
-            self.system = with_dependent_columns(self.system, found.pivots)
+        if not found.freedoms:
+            self._restart(q)
+            first = self._block(0, 1)
+            if first is None:
+                raise assembly_failure(evaluator, gap, t)
+            return first
+        return self._with_repetitions(q, found)
+
+    def _with_repetitions(self, q, found) -> Rows:
+        """The first row where equations repeat others, if they still do a little later.
+
+        Raises AnalysisError if they do not: the start is a dead centre or a branching.
+        """
+        full, t = self.system, self.mechanism.time.time(0)
+        self.system = with_dependent_columns(full, found.pivots)
+        self._sparse, self._left_out = None, (found.repeated, found.pivots)
+        self.passages = Passages(self, active=False)
         self._restart(q)
-        first = self._block(0, 1)
-        if first is None:
-            raise assembly_failure(evaluator, gap, t)
+        first, start = self._block(0, 1), self.passages.memory()
+        later = t + ASIDE * self.mechanism.time.step
+        arrived = first is not None and self.carry(self.marcher(), self.state, self.motion, self.clock, later)
+        if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).freedoms == 0:
+            self.system = full
+            raise singular_start(self, q, t)
+        self.state, self.motion, self.clock = start
+        self.warnings.append(redundancy_warning(found))
         return first

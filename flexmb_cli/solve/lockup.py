@@ -3,9 +3,11 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault
-from .diagnosis import CLOSED, mobility, nearest_position, worst_gaps
+from .diagnosis import CLOSED, nearest_position, worst_gaps
+from .weakness import weakest_owners, weakness, weakness_text
 
 ASIDE = 0.05  # of the length scale, and of Euler parameters
+LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
 def step_failure(analysis, t: float) -> AnalysisError:
@@ -14,7 +16,7 @@ def step_failure(analysis, t: float) -> AnalysisError:
     A gap that stays open at t is a lock; without a gap the mechanism passes a position at which its
     motion is not determined.
     """
-    evaluator, reached = analysis.evaluator, analysis.clock[0]
+    evaluator, reached = analysis.evaluator, float(analysis.clock[0])
     near = analysis.motion[:, 0]
     gap = _least_gap(evaluator, analysis.state[0], t, near)
     worst = worst_gaps(evaluator, gap)
@@ -30,7 +32,7 @@ def step_failure(analysis, t: float) -> AnalysisError:
             f"left of the worst ones: {left}; the mechanism locks, or a driver asks for more than it can do"
         )
         return AnalysisError(Fault("error", message, worst[0].equation.place), t, norms)
-    return AnalysisError(_singular(analysis, evaluator, reached, t), t, norms)
+    return AnalysisError(_singular(analysis, reached, t), t, norms)
 
 
 def _least_gap(evaluator, q, t, near):
@@ -39,28 +41,41 @@ def _least_gap(evaluator, q, t, near):
     From a dead centre the search does not leave the line of symmetry by itself.
     """
     gap = nearest_position(evaluator, q, t, near)[1]
-    if np.max(np.abs(gap)) <= CLOSED or evaluator.is_large:
+    if np.max(np.abs(gap)) <= CLOSED:
         return gap
-    evaluator.residual(q, t, near)
-    aside = ASIDE * np.linalg.svd(evaluator.matrix(q))[2][-1] * evaluator.arrays.column_scale
+    aside = ASIDE * weakness(evaluator, q, t, near).motion * evaluator.arrays.column_scale
     others = [nearest_position(evaluator, q + side * aside, t, near)[1] for side in (1.0, -1.0)]
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
-def _singular(analysis, evaluator, reached, t):
+def _singular(analysis, reached, t):
+    """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
+    evaluator, q, near = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
+    weak = weakness(evaluator, q, reached, near)
+    later = t + LATER * analysis.mechanism.time.step
+    worst = worst_gaps(evaluator, _least_gap(evaluator, q, later, near), 1)
+    if worst:
+        end = f"a dead centre: at t = {later:.6g} s a gap remains, {worst[0].text}"
+    else:
+        end = "the motion can branch there, and no way of going on is smooth"
     message = (
-        f"at t = {t:.6g} s there is no smooth continuation (motion reached t = {reached:.6g} s): the "
-        "mechanism can be put together there, but is at or next to a singular position"
+        f"at t = {t:.6g} s the mechanism is at or next to a singular position"
+        f"{weakness_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
     )
-    if evaluator.is_large:
-        return Fault("error", message)
-    found = mobility(evaluator, analysis.state[0], reached, analysis.motion[:, 0])
-    weakest = found.free[0] if found.free else _weakest(evaluator, analysis.state[0])
-    message += f", where {', '.join(weakest[:4])} are not determined"
-    return Fault("error", message)
+    return Fault("error", message, _place(evaluator, weak))
 
 
-def _weakest(evaluator, q):
-    """Names of the coordinates that the equations determine least."""
-    vector = np.abs(np.linalg.svd(evaluator.matrix(q))[2][-1])
-    return [evaluator.arrays.coordinate_name(int(k)) for k in np.argsort(-vector)[:4]]
+def singular_start(analysis, q, t) -> AnalysisError:
+    """The failure of an analysis whose first position q is a dead centre or a branching."""
+    evaluator = analysis.evaluator
+    weak = weakness(evaluator, q, t, analysis.arrays.screw_angles)
+    message = (
+        f"at t = {t:.6g} s the mechanism starts at a singular position{weakness_text(evaluator, q, weak)}: a "
+        "dead centre, or a place where motions branch; begin a little earlier or later"
+    )
+    return AnalysisError(Fault("error", message, _place(evaluator, weak)), t, {"condition": weak.condition})
+
+
+def _place(evaluator, weak):
+    owners = weakest_owners(evaluator, weak)
+    return owners[0].place if owners else None

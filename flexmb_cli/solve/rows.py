@@ -1,6 +1,6 @@
 """Report rows: what an analysis of a mechanism delivers, block by block, to the writers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -28,6 +28,11 @@ class Rows:
     constraint_residual: np.ndarray  # (T,) largest |Phi|
     velocity_residual: np.ndarray  # (T,) largest |dPhi/dt|
     newton_iterations: np.ndarray  # (T,) int64
+
+
+def first_rows(rows: Rows, count: int) -> Rows:
+    """The first `count` of the rows."""
+    return Rows(**{field.name: getattr(rows, field.name)[:count] for field in fields(Rows)})
 
 
 def twice_g(p, rate):

@@ -29,11 +29,16 @@ RATE, REMAINDER = 1, 2
 
 
 class SparseFactors:
-    """SuperLU factors of scaled Jacobians that share one pattern and one order of the columns."""
+    """SuperLU factors of scaled Jacobians that share one pattern and one order of the columns.
 
-    def __init__(self, evaluator: Evaluator):
+    `repeated`: rows that repeat others, `dependent`: as many coordinates that follow from the others; a row
+    of the one and a column of the other are replaced by a 1, so that those coordinates are left as they are.
+    """
+
+    def __init__(self, evaluator: Evaluator, repeated=(), dependent=()):
         self.evaluator = evaluator
         self.order = None
+        self.repeated, self.dependent = np.array(repeated, dtype=int), np.array(dependent, dtype=int)
         self._find_pattern()
 
     def _find_pattern(self):
@@ -42,12 +47,14 @@ class SparseFactors:
         generic = np.random.default_rng(1996).uniform(0.3, 1.0, size)
         self.evaluator.residual(generic, 0.0, self.evaluator.arrays.screw_angles)
         rows, columns, values = self.evaluator.entries(generic)
-        self.kept = np.flatnonzero(values.ravel())
-        self.rows, self.columns = rows.ravel()[self.kept], columns.ravel()[self.kept]
+        replaced = np.isin(rows, self.repeated) | np.isin(columns, self.dependent)
+        self.kept = np.flatnonzero(np.where(replaced, 0.0, values).ravel())
+        self.rows = np.append(rows.ravel()[self.kept], self.repeated)
+        self.columns = np.append(columns.ravel()[self.kept], self.dependent)
 
     def factorise(self, q) -> int:
         """Factors at the q of the evaluator's last residual; sign of the determinant, 0 if singular."""
-        values = self.evaluator.entries(q)[2].ravel()[self.kept]
+        values = np.append(self.evaluator.entries(q)[2].ravel()[self.kept], np.ones(self.repeated.size))
         shape = (q.size, q.size)
         columns = self.columns if self.order is None else self.order[self.columns]
         matrix = csc_matrix((values, (self.rows, columns)), shape)
@@ -65,7 +72,10 @@ class SparseFactors:
         return -1 if turned % 2 else 1
 
     def solve(self, right_side) -> np.ndarray:
-        """Scaled unknowns for a scaled right-hand side."""
+        """Scaled unknowns for a scaled right-hand side; those of dependent coordinates are 0."""
+        if self.repeated.size:
+            right_side = right_side.copy()
+            right_side[self.repeated] = 0.0
         return self.lu.solve(right_side)[self.order]
 
 
@@ -80,11 +90,11 @@ def odd(permutation) -> bool:
 class SparseMarch:
     """Marches a large mechanism; `march` has the arguments and the result of the kernel of that name."""
 
-    def __init__(self, evaluator: Evaluator):
+    def __init__(self, evaluator: Evaluator, repeated=(), dependent=()):
         self.evaluator = evaluator
         self.arrays = evaluator.arrays
         self.system = evaluator.system
-        self.factors = SparseFactors(evaluator)
+        self.factors = SparseFactors(evaluator, repeated, dependent)
 
     def newton(self, q, t, near, limit, most):
         """Improve q in place until only round-off is left; returns (code, iterations, sign)."""
@@ -150,6 +160,9 @@ class SparseMarch:
         most = int(self.system.limits[ITERATIONS]) if assembling else dense.STEP_ITERATIONS
         gap = 0.0
         while clock[dense.TIME] < target or clock[dense.STEP] == 0.0:
+            if clock[dense.BUDGET] <= 0.0:
+                return False, gap
+            clock[dense.BUDGET] -= 1.0
             t, t_new = clock[dense.TIME], dense.step_to(clock, target)
             off, moved, sign = np.inf, 0.0, 0
             if not dense.turns_too_far(self.system.constraints, t, t_new):

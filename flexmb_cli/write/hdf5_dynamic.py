@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from ..model.dynamics import DynamicModel, holders
+from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .hdf5_kinematic import kinematic_layout, kinematic_values
 from .result_file import Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import gravity
@@ -16,9 +17,7 @@ FORCES = {
     "reaction_torque": Series(
         "reaction/torque", JOINT_VECTOR, "N m", "torque on body J at the joint, global axes"
     ),
-    "driver_effort": Series(
-        "driver/effort", ("driver/driver",), "N or N m", "force or torque along the driver's direction"
-    ),
+    "driver_effort": Series(PATH, (DRIVER,), "N or N m", "force or torque along the driver's direction"),
     "holding_force": Series(
         "held/force", HELD_VECTOR, "N", "force of a holding constraint on its body, global axes"
     ),
@@ -41,9 +40,13 @@ OF_MOTION = {
 def dynamic_layout(model: DynamicModel) -> Layout:
     """Axes and series of a forward run, or of an inverse one, which does not know the work done."""
     motion = kinematic_layout(model.mechanism)
-    axes = (*motion.axes, *_held_axis(model))
+    units = [FORCE if driver.direction <= 3 else TORQUE for driver in model.mechanism.drivers]
+    axes = (*(driver_axis_with_units(axis, units) for axis in motion.axes), *_held_axis(model))
     present = {axis.path for axis in axes}
-    forces = tuple(item for item in _series(model).values() if present.issuperset(item.axes))
+    forces = tuple(
+        effort_series(item, units) if item.path == PATH else item
+        for item in _series(model).values() if present.issuperset(item.axes)
+    )  # fmt: skip
     constants = (*motion.constants, *gravity(model.gravity))
     series = (*motion.series, *forces)
     return replace(motion, analysis="dynamic", axes=axes, series=series, constants=constants)

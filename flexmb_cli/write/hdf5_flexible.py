@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..model.flexible_mechanism import FlexibleMechanism
+from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
@@ -16,9 +17,7 @@ FORCES = {
         "reaction/torque", JOINT_VECTOR, "N m", "torque on body b at the joint's first point, global axes"
     ),
     "holding_force": Series("held/force", ("held/held", "xyz"), "N", "force of a pin on its node"),
-    "driver_effort": Series(
-        "driver/effort", ("driver/driver",), "N or N m", "force or torque along the prescribed coordinate"
-    ),
+    "driver_effort": Series(PATH, (DRIVER,), "N or N m", "force or torque along the prescribed coordinate"),
     "kinetic": Series("energy/kinetic", (), "J", "kinetic energy"),
     "potential": Series("energy/potential", (), "J", "potential energy of gravity and springs"),
     "strain": Series("energy/strain", (), "J", "strain energy of flexible bodies"),
@@ -40,6 +39,8 @@ FORCES = {
 
 def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     """Axes, series and constants for what the mechanism has."""
+    units = [TORQUE if motion.kind.startswith("ROT") or motion.kind == "ANGL" else FORCE
+             for motion in mechanism.motions]  # fmt: skip
     axes = [XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else [])]
     for kind, items in (
         ("body", mechanism.bodies),
@@ -49,11 +50,14 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         ("driver", mechanism.motions),
     ):
         if items:
-            axes.append(numbered_axis(kind, [item.name for item in items]))
+            axes.append(driver_axis_with_units(numbered_axis(kind, [item.name for item in items]), units))
     for body in _flexible(mechanism):
         axes += [_mode_axis(body), _node_axis(body)]
     present = {axis.path for axis in axes}
-    series = [item for item in _named().values() if present.issuperset(item.axes)]
+    series = [
+        effort_series(item, units) if item.path == PATH else item
+        for item in _named().values() if present.issuperset(item.axes)
+    ]  # fmt: skip
     for body in _flexible(mechanism):
         axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
         series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))

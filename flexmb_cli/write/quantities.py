@@ -60,6 +60,8 @@ def open_result(path) -> Iterator[h5py.File]:
     except OSError as error:
         raise ResultError(f"{path}: this is no HDF5 result that can be read: {error}") from error
     with file:
+        if str(file.attrs.get("Conventions", "")).startswith("flexmb-study"):
+            raise ResultError(f"{path}: this is the table of a study, which flexmb table prints; no result")
         if not isinstance(file.get(TIME), h5py.Dataset):
             raise ResultError(f"{path}: this HDF5 file is no result of flexmb: it has no dataset /time")
         yield file

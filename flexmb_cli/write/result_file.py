@@ -98,7 +98,7 @@ class ResultFile:
         if self._place.direct:
             raise OutputError(f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none")
         self._written = 0
-        self._status, self._message = COMPLETE, ""
+        self._status, self._message, self._notes = COMPLETE, "", ()
         self._waiting: list[Values] = []
         self._chunk = chunk_rows(layout)
         self._file = None
@@ -122,6 +122,10 @@ class ResultFile:
         """Say how the run ended; without a word it is complete."""
         self._status, self._message = status, message
 
+    def note(self, notes: tuple[str, ...]) -> None:
+        """Sentences that the run is to be remembered for, such as singular positions that it passed."""
+        self._notes = notes
+
     def finish(self) -> None:
         """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
@@ -129,6 +133,8 @@ class ResultFile:
         with self._on_disk():
             self._file.attrs["status"] = self._status
             self._file.attrs["message"] = self._message
+            if self._notes:
+                self._file.attrs["notes"] = "\n".join(self._notes)
             self._file.close()
             self._disk.close()
 
@@ -136,9 +142,10 @@ class ResultFile:
         """Put the finished file in its place."""
         self._place.commit()
 
-    def close(self, status: str = COMPLETE, message: str = "") -> None:
+    def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
         """Mark the file, finish it and put it in its place."""
         self.mark(status, message)
+        self.note(notes)
         self.finish()
         self.commit()
 

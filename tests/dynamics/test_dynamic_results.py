@@ -7,6 +7,7 @@ from dynamic_runs import DECKS
 
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.write.quantities import open_result, read, resolve
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +24,9 @@ def test_reactions_and_efforts_stand_along_joints_and_drivers(result):
     assert result["reaction/force"].shape == (26, 4, 3)
     assert result["reaction/torque"].attrs["units"] == "N m"
     assert result["driver/effort"].shape == (26, 1)
+    # The crank is turned.
+    assert result["driver/effort"].attrs["units"] == "N m"
+    assert list(result["driver/unit"].asstr()) == ["N m"]
     assert list(result["held/name"].asstr()) == ["ground 1"]
 
 
@@ -54,3 +58,18 @@ def test_a_forward_run_keeps_its_energy_in_the_file(tmp_path, cards):
         time = file["time"][:]
         assert file["body/position"][:, 0, 2] == pytest.approx(start * time - 0.5 * 9.81 * time**2, abs=1e-9)
         assert np.ptp(file["energy/total"][:]) < 1e-8
+
+
+def test_every_effort_has_the_unit_of_its_driver(tmp_path):
+    """A free body moved along y by 3 m/s² and turned about y by 0.5 rad/s²: m a and I alpha."""
+    deck = tmp_path / "moved.dat"
+    deck.write_text(
+        "1 2 0 0 0 0 0 0 0 4 0 0\n0 0 0 1 0 0 0\n1 2 0 0 3\n1 5 0 0 0.5\n1 1 0\n1 3 0\n1 4 0\n1 6 0\n"
+        "0 0.2 0.1\nDYNAMICS inverse\nMASS 1 2 0 0 0 1 4 3\n"
+    )
+    assert run_deck(str(deck), RunOptions(folder=str(tmp_path))).exit_code == 0
+    with open_result(tmp_path / "moved.h5") as file:
+        efforts = resolve(file, ["driver.*.effort"])
+        assert [quantity.header for quantity in efforts] == ["driver.1.effort [N]", "driver.2.effort [N m]"]
+        assert file["driver/effort"].attrs["units"] == "N or N m"
+        assert read(file, efforts) == pytest.approx(np.tile([2 * 3.0, 4 * 0.5], (3, 1)), rel=1e-9)

@@ -57,6 +57,7 @@ def test_the_result_names_what_the_deck_has_and_nothing_else(tmp_path):
         assert [name.decode() for name in file["driver/name"][:]] == ["motion 1"]
         assert file["reaction/force"].shape == (6, 1, 3)
         assert file["driver/effort"].shape == (6, 1)
+        assert file["driver/effort"].attrs["units"] == "N m"
         assert "modal" not in file
         total = file["energy/total"][:]
         np.testing.assert_allclose(total, total[0], atol=1e-9)
