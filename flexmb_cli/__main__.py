@@ -1,5 +1,18 @@
 """``python -m flexmb_cli`` is the same program as ``flexmb``."""
 
-from .cli import main
+import sys
 
-main()
+INTERRUPTED = 130
+
+
+def main():
+    """Entry point of `flexmb`; Ctrl-C is heeded without a traceback while the commands are imported, too."""
+    try:
+        from .cli import main as run
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+    run()
+
+
+if __name__ == "__main__":
+    main()

@@ -12,6 +12,7 @@ import click
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, FlexmbError
+from ..run.outcome import Terminated
 from .beam import beam
 from .check import check
 from .diff import diff
@@ -58,6 +59,8 @@ def main():
     if hasattr(signal, "SIGPIPE"):
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, _terminate)
+    sys.unraisablehook = _pass_over_stops
     os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
     try:
@@ -66,8 +69,15 @@ def main():
         raise
     except click.exceptions.Exit as ending:
         sys.exit(ending.exit_code)
-    except click.Abort:
+    except (KeyboardInterrupt, click.Abort) as ending:
+        # click takes an EOFError for Ctrl-D, wherever it comes from.
+        if isinstance(ending.__cause__, EOFError):
+            _admit(ending.__cause__)
+        _tell("flexmb: interrupted; what was not complete is not written")
         sys.exit(130)
+    except Terminated:
+        _tell("flexmb: terminated; what was not complete is not written")
+        sys.exit(143)
     except click.ClickException as fault:
         fault.show()
         sys.exit(BAD_INPUT)
@@ -75,18 +85,42 @@ def main():
         _report_failure(failure)
         sys.exit(failure.exit_code)
     except OSError as fault:
+        _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
         _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
         os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     except Exception as fault:
-        if "--debug" in sys.argv:
-            raise
-        click.echo(
-            f"flexmb: error: a fault of flexmb itself: {type(fault).__name__}: {fault}\n"
-            "Please report it with the deck; `flexmb --debug …` shows where it happened.",
-            err=True,
-        )
-        sys.exit(INTERNAL_FAULT)
+        _admit(fault)
+
+
+def _admit(fault):
+    """A fault of flexmb itself, with a request to report it."""
+    if "--debug" in sys.argv:
+        raise fault
+    click.echo(
+        f"flexmb: error: a fault of flexmb itself: {type(fault).__name__}: {fault}\n"
+        "Please report it with the deck; `flexmb --debug …` shows where it happened.",
+        err=True,
+    )
+    sys.exit(INTERNAL_FAULT)
+
+
+def _refuse_lost_folder():
+    try:
+        os.getcwd()
+    except OSError:
+        _tell("flexmb: error: the current folder does not exist any more")
+        sys.exit(BAD_INPUT)
+
+
+def _pass_over_stops(lost):
+    """A stop that came in the midst of Python's own clearing up is not raised there; it is no traceback."""
+    if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated):
+        sys.__unraisablehook__(lost)
+
+
+def _terminate(number, frame):
+    raise Terminated
 
 
 def _open_closed_streams():

@@ -9,6 +9,7 @@ from dataclasses import replace
 import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
+from ..run.outcome import Terminated
 
 _NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
@@ -47,6 +48,9 @@ def new(dialect, output, force, restart):
     except KeyboardInterrupt:
         talk.say_kept("interrupted")
         sys.exit(130)
+    except Terminated:
+        talk.say_kept("terminated")
+        sys.exit(143)
 
 
 def _ask_to_replace(path, force):

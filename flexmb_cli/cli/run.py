@@ -6,7 +6,8 @@ import sys
 
 import click
 
-from ..errors import DONE, FlexmbError
+from ..errors import ANALYSIS_FAILED, DONE, FlexmbError
+from ..run.outcome import Terminated
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
 
@@ -92,8 +93,10 @@ def _outcomes(decks, options, jobs, quiet):
         yield from _outcomes_in_parallel(decks, options, jobs)
         return
     from ..run.deck import run_deck
+    from ..run.outcome import Stop
 
     for deck in decks:
+        Stop.heed()
         # The bar ends its line before anything is said of the outcome.
         with _Progress(quiet) as progress:
             outcome = run_deck(deck, options, progress.listener, sys.stdout)
@@ -102,14 +105,57 @@ def _outcomes(decks, options, jobs, quiet):
 
 def _outcomes_in_parallel(decks, options, jobs):
     from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     from ..run.deck import run_deck
+    from ..run.orphans import outlive_workers
 
-    with ProcessPoolExecutor(min(jobs, len(decks)), get_context("spawn")) as pool:
+    outlive_workers()
+    context = get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(decks)), context, initializer=_begin_worker) as pool:
         waiting = [pool.submit(run_deck, deck, options) for deck in decks]
-        for outcome in waiting:
-            yield outcome.result()
+        try:
+            for outcome in waiting:
+                yield outcome.result()
+        except (KeyboardInterrupt, Terminated) as stop:
+            _pass_on(stop, pool)
+            yield from _ended(waiting)
+            raise
+        except BrokenProcessPool:
+            raise WorkerLost(
+                "a process that solved decks was killed from outside, or out of memory; "
+                "decks that are not named above have no new results: give them again"
+            ) from None
+
+
+class WorkerLost(FlexmbError):
+    """A process that solves decks has ended unasked (exit 1)."""
+
+    exit_code = ANALYSIS_FAILED
+
+
+def _begin_worker():
+    from ..run.orphans import end_with_parent
+
+    end_with_parent()
+    _stop_on_signals()
+
+
+def _pass_on(stop, pool):
+    """Stop the workers as this process was stopped: a signal may have come to this process alone."""
+    import os
+    from multiprocessing import active_children
+
+    for child in active_children():
+        os.kill(child.pid, signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM)
+    pool.shutdown(cancel_futures=True)
+
+
+def _ended(waiting):
+    """Outcomes of decks that were stopped; one whose process ended before it could say is left out."""
+    ended = [deck for deck in waiting if deck.done() and not deck.cancelled() and deck.exception() is None]
+    yield from (deck.result() for deck in ended if deck.result().exit_code > DONE)
 
 
 class _Progress:
@@ -174,11 +220,12 @@ def _dialect(deck, options):
 
 
 def _stop_on_signals():
-    from ..run.outcome import Stop, Terminated
+    from ..run.outcome import Stop
 
     def stop(number, frame):
         Stop.asked = KeyboardInterrupt if number == signal.SIGINT else Terminated
-        raise Stop.asked
+        if not Stop.held:
+            raise Stop.asked
 
     signal.signal(signal.SIGTERM, stop)
     # A shell that runs its commands in the background has them ignore Ctrl-C.
@@ -189,8 +236,7 @@ def _stop_on_signals():
 def _report_outcome(outcome, quiet, verbose):
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
-        hint = "; --resume goes on with it" if outcome.resumable else ""
-        click.echo(f"{outcome.deck}: interrupted; {_kept(outcome)}{hint}", err=True)
+        click.echo(f"{outcome.deck}: interrupted; {_kept(outcome)}", err=True)
     elif outcome.exit_code == 1 and not quiet:
         click.echo(f"{outcome.deck}: {_kept(outcome)}", err=True)
     elif outcome.exit_code == DONE and not quiet:
@@ -204,6 +250,7 @@ def _rows(outcome):
 
 
 def _kept(outcome):
+    hint = "; --resume goes on with it" if outcome.resumable else ""
     if not outcome.files:
-        return "nothing was written"
-    return f"{_rows(outcome)} kept, marked as failed, in {', '.join(outcome.files)}"
+        return f"nothing was written{hint}"
+    return f"{_rows(outcome)} kept, marked as failed, in {', '.join(outcome.files)}{hint}"

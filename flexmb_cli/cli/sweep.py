@@ -8,8 +8,7 @@ from pathlib import PurePath
 import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
-
-INTERRUPTED = 130
+from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
 
 
 @click.command()
@@ -39,14 +38,19 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
         _solve(made, jobs, scheduler, quiet)
         failures = _first_failures(made)
         _write(made, output)
-    except KeyboardInterrupt:
-        kept = sum(1 for _ in made.results())
-        _say(f"{study}: interrupted; {kept} of {made.job.study.cases} cases are kept in {parts}, the same "
-             "command goes on", False)  # fmt: skip
-        # Workers may still be solving; what they finish is kept.
-        os._exit(INTERRUPTED)
+    except (KeyboardInterrupt, Terminated) as stop:
+        _say(f"{study}: interrupted; {_kept(made, output, parts)}", False)
+        # Workers that are still solving end with this process; whole cases are kept.
+        os._exit(INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED)
     _report(study, output, made, failures, as_json, quiet)
     sys.exit(ANALYSIS_FAILED if made.failed else DONE)
+
+
+def _kept(made, output, parts):
+    if not os.path.isdir(parts):
+        return f"{output} is complete"
+    kept = sum(1 for _ in made.results())
+    return f"{kept} of {made.job.study.cases} cases are kept in {parts}, the same command goes on"
 
 
 def _begun(study, output, parts, fresh):
@@ -77,7 +81,9 @@ def _lines(study):
 
 def _solve(made, jobs, scheduler, quiet):
     from ..run import study_workers
+    from ..run.orphans import outlive_workers
 
+    outlive_workers()
     blocks = made.pending()
     cases = made.job.study.cases
     left = sum(len(made.job.cases(block)) for block in blocks)

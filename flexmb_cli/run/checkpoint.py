@@ -16,23 +16,25 @@ from contextlib import suppress
 import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
-from ..write.atomic import is_unfinished, located
+from ..write.atomic import hold, is_unfinished, located
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
 _UNFINISHED = "unfinished"
+_LONGEST_HEAD = 2**20
 
 
 class Journal:
     """The journal at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's types.
 
     `find` the journal of a stopped run if there may be one; then `begin`, take the `stored` entries,
-    and `append` further ones.
+    and `append` further ones.  `doubts`: what could not be used of the one found.
     """
 
     def __init__(self, path: str | None, identity: dict):
         self.path = path
         self.identity = identity
+        self.doubts: list[Fault] = []
         self._file = None
         self._first = self._end = 0
 
@@ -44,14 +46,25 @@ class Journal:
         if self.path is None or not os.path.exists(self.path):
             return
         with self._opened() as file:
-            head = file.readline()
-            if not head.endswith(b"\n"):
+            head = file.readline(_LONGEST_HEAD)
+            if self._head.startswith(head) and head != self._head:
+                self._doubt("warning", "cut in its first line, nothing of the stopped run can be used")
                 return
             self._check_identity(head)
             self._first = self._end = file.tell()
             for entry in _entries(file):
                 self._end = file.tell()
                 _remove_unfinished(_arrays(entry, (_UNFINISHED,)))
+            lost = os.fstat(file.fileno()).st_size - self._end
+        if lost:
+            self._doubt("note", f"torn or damaged at byte {self._end}; the {lost} bytes there are not used")
+
+    def _doubt(self, severity, what):
+        self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}"))
+
+    @property
+    def _head(self):
+        return json.dumps(self.identity).encode() + b"\n"
 
     def begin(self, unfinished: Sequence[str]) -> None:
         """Start the journal, or go on with the one found; a kill would leave the files `unfinished`."""
@@ -96,7 +109,8 @@ class Journal:
         """The run is over and leaves nothing to resume; a journal that was not begun stays."""
         if self._file:
             self._file.close()
-            with suppress(FileNotFoundError):
+            # Where it must stay, it would only give the same results once more.
+            with suppress(OSError):
                 os.unlink(self.path)
 
     def _opened(self):
@@ -107,13 +121,16 @@ class Journal:
 
     def _open(self):
         # Unbuffered: what a full disk refused must not be tried again when the file is closed.
-        if self._end:
-            self._file = open(self.path, "r+b", buffering=0)  # noqa: SIM115
-            self._file.truncate(self._end)
-            self._file.seek(self._end)
-        else:
-            self._file = open(self.path, "wb", buffering=0)  # noqa: SIM115
-            self._put(json.dumps(self.identity).encode() + b"\n")
+        number = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
+        file = os.fdopen(number, "r+b", buffering=0)
+        if hold(number) is False:
+            file.close()
+            raise OutputError(f"{self.path}: another run is writing it; wait until it ends")
+        self._file = file
+        file.truncate(self._end)
+        file.seek(self._end)
+        if not self._end:
+            self._put(self._head)
 
     def _write(self, arrays):
         stream = io.BytesIO()
@@ -129,7 +146,7 @@ class Journal:
     def _check_identity(self, head):
         try:
             found = dict(json.loads(head))
-        except (ValueError, TypeError) as fault:
+        except (ValueError, TypeError, RecursionError) as fault:
             message = f"--resume: {self.path} is not the file of a stopped run; remove it"
             raise ModelError([Fault("error", message)]) from fault
         other = [name for name in self.identity if found.get(name) != self.identity[name]]
@@ -145,8 +162,12 @@ class Journal:
 
 def _entries(file):
     """Whole entries up to the end or the first torn one."""
+    size = os.fstat(file.fileno()).st_size
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
         length, checksum = _HEAD.unpack(head)
+        # A damaged length may be larger than any memory.
+        if length > size - file.tell():
+            return
         entry = file.read(length)
         if len(entry) < length or zlib.crc32(entry) != checksum:
             return
@@ -167,8 +188,9 @@ def _parted(arrays):
 def _remove_unfinished(arrays):
     for paths in arrays.values():
         for path in paths.tolist():
-            if is_unfinished(path) and os.path.exists(path):
-                os.unlink(path)
+            if is_unfinished(path):
+                with suppress(OSError):
+                    os.unlink(path)
 
 
 def _shown(value):

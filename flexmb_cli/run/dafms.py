@@ -22,38 +22,60 @@ def run_dafms(
     """
     tree = tree_of(deck, options, outcome)
     journal, march = _beginning(deck, tree, paths, options, outcome, listener)
-    files = _ResultFiles(deck, tree, paths, options, stdout)
+    with Stop.later():
+        files = _ResultFiles(deck, tree, paths, options, stdout)
     try:
+        Stop.heed()
         listener.begin(tree.time.rows)
         journal.begin(files.unfinished)
         for values in march.blocks(options.resume):
-            files.rows(values)
-            outcome.rows += len(values["time"])
-            outcome.statistics = march.statistics
+            with Stop.later():
+                files.rows(values)
+                outcome.rows += len(values["time"])
+                outcome.statistics = march.statistics
             listener.advance(len(values["time"]))
             Stop.heed()
-        doubts = () if tree.one_way else march.drift.doubts
-        outcome.faults += doubts
-        refuse_warnings(outcome, options)
+        doubts = _doubts_of_energy(tree, march, options, outcome)
     except AnalysisError as failure:
-        outcome.files = files.close_failed(failure.args[0], march.stopped_at)
-        journal.remove()
+        with Stop.later():
+            outcome.files = files.close_failed(failure.args[0], march.stopped_at)
+            journal.remove()
         raise
     except OutputError:
         files.discard()
         journal.close()
+        outcome.resumable = journal.begun
         raise
     except Exception:
         files.discard()
         journal.remove()
         raise
     except BaseException:
-        outcome.files = files.close_failed("interrupted")
-        journal.close()
-        outcome.resumable = journal.begun
+        with Stop.later():
+            journal.close()
+            outcome.resumable = journal.begun
+            outcome.files = files.close_interrupted(outcome.rows)
         raise
-    outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
-    journal.remove()
+    _complete(files, journal, outcome, doubts)
+
+
+def _doubts_of_energy(tree, march, options, outcome):
+    doubts = () if tree.one_way else march.drift.doubts
+    outcome.faults += doubts
+    refuse_warnings(outcome, options)
+    return doubts
+
+
+def _complete(files, journal, outcome, doubts):
+    """Put the results in their places; where they cannot be, the journal stays for the next attempt."""
+    with Stop.later():
+        try:
+            outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
+        except OutputError:
+            journal.close()
+            outcome.resumable = journal.begun
+            raise
+        journal.remove()
 
 
 def _beginning(deck, tree, paths, options, outcome, listener):
@@ -62,6 +84,7 @@ def _beginning(deck, tree, paths, options, outcome, listener):
     journal = Journal(None if absolute else paths.resume, identity_of(deck, tree, options))
     if options.resume:
         journal.find()
+        outcome.faults += journal.doubts
     if not absolute:
         return journal, _March(tree, journal, listener)
     outcome.faults += _doubts(tree)
@@ -120,7 +143,8 @@ class _March:
         self.analysis = TreeAnalysis(self.tree, checkpoint)
         for rows in self.analysis.rows():
             values = tree_values(self.tree, rows, point_motion(self.tree, rows))
-            self.journal.append(values, vars(self.analysis.checkpoint))
+            with Stop.later():
+                self.journal.append(values, vars(self.analysis.checkpoint))
             self.drift.add(values)
             yield values
 
@@ -157,7 +181,7 @@ class _ResultFiles:
             make_folder(options.folder)
         try:
             self._open(tree)
-        except Exception:
+        except BaseException:
             self.discard()
             raise
 
@@ -205,21 +229,27 @@ class _ResultFiles:
             self.result.rows(values)
 
     def close(self, notes=()):
-        for text in self.texts:
-            text.commit()
+        from ..write.atomic import put_in_place
+
         if self.result:
-            self.result.close(notes=notes)
+            self.result.note(notes)
+        put_in_place(self._all())
         return self.paths.files
 
     def close_failed(self, message, stopped_at=None):
         self._echo()
         if self.series and stopped_at:
             self.series.failed(*stopped_at)
-        for text in self.texts:
-            text.commit()
         if self.result:
-            self.result.close("failed", message)
-        return self.paths.files
+            self.result.mark("failed", message)
+        return self.close()
+
+    def close_interrupted(self, rows):
+        """Keep the rows so far; where there are none, the results of an earlier run stay."""
+        if rows == 0:
+            self.discard()
+            return ()
+        return self.close_failed("interrupted")
 
     def discard(self):
         for file in self._all():

@@ -1,6 +1,7 @@
 """What is asked of a run, and what became of it."""
 
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from ..errors import DONE, Fault, ModelError
@@ -20,9 +21,21 @@ class Stop:
 
     Libraries in whose midst it is raised may swallow it (HDF5 calling back for a write) or turn it into an
     exception of their own (numba compiling): a run looks here between its blocks of rows.
+    `held`: it shall be noted only, for files are being opened or put in their places.
     """
 
     asked: type[BaseException] | None = None
+    held = False
+
+    @classmethod
+    @contextmanager
+    def later(cls):
+        """Have a signal wait for `heed`: files of one run shall not be half old, half new."""
+        cls.held = True
+        try:
+            yield
+        finally:
+            cls.held = False
 
     @classmethod
     def heed(cls) -> None:

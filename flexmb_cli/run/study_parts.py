@@ -22,6 +22,7 @@ from .study_solver import CaseResult
 _HEAD = struct.Struct("<II")
 _FIXED = struct.Struct("<qiiiii")
 _IDENTITY = "study.json"
+_UNFINISHED_IDENTITY = f".{_IDENTITY}"
 
 
 class Parts:
@@ -42,12 +43,13 @@ class Parts:
         if found is not None:
             self._refuse_other(found)
             return True
-        if os.path.isdir(self.folder) and os.listdir(self.folder):
+        # A kill may have left the identity half written.
+        if os.path.isdir(self.folder) and set(os.listdir(self.folder)) - {_UNFINISHED_IDENTITY}:
             message = f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
             raise ModelError([Fault("error", message)])
         make_folder(self.folder)
         with located(self.folder):
-            temporary = os.path.join(self.folder, f".{_IDENTITY}")
+            temporary = os.path.join(self.folder, _UNFINISHED_IDENTITY)
             with open(temporary, "w", encoding="utf-8") as file:
                 json.dump(self.identity, file)
             os.replace(temporary, os.path.join(self.folder, _IDENTITY))
@@ -160,8 +162,12 @@ def _packed(result):
 
 def _records(file):
     """Whole records up to the end or the first torn one."""
+    size = os.fstat(file.fileno()).st_size
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
         length, checksum = _HEAD.unpack(head)
+        # A damaged length may be larger than any memory.
+        if length > size - file.tell():
+            return
         payload = file.read(length)
         if len(payload) < length or zlib.crc32(payload) != checksum:
             return

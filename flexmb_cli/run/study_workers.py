@@ -80,11 +80,14 @@ def _pool(job, blocks, jobs, keep):
 
 
 def _begin_process(begun):
-    """Ctrl-C reaches every process of the terminal; the driver ends the workers itself."""
+    """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
     import signal
+
+    from .orphans import end_with_parent
 
     global _begun
     _begun = begun
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 

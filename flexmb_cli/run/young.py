@@ -15,7 +15,8 @@ MARCH = "kinematic_march.march"
 
 def write_solution(solution: "Solution", deck, paths, options, outcome, listener, stdout) -> None:
     """Write the rows of `solution` as they come; raises as `keep_rows`."""
-    files = ResultFiles(deck, solution.contents, paths, options, stdout)
+    with Stop.later():
+        files = ResultFiles(deck, solution.contents, paths, options, stdout)
     keep_rows(solution.analysis, solution.rows, files, options, outcome, listener, solution.count)
 
 
@@ -36,27 +37,32 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
     try:
+        Stop.heed()
         listener.begin(rows_wanted)
         for rows in analysis.rows():
-            files.rows(rows)
-            count.add(rows)
-            outcome.rows += rows.time.size
-            outcome.statistics = str(count)
+            with Stop.later():
+                files.rows(rows)
+                count.add(rows)
+                outcome.rows += rows.time.size
+                outcome.statistics = str(count)
             listener.advance(rows.time.size)
             Stop.heed()
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
     except AnalysisError as failure:
         outcome.faults += analysis.warnings
-        outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
+        with Stop.later():
+            outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
         raise
     except Exception:
         files.discard()
         raise
     except BaseException:
-        outcome.files = files.close_failed("interrupted", no_convergence=False)
+        with Stop.later():
+            outcome.files = files.close_interrupted(outcome.rows)
         raise
-    outcome.files = files.close(notes_of(analysis))
+    with Stop.later():
+        outcome.files = files.close(notes_of(analysis))
 
 
 def notes_of(analysis) -> tuple[str, ...]:
@@ -131,7 +137,7 @@ class ResultFiles:
 
             try:
                 self.result = ResultFile(paths.h5, deck, contents.layout())
-            except Exception:
+            except BaseException:
                 self.discard()
                 raise
 
@@ -158,10 +164,11 @@ class ResultFiles:
 
     def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
-        if self.table_file:
-            self.table_file.commit()
+        from ..write.atomic import put_in_place
+
         if self.result:
-            self.result.close(notes=notes)
+            self.result.note(notes)
+        put_in_place(self._all())
         return self.paths.files
 
     def close_failed(self, message, no_convergence, notes=()) -> tuple[str, ...]:
@@ -169,14 +176,21 @@ class ResultFiles:
         self._begin()
         if self.table and no_convergence:
             self.table.failed()
-        if self.table_file:
-            self.table_file.commit()
         if self.result:
-            self.result.close("failed", message, notes)
-        return self.paths.files
+            self.result.mark("failed", message)
+        return self.close(notes)
+
+    def close_interrupted(self, rows: int) -> tuple[str, ...]:
+        """Keep the rows so far; where there are none, the results of an earlier run stay."""
+        if rows == 0:
+            self.discard()
+            return ()
+        return self.close_failed("interrupted", no_convergence=False)
 
     def discard(self) -> None:
         """Leave no file."""
-        for file in (self.table_file, self.result):
-            if file:
-                file.discard()
+        for file in self._all():
+            file.discard()
+
+    def _all(self):
+        return [file for file in (self.table_file, self.result) if file]

@@ -8,7 +8,8 @@ import errno
 import os
 import secrets
 import stat
-from contextlib import contextmanager
+import zlib
+from contextlib import contextmanager, suppress
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
 
@@ -29,20 +30,39 @@ class Replacement:
         # A link stays a link: the file it points to is replaced.
         self._target = os.path.realpath(self.path)
         self.direct = _is_special(self._target)
-        self.temporary = self._target if self.direct else _reserve(self._target, self.path)
+        self._hold = None
+        self.temporary = self._target
+        if not self.direct:
+            with located(self.path):
+                _refuse_place(self._target)
+                _remove_orphans(self._target)
+                self.temporary, self._hold = _reserve(self._target)
 
     def commit(self) -> None:
-        """Put the finished file in its place."""
+        """Put the finished file in its place; it is discarded when it cannot be put there."""
         if self.direct:
             return
-        with located(self.path):
-            _keep_mode(self._target, self.temporary)
-            os.replace(self.temporary, self._target)
+        try:
+            with located(self.path):
+                _keep_mode(self._target, self.temporary)
+                os.replace(self.temporary, self._target)
+        except BaseException:
+            self.discard()
+            raise
+        self._let_go()
 
     def discard(self) -> None:
         """Remove what was written; the file that stood at `path` before stays."""
-        if not self.direct and os.path.exists(self.temporary):
-            os.unlink(self.temporary)
+        if not self.direct:
+            # In a folder that has vanished, or may no longer be written, it cannot be helped.
+            with suppress(OSError):
+                os.unlink(self.temporary)
+        self._let_go()
+
+    def _let_go(self):
+        if self._hold is not None:
+            os.close(self._hold)
+            self._hold = None
 
 
 class ReplacedText:
@@ -69,10 +89,14 @@ class ReplacedText:
         with self._discarding():
             self._stream.flush()
 
-    def commit(self) -> None:
-        """Close the stream and put the file in its place."""
+    def finish(self) -> None:
+        """Hand everything to the disk, which may refuse it; nothing can be written any more."""
         with self._discarding():
             self._stream.close()
+
+    def commit(self) -> None:
+        """Close the stream and put the file in its place."""
+        self.finish()
         self._replacement.commit()
 
     def discard(self) -> None:
@@ -101,10 +125,23 @@ def write_whole(path, data: bytes) -> None:
     try:
         with located(place.path), open(place.temporary, "wb") as stream:
             stream.write(data)
-    except OutputError:
+    except BaseException:
         place.discard()
         raise
     place.commit()
+
+
+def put_in_place(files) -> None:
+    """Commit `files` that have `finish`, `commit` and `discard`: none before all are complete on the disk."""
+    try:
+        for file in files:
+            file.finish()
+        for file in files:
+            file.commit()
+    except BaseException:
+        for file in files:
+            file.discard()
+        raise
 
 
 @contextmanager
@@ -132,6 +169,19 @@ def is_unfinished(path: str) -> bool:
     """Whether a file has the name of a result in the making, such as a killed run leaves behind."""
     name = os.path.basename(path)
     return name.startswith(_PREFIX) and name.endswith(_SUFFIX)
+
+
+def hold(file):
+    """Whether the open file is now this process's alone, until it ends somehow; None: no locks here."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return False if error.errno in (errno.EWOULDBLOCK, errno.EACCES) else None
+    return True
 
 
 def make_folder(folder) -> None:
@@ -162,20 +212,50 @@ def _is_special(target):
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
-def _reserve(target, shown):
-    """A fresh empty file in the folder of `target`; its short name fits wherever the result's does."""
-    with located(shown):
-        if os.path.isdir(target):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if len(os.fsencode(os.path.basename(target))) > 255:
-            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
-        while True:
-            name = os.path.join(os.path.dirname(target), f"{_PREFIX}{secrets.token_hex(6)}{_SUFFIX}")
-            try:
-                os.close(os.open(name, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-            except FileExistsError:
-                continue
-            return name
+def _refuse_place(target):
+    if os.path.isdir(target):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if len(os.fsencode(os.path.basename(target))) > 255:
+        raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
+
+
+def _reserve(target):
+    """A fresh empty file in the folder of `target`, and the descriptor that holds it as long as it lasts.
+
+    Its short name fits wherever the result's does.
+    """
+    while True:
+        name = f"{_of_target(target)}{secrets.token_hex(4)}{_SUFFIX}"
+        path = os.path.join(os.path.dirname(target), name)
+        with suppress(FileExistsError):
+            held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666)
+            # Another run may have taken it for an orphan before it was held.
+            if hold(held) is not False and os.path.exists(path):
+                return path, held
+            os.close(held)
+
+
+def _remove_orphans(target):
+    """Remove what killed runs left in the place of `target`: files that nobody holds any more."""
+    folder = os.path.dirname(target)
+    with suppress(OSError):
+        names = os.listdir(folder)
+        for name in names:
+            if name.startswith(_of_target(target)) and name.endswith(_SUFFIX):
+                _remove_unheld(os.path.join(folder, name))
+
+
+def _remove_unheld(path):
+    file = os.open(path, os.O_WRONLY)
+    try:
+        if hold(file):
+            os.unlink(path)
+    finally:
+        os.close(file)
+
+
+def _of_target(target):
+    return f"{_PREFIX}{zlib.crc32(os.fsencode(os.path.basename(target))):08x}-"
 
 
 def _keep_mode(target, temporary):

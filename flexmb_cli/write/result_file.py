@@ -4,8 +4,9 @@ What a file holds is its `Layout`; rows are gathered and written by whole chunks
 the file do not depend on the blocks in which the analysis delivers them.
 """
 
-import io
+import os
 from collections.abc import Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from math import prod
 
@@ -15,7 +16,8 @@ import numpy as np
 from .. import __version__
 from ..errors import OutputError
 from ..read.deck import Deck
-from .atomic import Replacement, output_error
+from .atomic import Replacement, located
+from .forgiving_disk import ForgivingDisk
 
 CONVENTIONS = "flexmb-1"
 COMPLETE, FAILED = "complete", "failed"
@@ -96,16 +98,14 @@ class ResultFile:
         if self._place.direct:
             raise OutputError(f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none")
         self._written = 0
+        self._status, self._message, self._notes = COMPLETE, "", ()
         self._waiting: list[Values] = []
-        self._disk = _ForgivingDisk(self._place.temporary)
-        self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
-        self._describe(deck, layout.analysis)
         self._chunk = chunk_rows(layout)
-        scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
-        for constant in layout.constants:
-            self._make_constant(constant, scales)
-        self._series = self._make_series(layout.series, scales)
-        self._raise_disk_failure()
+        self._file = None
+        self._disk = ForgivingDisk(self._place.temporary)
+        with self._on_disk():
+            self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
+            self._begin(deck, layout)
 
     @property
     def temporary(self) -> str:
@@ -118,31 +118,57 @@ class ResultFile:
         if self._rows_waiting >= self._chunk:
             self._write(self._rows_waiting // self._chunk * self._chunk)
 
-    def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
-        """Write what waits, mark the file with `status` and `message`, and put it in its place.
+    def mark(self, status: str, message: str) -> None:
+        """Say how the run ended; without a word it is complete."""
+        self._status, self._message = status, message
 
-        `notes`: what the run is to be remembered for, such as singular positions that it passed.
-        """
+    def note(self, notes: tuple[str, ...]) -> None:
+        """Sentences that the run is to be remembered for, such as singular positions that it passed."""
+        self._notes = notes
+
+    def finish(self) -> None:
+        """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
             self._write(self._rows_waiting)
-        self._file.attrs["status"] = status
-        self._file.attrs["message"] = message
-        if notes:
-            self._file.attrs["notes"] = "\n".join(notes)
-        self._file.close()
-        self._disk.close()
-        self._raise_disk_failure()
+        with self._on_disk():
+            self._file.attrs["status"] = self._status
+            self._file.attrs["message"] = self._message
+            if self._notes:
+                self._file.attrs["notes"] = "\n".join(self._notes)
+            self._file.close()
+            self._disk.close()
+
+    def commit(self) -> None:
+        """Put the finished file in its place."""
         self._place.commit()
+
+    def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
+        """Mark the file, finish it and put it in its place."""
+        self.mark(status, message)
+        self.note(notes)
+        self.finish()
+        self.commit()
 
     def discard(self) -> None:
         """Leave no file; one that stood at the path before stays."""
-        self._file.close()
-        self._disk.close()
+        # HDF5 may trip over what the disk has refused; all of it is thrown away.
+        with suppress(Exception):
+            if self._file:
+                self._file.close()
+        with suppress(OSError):
+            self._disk.close()
         self._place.discard()
 
     @property
     def _rows_waiting(self):
         return sum(len(block["time"]) for block in self._waiting)
+
+    def _begin(self, deck, layout):
+        self._describe(deck, layout.analysis)
+        scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
+        for constant in layout.constants:
+            self._make_constant(constant, scales)
+        self._series = self._make_series(layout.series, scales)
 
     def _describe(self, deck, analysis):
         for name, value in (
@@ -150,7 +176,7 @@ class ResultFile:
             ("flexmb_version", __version__),
             ("dialect", deck.dialect),
             ("analysis", analysis),
-            ("deck_name", deck.source.name),
+            ("deck_name", printable_name(deck.source.name)),
             ("deck_sha256", deck.source.sha256),
             ("status", FAILED),
             ("message", CUT_SHORT),
@@ -204,48 +230,28 @@ class ResultFile:
         """Write the first `count` waiting rows; the others go on waiting."""
         gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
         stop = self._written + count
-        for path, dataset in self._series.items():
-            dataset.resize(stop, axis=0)
-            dataset[self._written : stop] = gathered[path][:count]
-        self._raise_disk_failure()
+        with self._on_disk():
+            for path, dataset in self._series.items():
+                dataset.resize(stop, axis=0)
+                dataset[self._written : stop] = gathered[path][:count]
         self._written = stop
         rest = {path: values[count:] for path, values in gathered.items()}
         self._waiting = [rest] if len(rest["time"]) else []
 
-    def _raise_disk_failure(self):
-        failure = self._disk.failure
-        if failure is not None:
-            self.discard()
-            raise output_error(self._place.path, failure) from failure
-
-
-class _ForgivingDisk(io.FileIO):
-    """The file below HDF5.  It remembers the first failure to write and swallows what follows.
-
-    HDF5 itself must not meet a full disk: it then crashes the process when its file is closed.
-    """
-
-    def __init__(self, path):
-        self.failure: OSError | None = None
-        super().__init__(path, "w+")
-
-    def write(self, data):
-        """Write all of `data`; tell HDF5 that it is done in any case."""
-        view = memoryview(data)
-        while view and self.failure is None:
-            try:
-                view = view[super().write(view) :]
-            except OSError as error:
-                self.failure = error
-        return len(data)
-
-    def truncate(self, size=None):
-        """Set the file's length."""
+    @contextmanager
+    def _on_disk(self):
+        """Leave no file when the disk, or anything else, ends the writing."""
         try:
-            return super().truncate(size)
-        except OSError as error:
-            self.failure = self.failure or error
-            return size
+            with located(self._place.path), self._disk.blamed():
+                yield
+        except BaseException:
+            self.discard()
+            raise
+
+
+def printable_name(name: str) -> str:
+    """A file name as UTF-8 can hold it: bytes that are none are written as \\xff."""
+    return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
 def chunk_rows(layout: Layout) -> int:

@@ -13,7 +13,8 @@ import numpy as np
 from .. import __version__
 from ..errors import BAD_INPUT, FlexmbError
 from .atomic import Replacement, located
-from .result_file import FILE_FORMAT, TEXT
+from .forgiving_disk import ForgivingDisk
+from .result_file import FILE_FORMAT, TEXT, printable_name
 
 CONVENTIONS = "flexmb-study-1"
 BLOCK_NUMBERS = 2**17  # written at a time
@@ -80,10 +81,15 @@ def _blocks(head: TableHead, rows) -> Iterator[list[Row]]:
 
 
 def _write_hdf5(path, head, rows):
-    with h5py.File(path, "w", libver=FILE_FORMAT) as file:
-        datasets = _datasets(file, head)
-        start = 0
-        for block in _blocks(head, rows):
+    with ForgivingDisk(path) as disk, disk.blamed(), h5py.File(disk, "w", libver=FILE_FORMAT) as file:
+        _fill(file, head, rows, disk)
+
+
+def _fill(file, head, rows, disk):
+    datasets = _datasets(file, head)
+    start = 0
+    for block in _blocks(head, rows):
+        with disk.blamed():  # a long study need not be gone through for nothing
             stop = start + len(block)
             counts = list(zip(*block, strict=True))
             for name, values in zip(("case", "exit_code", "rows"), counts, strict=False):
@@ -97,7 +103,7 @@ def _write_hdf5(path, head, rows):
 def _datasets(file, head):
     attributes = {
         "Conventions": CONVENTIONS, "flexmb_version": __version__,
-        "deck_name": head.deck_name, "deck_sha256": head.deck_sha256,
+        "deck_name": printable_name(head.deck_name), "deck_sha256": head.deck_sha256,
     }  # fmt: skip
     file.attrs.update(attributes)
     for name, text in (("study", head.study), ("deck", head.deck)):
@@ -141,7 +147,7 @@ def _write_parquet(path, head, rows):
     for column in head.columns:
         number = pyarrow.float64()
         kinds[column.path.replace("/", ".", 1)] = pyarrow.list_(number) if column.length else number
-    about = {"deck": head.deck, "study": head.study, "deck_name": head.deck_name,
+    about = {"deck": head.deck, "study": head.study, "deck_name": printable_name(head.deck_name),
              "deck_sha256": head.deck_sha256, "flexmb_version": __version__}  # fmt: skip
     schema = pyarrow.schema(list(kinds.items()), metadata=about)
     with pyarrow.parquet.ParquetWriter(path, schema) as writer:

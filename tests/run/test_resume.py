@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import flexmb_cli.run.dafms as dafms
-from flexmb_cli.errors import ModelError
+from flexmb_cli.errors import ModelError, OutputError
 from flexmb_cli.run.checkpoint import Journal
 from flexmb_cli.run.outcome import Listener
 from flexmb_cli.solve import tree_dynamics
@@ -175,6 +175,84 @@ def test_what_is_no_journal_is_refused(tmp_path):
     path.write_text("shopping list\n")
     with pytest.raises(ModelError, match="is not the file of a stopped run"):
         rows_of(path)
+
+
+def doubts_of(path):
+    journal = Journal(str(path), {"deck": "x"})
+    journal.find()
+    return [(doubt.severity, doubt.message.removeprefix(f"--resume: {path} is ")) for doubt in journal.doubts]
+
+
+@pytest.mark.parametrize("length", [0, 1, 13])
+def test_a_journal_cut_in_its_first_line_says_so(tmp_path, length):
+    path = tmp_path / "x.resume"
+    kept(path)
+    path.write_bytes(path.read_bytes()[:length])
+    said = "cut in its first line, nothing of the stopped run can be used"
+    assert doubts_of(path) == [("warning", said)]
+
+
+def test_a_text_without_line_ends_is_no_cut_journal(tmp_path):
+    path = tmp_path / "x.resume"
+    path.write_text("shopping list")
+    with pytest.raises(ModelError, match="is not the file of a stopped run"):
+        doubts_of(path)
+
+
+def test_a_damaged_entry_is_told_with_its_place(tmp_path):
+    path = tmp_path / "x.resume"
+    kept(path)
+    assert doubts_of(path) == []
+    content = path.read_bytes()
+    path.write_bytes(content + b"torn")
+    said = f"torn or damaged at byte {len(content)}; the 4 bytes there are not used"
+    assert doubts_of(path) == [("note", said)]
+
+
+@pytest.mark.parametrize("length", [2**31, 2**40, 2**63, 2**64 - 1])
+def test_a_damaged_length_takes_no_memory(tmp_path, length):
+    path = tmp_path / "x.resume"
+    kept(path)
+    head, _, entries = path.read_bytes().partition(b"\n")
+    path.write_bytes(head + b"\n" + length.to_bytes(8, "little") + entries[8:])
+    assert rows_of(path) == []
+    assert len(doubts_of(path)) == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="locks of files are Unix's")
+def test_two_runs_do_not_write_one_journal(tmp_path):
+    first, second = (Journal(str(tmp_path / "x.resume"), {"deck": "x"}) for _ in range(2))
+    first.begin([])
+    first.append(*BLOCKS[0])
+    with pytest.raises(OutputError, match="another run is writing it"):
+        second.begin([])
+    first.close()
+    assert rows_of(tmp_path / "x.resume") == [0]
+
+
+def test_results_that_cannot_be_put_in_their_places_leave_the_journal(tmp_path):
+    """A folder that appears in the place of the last series while the run goes on."""
+
+    def in_the_way(rows):
+        (tmp_path / "pendulum.T3").mkdir(exist_ok=True)
+
+    outcome = run("pendulum", tmp_path, Listener(advance=in_the_way))
+    assert (outcome.exit_code, outcome.resumable) == (2, True)
+    assert "pendulum.T3: cannot be written: it is a folder" in outcome.faults[-1].message
+    assert (tmp_path / "pendulum.resume").exists()
+    assert not list(tmp_path.glob(".flexmb-*"))
+
+
+def test_a_run_interrupted_before_its_first_row_leaves_the_old_results(tmp_path):
+    run("pendulum", tmp_path)
+    old = (tmp_path / "pendulum.h5").read_bytes()
+
+    def stop(rows):
+        raise KeyboardInterrupt
+
+    outcome = run("pendulum", tmp_path, Listener(begin=stop))
+    assert (outcome.exit_code, outcome.files) == (130, ())
+    assert (tmp_path / "pendulum.h5").read_bytes() == old
 
 
 def test_only_files_with_the_name_of_unfinished_results_are_removed(tmp_path):

@@ -265,6 +265,21 @@ def test_a_folder_that_is_no_study_is_left_alone(tmp_path):
     assert (tmp_path / "parts/thesis.txt").exists()
 
 
+def test_a_study_killed_while_its_folder_was_begun_goes_on(tmp_path):
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts/.study.json").write_text('{"versi')
+    Sweep.of(str(written(tmp_path, SAMPLED, count=5)), str(tmp_path / "parts"))
+    assert sorted(os.listdir(tmp_path / "parts")) == ["study.json"]
+
+
+def test_a_damaged_length_of_a_case_takes_no_memory(tmp_path):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=5)), str(tmp_path / "parts"))
+    solve_block(sweep.job, 0)
+    part = next((tmp_path / "parts").glob("*.part"))
+    part.write_bytes(b"\xff\xff\xff\xff" + part.read_bytes()[4:])
+    assert list(sweep.job.parts.stored(0)) == []
+
+
 def test_parquet_holds_the_same_numbers(tmp_path):
     import pyarrow.parquet
 

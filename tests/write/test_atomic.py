@@ -3,11 +3,20 @@
 import errno
 import os
 import stat
+import subprocess
+import sys
 
 import pytest
 
 from flexmb_cli.errors import OutputError
-from flexmb_cli.write.atomic import ReplacedText, Replacement, make_folder, output_error
+from flexmb_cli.write.atomic import (
+    ReplacedText,
+    Replacement,
+    make_folder,
+    output_error,
+    put_in_place,
+    write_whole,
+)
 
 
 def test_the_old_file_stands_until_the_new_one_is_complete(tmp_path):
@@ -133,3 +142,63 @@ def test_the_loss_of_the_disk_removes_the_half_written_file(tmp_path, monkeypatc
     with pytest.raises(OutputError):
         stream.write("x")
     assert os.listdir(tmp_path) == []
+
+
+def killed_while_writing(path):
+    """A process that is killed with `path` half written; its temporary file."""
+    code = (
+        "import os, signal, sys\n"
+        "from flexmb_cli.write.atomic import ReplacedText\n"
+        "stream = ReplacedText(sys.argv[1]); stream.write('half'); stream.flush()\n"
+        "os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    subprocess.run([sys.executable, "-c", code, path], timeout=60)
+    return next(path.parent.glob(".flexmb-*.tmp"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kills and locks of files are Unix's")
+def test_what_a_killed_run_left_goes_away_when_its_output_is_written_next(tmp_path):
+    left = killed_while_writing(tmp_path / "OUT")
+    ReplacedText(tmp_path / "another").commit()
+    assert left.exists()
+    ReplacedText(tmp_path / "OUT").commit()
+    assert sorted(os.listdir(tmp_path)) == ["OUT", "another"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="locks of files are Unix's")
+def test_what_another_run_is_writing_stays(tmp_path):
+    first, second = ReplacedText(tmp_path / "OUT"), ReplacedText(tmp_path / "OUT")
+    second.write("second")
+    second.commit()
+    first.write("first")
+    first.commit()
+    assert (tmp_path / "OUT").read_text() == "first"
+
+
+def test_an_interrupted_writing_leaves_the_old_file_and_no_rest(tmp_path, monkeypatch):
+    (tmp_path / "page").write_text("old")
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "replace", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "page", b"new")
+    assert (tmp_path / "page").read_text() == "old"
+    assert os.listdir(tmp_path) == ["page"]
+
+
+def test_no_file_of_a_run_is_put_in_its_place_before_all_are_complete(tmp_path):
+    """The second cannot be finished: the first one stays the old one, too."""
+    (tmp_path / "OUT").write_text("old")
+    first, second = ReplacedText(tmp_path / "OUT"), ReplacedText(tmp_path / "T2")
+    first.write("new")
+
+    def full():
+        raise OutputError("T2: no space left")
+
+    second.finish = full
+    with pytest.raises(OutputError):
+        put_in_place([first, second])
+    assert (tmp_path / "OUT").read_text() == "old"
+    assert os.listdir(tmp_path) == ["OUT"]
