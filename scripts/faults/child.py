@@ -94,7 +94,7 @@ def _become(arguments, folder, hit, said):
         os.setsid()
         os.chdir(folder)
         _plug(hit, said)
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         _environment(hit.environment)
         hit.begin()
@@ -110,6 +110,7 @@ def _main(arguments, trip):
     trips.arm(trip)
     code = 0
     try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         main()
     except SystemExit as ending:
         code = ending.code if isinstance(ending.code, int) else int(ending.code is not None)

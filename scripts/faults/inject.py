@@ -29,23 +29,24 @@ from faults import trip
 
 trip.install()
 
-from faults import caches, damage, disks, places, stops, surroundings  # noqa: E402 - opens files counted
+from faults import caches, cluster, damage, disks, places, stops, surroundings  # noqa: E402 - opens files counted
 from faults.stage import Stage  # noqa: E402
 from faults.stops import Verdict  # noqa: E402
 
 # Every kind with its share of the faults; processes of their own take seconds each.
 KINDS = {
-    stops.kill_at_deeds: 300,
+    stops.kill_at_deeds: 240,
     stops.torn_writes: 60,
     stops.kill_at_any_time: 100,
-    stops.kill_resumed: 60,
-    stops.kill_process: 30,
-    stops.kill_with_workers: 12,
+    stops.kill_resumed: 50,
+    stops.kill_process: 16,
+    stops.kill_with_workers: 8,
     stops.kill_a_worker: 4,
+    cluster.kill_driver_of_cluster: 3,
     stops.signals_at_deeds: 120,
     stops.signals_at_any_time: 60,
-    stops.signals_to_process: 30,
-    disks.full_from_a_deed_on: 100,
+    stops.signals_to_process: 12,
+    disks.full_from_a_deed_on: 90,
     disks.broken_deed: 80,
     disks.small_disk: 60,
     disks.limited_size: 50,
@@ -62,7 +63,7 @@ KINDS = {
     damage.damaged_parts: 20,
     damage.damaged_result: 60,
     damage.broken_draft: 20,
-    caches.damaged_kernels: 18,
+    caches.damaged_kernels: 12,
     caches.lost_kernel_folder: 2,
     caches.damaged_bodies: 16,
     caches.unwritable_bodies: 2,
@@ -73,7 +74,7 @@ KINDS = {
     surroundings.full_standard_output: 6,
     surroundings.full_table_on_standard_output: 7,
     surroundings.odd_names: 10,
-    surroundings.other_locales: 18,
+    surroundings.other_locales: 12,
     surroundings.narrow_masks: 17,
 }
 NAMED = {kind.__name__: kind for kind in KINDS}
@@ -101,6 +102,7 @@ def _options():
     parser.add_argument("--only", action="append", choices=list(NAMED), default=[], help="this kind alone")
     parser.add_argument("--without", action="append", choices=list(NAMED), default=[], help="not this kind")
     parser.add_argument("--commands", nargs="*", default=[], help="of the stage, these alone")
+    parser.add_argument("--most", type=int, help="of all these faults, in their mixed order, at most so many")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--json", metavar="FILE", help="the counts, for tables")
     return parser.parse_args()
@@ -111,7 +113,7 @@ def _tasks(options):
     names = options.only or [name for name in NAMED if name not in options.without]
     tasks = [(name, k) for name in names for k in range(options.count or KINDS[NAMED[name]])]
     random.Random(options.seed).shuffle(tasks)
-    return tasks
+    return tasks[: options.most]
 
 
 def _told(stage, tasks, options, top):

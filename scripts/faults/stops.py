@@ -17,11 +17,11 @@ LATEST = 1.1  # of the undisturbed time, for random moments
 
 @dataclass
 class Verdict:
-    """What became of one injected fault; `resumed` when a stopped command went on to the same bytes."""
+    """What became of one injected fault; `resumed`: stops from which a command went on to the same bytes."""
 
     what: str
     faults: list[str] = field(default_factory=list)
-    resumed: bool = False
+    resumed: int = 0
     skipped: str = ""
 
 
@@ -50,14 +50,15 @@ def kill_resumed(stage, chance, number, folder) -> Verdict:
     """SIGKILL of a run, then of the ones that go on with it, two to four times."""
     command = stage.spread(stage.resumable, number)
     before = command.prepare(folder, with_old=False)
-    found = []
+    found, killed = [], 0
     for _ in range(chance.randint(2, 4)):
         trip = Trip(str(folder), chance.randint(1, command.deeds))
         ended = _go_on(command, folder, Hit(trip=trip))
+        killed += ended.code == KILLED
         found += faults_of_end(ended, {0, KILLED}) + faults_of_files(command, folder, before, ended)
     finished = _go_on(command, folder, Hit())
     found += faults_of_finish(command, folder, before, finished)
-    return Verdict(command.name, found, not found)
+    return Verdict(command.name, found, 0 if found else killed)
 
 
 def kill_process(stage, chance, number, folder) -> Verdict:
@@ -148,7 +149,7 @@ def _hit_and_finish(command, folder, hit, with_old, run=run_forked, sent=signal.
     before = command.prepare(folder, with_old)
     ended = command.run(folder, hit, run)
     allowed = {0, -sent} if sent == signal.SIGKILL else {0, 128 + sent}
-    if run is run_process:
+    if hit.sent:
         # SIGTERM before the command has begun; SIGINT as Python tells shells of it.
         allowed.add(-sent)
     found = faults_of_end(ended, allowed) + faults_of_files(command, folder, before, ended)
