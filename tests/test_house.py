@@ -73,6 +73,7 @@ def test_no_file_has_a_name_that_says_nothing(path):
     assert path.stem not in ("utils", "helpers", "common", "base", "manager", "misc")
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -29,10 +29,18 @@ def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
     count = values.number("counts", 0, "N").value
     missing = [card for card, section in _NEEDED if not values.section(section)]
     for card in missing:
-        findings.error("", f"card '{card}' is missing", values.place("counts"))
+        message = (
+            f"card '{card}' is missing: it stands before 'END ', with a record for each of {count} bodies"
+        )
+        findings.error("", message, _cards_begin(values))
     if missing:
         return ()
     return tuple(_body(values, k, findings) for k in range(1, count + 1))
+
+
+def _cards_begin(values):
+    """Where cards are expected: at the last number of the time, which stands before them."""
+    return values.number("time", 0, "H").place
 
 
 def _body(values, k, findings):

@@ -84,7 +84,9 @@ def _node(values, bodies, parent, k, point, findings):
 def _note_unused_node(own, parent, k, findings):
     """The listing does not look at NP of a parent without nodes; flexmb neither."""
     if own and own.at("NP").value > 0 and parent != INERTIAL:
-        message = f"NP = {own.at('NP').value} is not used: body {parent + 1} is rigid, and Q(k) says where P_k is"
+        message = (
+            f"NP = {own.at('NP').value} is not used: body {parent + 1} is rigid, and Q(k) says where P_k is"
+        )
         findings.note(f"hinge of body {k}", message, own.at("NP").place)
 
 

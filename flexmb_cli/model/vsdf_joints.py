@@ -187,13 +187,14 @@ def _pin(record, bodies, ground, findings):
     return end and Pin(record.subject, end, held, point, record.place)
 
 
-def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw]:
-    """The tables by their numbers; times must ascend."""
+def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw | None]:
+    """The tables by their numbers, None for those with faults; times must ascend."""
     points: dict[int, list] = {}
     for record in values.section("table"):
         points.setdefault(record["table"], []).append(record)
-    tables = {}
+    tables: dict[int, MotionLaw | None] = {}
     for number, records in points.items():
+        tables[number] = None
         times = [record["t"] for record in records]
         late = next((i for i in range(1, len(times)) if not times[i] > times[i - 1]), None)
         if len(records) < 2:
@@ -252,9 +253,9 @@ def _law(record, tables, findings):
 
 
 def find_table(record, number, tables, findings) -> MotionLaw | None:
-    """The table that a card names by `number`."""
+    """The table that a card names by `number`; None, and no further fault, for one that has faults."""
     found = tables.get(int(number.value))
-    if found is None:
+    if number.value not in tables:
         message = f"there is no table {number.value:g}; cards TABL give some"
         findings.error(record.subject, message, number.place)
     return found

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from ..errors import DeckError, Fault, Place
 from . import vsdf_fields
 from .deck import Deck, DeckText, Number, Record
-from .vsdf_cards import BY_WORD, END, FINAL, KNOWN_WORDS, STAR, STOP, Card, Column
+from .vsdf_cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP, Card, Column
 
 _TITLE_WIDTH = 75
 _COMMENT = "*"
@@ -79,10 +79,9 @@ class _Reader:
             return None
         if word not in BY_WORD:
             self.unknown = True
-            near = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
-            hint = f"; is '{near[0]}' meant?" if near else ""
-            self._error("", f"there is no card '{line[:4].rstrip()}'{hint}", place)
+            self._error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place)
             return None
+        self._check_alone(word, line)
         if END in ended:
             self._error("", f"card '{word}' stands behind END, where nothing is read", place)
             return None
@@ -90,6 +89,13 @@ class _Reader:
             self._error("", f"card '{word}' stands before BODY, which must come first", place)
         self.begun = True
         return BY_WORD[word]
+
+    def _check_alone(self, word, line):
+        """Words behind a keyword are a comment; numbers there were meant to be read."""
+        extra = line[4:].strip()
+        if _NUMBERS_ONLY.fullmatch(extra):
+            message = f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
+            self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
 
     def _check_end(self, ended):
         if END not in ended:
@@ -177,6 +183,14 @@ class _Reader:
 
     def _warn(self, subject, message, place):
         self.faults.append(Fault("warning", message, place, subject))
+
+
+def _hint(word: str) -> str:
+    """What may have been meant by a word that no card has."""
+    if word in DATA_WORDS:
+        return f"; '{word}' stands on a data card, behind a blank"
+    near = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
+    return f"; is '{near[0]}' meant?" if near else ""
 
 
 def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:

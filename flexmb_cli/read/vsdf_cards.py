@@ -325,3 +325,5 @@ CARDS = (
 
 BY_WORD = {card.word: card for card in CARDS}
 KNOWN_WORDS = (*BY_WORD, *FINAL)
+# Words that data cards begin with.
+DATA_WORDS = tuple(word for card in CARDS if card.columns[0].letter == "A" for word in card.columns[0].words)

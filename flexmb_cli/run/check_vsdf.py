@@ -7,6 +7,8 @@ from .check import before_and_after
 from .outcome import RunOptions, refuse_warnings
 from .vsdf import mechanism_of
 
+ROUND_OFF = 1e-12
+
 
 def check_vsdf(report, options: RunOptions) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
@@ -58,7 +60,7 @@ def _parts(mechanism):
 
 def _body(body):
     """What is reported of a body; frequencies in Hz."""
-    record = {"name": body.name, "mass": body.m, "centre": (body.s0 / body.m).tolist(), "modes": body.modes}
+    record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
     if body.flexible is None:
         return record | {"kind": "rigid"}
     found = body.flexible
@@ -69,6 +71,13 @@ def _body(body):
         "mass_deviation": found.mass_deviation,
         "rigid_residual": found.rigid_residual,
     }
+
+
+def _centre(body):
+    """Centre of mass, m, components that are round-off of the body's size as 0."""
+    centre = body.s0 / body.m
+    size = max(np.abs(centre).max(), np.sqrt(np.trace(body.J0) / body.m))
+    return np.where(np.abs(centre) > ROUND_OFF * size, centre, 0.0).tolist()
 
 
 def _gaps(analysis, q):

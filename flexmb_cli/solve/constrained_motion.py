@@ -77,10 +77,11 @@ class ConstrainedMotion:
         march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
         self.work.turns[:] = march.turns[NEW]
         found = self.found = order_of_elimination(self, q, grid.start)
+        march.z[: q.size] = q
+        # Rates that contradict others are refused here: what is left does repeat others.
+        march.z[q.size : -1] = start_speeds(self, q, grid.start)
         if found.redundant:
             self.warnings.append(_repetition_warning(found))
-        march.z[: q.size] = q
-        march.z[q.size : -1] = start_speeds(self, q, grid.start)
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
         answer = self._call(constrained_march.BEGIN, blank_report(self.arrays, np.zeros(0)))

@@ -251,7 +251,8 @@ def _slider(time):
         for k, t in enumerate(time.tolist())
     ]
     prefix = {"prefix": "t = ", "suffix": " s", "visible": True}
-    return {"steps": steps, "active": 0, "currentvalue": prefix, "x": 0.16, "len": 0.8, "pad": {"t": 30}}
+    pad = {"t": 30, "b": 15}
+    return {"steps": steps, "active": 0, "currentvalue": prefix, "x": 0.16, "len": 0.8, "pad": pad}
 
 
 def _buttons(time):

@@ -2,8 +2,7 @@
 
 Example: scripts/determinism/run processors
 OpenBLAS takes other kernels (OPENBLAS_CORETYPE), numpy leaves its vector instructions alone
-(NPY_DISABLE_CPU_FEATURES), numba compiles for a processor without any (NUMBA_CPU_NAME=generic, three
-minutes of compilation).  Flexible bodies are reduced anew each time.
+(NPY_DISABLE_CPU_FEATURES).  Flexible bodies are reduced anew each time.
 """
 
 import argparse
@@ -20,7 +19,6 @@ PROCESSORS = {
     "OpenBLAS for Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
     "OpenBLAS for Zen": {"OPENBLAS_CORETYPE": "Zen"},
     "numpy without AVX": {"NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX"},
-    "numba for generic": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
 }
 
 

@@ -5,12 +5,14 @@ of this project's reference computation with incompatible-mode bricks, 8 x 2 x 1
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.io import mmread
 from scipy.linalg import eigh
 
+from flexmb_cli.model.flexible_body import FEFile
 from tests.fe.supplied import CHORD, FILES, NEAR_JOINT, OFF_LINE, PENDULUM, body, pendulum, spin_up
 
 FREQUENCIES = {
@@ -45,6 +47,42 @@ def test_dmig_gives_the_frequencies_of_matrices_rounded_to_its_ten_digits():
     np.testing.assert_allclose(found, wanted, rtol=1e-8)
     exact = body(pendulum("MM", modes=9)).frequencies
     assert 1e-6 < abs(found[0] / exact[0] - 1) < 3e-5
+
+
+def sixteen_columns(value):
+    """The most digits that a large field of 16 columns holds: Nastran's exponent without a letter."""
+    texts = (_without_letter(value, digits) for digits in range(15, 5, -1))
+    return next(text for text in texts if len(text) <= 16)
+
+
+def _without_letter(value, digits):
+    mantissa, exponent = f"{value:.{digits}e}".split("e")
+    return f"{mantissa}{int(exponent):+d}"
+
+
+def write_dmig(path, name, matrix):
+    """Lower triangle by columns, node and direction, in large fields."""
+    lines, matrix = [f"DMIG    {name:8}       0       6       2       0"], matrix.tocsc()
+    for j in range(matrix.shape[1]):
+        lines.append(f"DMIG*   {name:8}{'':8}{j // 3 + 1:16d}{j % 3 + 1:16d}")
+        for k in range(matrix.indptr[j], matrix.indptr[j + 1]):
+            i = matrix.indices[k]
+            if i >= j:
+                lines.append(f"*       {i // 3 + 1:16d}{i % 3 + 1:16d}{sixteen_columns(matrix.data[k]):>16}")
+    path.write_text("\n".join(lines) + "\n")
+    return FEFile(path, "DMIG")
+
+
+def test_dmig_with_the_most_digits_of_its_field_is_off_by_4e_8(tmp_path):
+    """12 digits, 13 of positive entries: two or three more than with D exponents, and no more fit."""
+    M, K = (mmread(FILES / name) for name in PENDULUM["MM"][:2])
+    exact = pendulum("MM", modes=9)
+    files = {
+        "mass": write_dmig(tmp_path / "M", "MAAX", M),
+        "stiffness": write_dmig(tmp_path / "K", "KAAX", K),
+    }
+    found, wanted = body(replace(exact, **files)).frequencies, body(exact).frequencies
+    assert 1e-9 < np.max(np.abs(found / wanted - 1.0)) < 1e-7
 
 
 def test_calculix_internal_freedoms_are_condensed_and_their_mass_dropped():

@@ -11,6 +11,8 @@ import pytest
 from geometry import Gaps, axes
 from solved import DECKS, at_times, coordinates, mechanism_of, rows_of_deck, solved
 
+pytestmark = pytest.mark.long_motion
+
 ROWS = 1201
 # Eighth-order central differences (B. Fornberg, Math. Comp. 51 (1988) 699-706, table 1).
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])

@@ -37,7 +37,7 @@ CASES = [
             ("MASS\n    1        .2\n", ""),
         ),
         [
-            "1:5: error: card 'MASS' is missing",
+            "8:8: error: card 'MASS' is missing: it stands before 'END ', with a record for each of 1 bodies",
         ],
         id="MASS is missing",
     ),

@@ -14,7 +14,10 @@ from flexmb_cli.run.outcome import Outcome
 
 DECKS = Path(__file__).parents[2] / "decks"
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="groups of processes are Unix's")
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="groups of processes are Unix's"),
+    pytest.mark.processes,
+]
 
 PARENT = """
 import sys, time

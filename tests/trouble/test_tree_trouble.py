@@ -142,3 +142,13 @@ def test_the_other_formulation_stops_where_the_loop_lies_in_line(tmp_path):
     code, (fault,) = told(tmp_path, "fourbar_rigid", IN_LINE, DRIVEN, formulation="absolute")
     assert code == 1
     assert fault.startswith("error: at t = 0.321239 s the step length falls to ")
+
+
+def test_a_node_of_a_rigid_parent_is_not_used_and_told(tmp_path):
+    """The 1992 listing does not look at NP there either."""
+    code, faults = told(
+        tmp_path, "fourbar_rigid", ("NOFP\n    1    0\n    2    0\n", "NOFP\n    1    0\n    2    3\n")
+    )
+    assert (code, faults) == (
+        0, ["note: hinge of body 2: NP = 3 is not used: body 1 is rigid, and Q(k) says where P_k is"],
+    )  # fmt: skip

@@ -256,6 +256,18 @@ def test_the_slider_moves_the_mechanism(page):
 
 
 @pytest.mark.processes
+def test_the_times_below_the_slider_are_not_cut_off(page):
+    """Of every label the lower edge is within the picture."""
+    edges = page.execute_script(
+        "const box = document.getElementById('animation').getBoundingClientRect();"
+        "return Array.from(document.querySelectorAll('#animation .slider-labels text')).map("
+        "text => box.bottom - text.getBoundingClientRect().bottom)"
+    )
+    assert len(edges) >= 7
+    assert min(edges) >= 0
+
+
+@pytest.mark.processes
 def test_play_runs_through_all_rows_and_pause_holds(page):
     rest(page)
     click(page, "play")
