@@ -64,7 +64,7 @@ def output_is_a_folder(stage, chance, number, folder) -> Verdict:
 
 def missing_folder(stage, chance, number, folder) -> Verdict:
     """The folder of the output does not exist (for `run` it is made), or is a file."""
-    command = stage.spread(stage.writers, number)
+    command = stage.spread([c for c in stage.writers if c.name != "run several decks"], number)
     before = command.prepare(folder, with_old=False)
     in_the_way = chance.random() < 0.5
     arguments = [_elsewhere(word, command) for word in command.arguments]
@@ -81,8 +81,6 @@ def missing_folder(stage, chance, number, folder) -> Verdict:
 
 def _elsewhere(word, command):
     """Outputs in the folder none/below, which is not there."""
-    if command.name == "run several decks" and word == "run":
-        return word
     if word == "out" or word in command.outputs:
         return f"none/below/{word}"
     return word
