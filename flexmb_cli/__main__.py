@@ -10,6 +10,7 @@ def main():
     try:
         from .cli import main as run
     except KeyboardInterrupt:
+        print("flexmb: interrupted; nothing was begun", file=sys.stderr)
         sys.exit(INTERRUPTED)
     run()
 

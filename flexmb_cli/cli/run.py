@@ -54,7 +54,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     choices = RunOptions(changes=changes, solver=solver, integration=integration, echo=echo, **options)
     _refuse_shared_files(decks, choices)
-    _stop_on_signals()
+    stop_on_signals()
     codes = []
     for outcome in _outcomes(decks, choices, jobs, quiet):
         if outcome.echo:
@@ -139,7 +139,7 @@ def _begin_worker():
     from ..run.orphans import end_with_parent
 
     end_with_parent()
-    _stop_on_signals()
+    stop_on_signals()
 
 
 def _pass_on(stop, pool):
@@ -219,7 +219,8 @@ def _dialect(deck, options):
         return options.dialect
 
 
-def _stop_on_signals():
+def stop_on_signals():
+    """Have SIGINT and SIGTERM raised here, but for where `Stop.later` holds them back."""
     from ..run.outcome import Stop
 
     def stop(number, frame):

@@ -9,6 +9,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
+from .run import stop_on_signals
 
 
 @click.command()
@@ -34,6 +35,7 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     output = output or f"{PurePath(study).stem}.h5"
     parts = parts or f"{output}.parts"
     made = _begun(study, output, parts, fresh)
+    stop_on_signals()
     try:
         _solve(made, jobs, scheduler, quiet)
         failures = _first_failures(made)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from ..read.study import SERIES
 from ..write.study_table import Column, Row, TableHead, write_table
+from .outcome import Stop
 from .sweep import Sweep
 
 
@@ -12,7 +13,10 @@ def write_study_table(path: str, sweep: Sweep) -> None:
 
     Raises OutputError when the table cannot be written; the parts then stay.
     """
-    write_table(path, _head(sweep), _rows(sweep))
+    # A stop must not be raised where HDF5 calls back for a write.
+    with Stop.later():
+        write_table(path, _head(sweep), _rows(sweep))
+    Stop.heed()
     sweep.job.parts.remove()
 
 

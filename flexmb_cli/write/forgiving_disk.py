@@ -6,24 +6,43 @@ from contextlib import contextmanager
 
 
 class ForgivingDisk(io.FileIO):
-    """The file below HDF5.  It remembers the first failure to write and swallows what follows.
+    """The file below HDF5.  It remembers the first failure to write and pretends that all goes well.
 
-    HDF5 itself must not meet a full disk: it then crashes the process when its file is closed.
+    HDF5 itself must not meet a full disk: it then crashes the process when its file is closed, or when it
+    does not read back what it has written.  What the disk has refused is kept here until the next `blamed`.
     """
 
     def __init__(self, path):
         self.failure: OSError | None = None
+        self._refused: list[tuple[int, bytes]] = []  # place, bytes
         super().__init__(path, "w+")
 
     def write(self, data):
         """Write all of `data`; tell HDF5 that it is done in any case."""
-        view = memoryview(data)
-        while view and self.failure is None:
+        view, start, done = memoryview(data).cast("B"), self.tell(), 0
+        while done < len(view) and self.failure is None:
             try:
-                view = view[super().write(view) :]
+                done += super().write(view[done:])
             except OSError as error:
                 self.failure = error
-        return len(data)
+        if done < len(view):
+            self._refused.append((start + done, bytes(view[done:])))
+            self.seek(start + len(view))
+        return len(view)
+
+    def readinto(self, buffer):
+        """Fill `buffer` with what HDF5 believes to have written."""
+        view, start = memoryview(buffer).cast("B"), self.tell()
+        got = super().readinto(view)
+        if self.failure is None:
+            return got
+        view[got:] = bytes(len(view) - got)
+        for place, data in self._refused:
+            first, last = max(start, place), min(start + len(view), place + len(data))
+            if first < last:
+                view[first - start : last - start] = data[first - place : last - place]
+        self.seek(start + len(view))
+        return len(view)
 
     def truncate(self, size=None):
         """Set the file's length."""

@@ -11,7 +11,7 @@ import click
 import pytest
 
 from flexmb_cli import cli as commands
-from flexmb_cli.cli.run import _stop_on_signals
+from flexmb_cli.cli.run import stop_on_signals
 from flexmb_cli.run import deck
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
 
@@ -52,7 +52,7 @@ def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch)
     monkeypatch.setattr(Stop, "asked", None)
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     try:
-        _stop_on_signals()
+        stop_on_signals()
         with Stop.later():
             signal.raise_signal(signal.SIGTERM)
             assert Stop.asked is Terminated

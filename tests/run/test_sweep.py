@@ -13,11 +13,14 @@ import h5py
 import numpy as np
 import pytest
 
+from flexmb_cli.cli.run import stop_on_signals
 from flexmb_cli.errors import ModelError
-from flexmb_cli.run import study_workers
+from flexmb_cli.run import study_table, study_workers
+from flexmb_cli.run.outcome import Stop, Terminated
 from flexmb_cli.run.study_cases import Cases
 from flexmb_cli.run.study_parts import Parts
 from flexmb_cli.run.sweep import Sweep, give_up_case, next_case, solve_block
+from flexmb_cli.write.study_table import write_table
 
 pytestmark = pytest.mark.processes
 
@@ -270,6 +273,30 @@ def test_a_study_killed_while_its_folder_was_begun_goes_on(tmp_path):
     (tmp_path / "parts/.study.json").write_text('{"versi')
     Sweep.of(str(written(tmp_path, SAMPLED, count=5)), str(tmp_path / "parts"))
     assert sorted(os.listdir(tmp_path / "parts")) == ["study.json"]
+
+
+def test_a_stop_while_the_table_is_written_waits_until_it_is_whole(tmp_path, monkeypatch):
+    """HDF5 calls back for every write: a stop that is raised there came out as a fault of flexmb."""
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=5)), str(tmp_path / "parts"))
+    study_workers.solve_here(sweep, sweep.pending(), lambda cases: None)
+    monkeypatch.setattr(Stop, "asked", None)
+    before = signal.getsignal(signal.SIGTERM)
+
+    def stopped(path, head, rows):
+        signal.raise_signal(signal.SIGTERM)
+        write_table(path, head, rows)
+
+    monkeypatch.setattr(study_table, "write_table", stopped)
+    interrupts = signal.getsignal(signal.SIGINT)
+    try:
+        stop_on_signals()
+        with pytest.raises(Terminated):
+            study_table.write_study_table(str(tmp_path / "s.h5"), sweep)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        signal.signal(signal.SIGINT, interrupts)
+    assert len(table(tmp_path / "s.h5")["case"]) == 5
+    assert (tmp_path / "parts").is_dir()
 
 
 def test_a_damaged_length_of_a_case_takes_no_memory(tmp_path):

@@ -87,3 +87,20 @@ def test_a_deck_whose_name_is_no_text_is_run(tmp_path):
 
 def test_names_that_are_text_stay_as_they_are():
     assert printable_name("größe.dat") == "größe.dat"
+
+
+@unix
+def test_what_the_disk_refused_is_read_back(tmp_path, limited):
+    """HDF5 crashed the process over bytes of its own that it did not find again."""
+    limited(10)
+    with ForgivingDisk(tmp_path / "x") as disk:
+        assert disk.write(b"0123456") == 7
+        assert disk.write(b"789abcdef") == 9
+        disk.seek(12)
+        assert disk.write(b"XY") == 2
+        assert disk.failure is not None
+        disk.seek(5)
+        read = bytearray(14)
+        assert disk.readinto(read) == 14
+        assert read == b"56789abXYef\0\0\0"
+        assert disk.tell() == 19
