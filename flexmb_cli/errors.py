@@ -105,6 +105,7 @@ def compiler_style(deck_name: str, faults, lines=()) -> str:
 
     `lines` are the deck's lines; a fault without a place shows neither line nor caret.
     """
+    deck_name = visible(deck_name)
     blocks = [_one_fault(deck_name, fault, lines) for fault in _most_serious(faults)]
     if len(faults) > SHOWN_FAULTS:
         blocks.append(f"{deck_name}: {len(faults) - SHOWN_FAULTS} more faults not shown")
@@ -121,9 +122,9 @@ def _most_serious(faults):
 
 def _one_fault(deck_name, fault, lines):
     if fault.place is None:
-        return f"{deck_name}: {fault.severity}: {_masked(fault.sentence)}"
+        return f"{deck_name}: {fault.severity}: {visible(fault.sentence)}"
     place = fault.place
-    head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {_masked(fault.sentence)}"
+    head = f"{deck_name}:{place.line}:{place.column}: {fault.severity}: {visible(fault.sentence)}"
     if not 1 <= place.line <= len(lines):
         return head
     before, line = _excerpt(lines[place.line - 1], place.column - 1)
@@ -141,9 +142,9 @@ def _excerpt(line, before):
         cut = "…" if start else ""
         more = "…" if len(line) > start + SHOWN_LINE else ""
         line, before = f"{cut}{line[start : start + SHOWN_LINE]}{more}", before - start + len(cut)
-    return before, _masked(line)
+    return before, visible(line)
 
 
-def _masked(text):
-    """Decks may hold anything; a terminal must not obey it."""
+def visible(text: str) -> str:
+    """`text` with marks for what cannot be printed: data may hold anything, and no terminal shall obey it."""
     return "".join(char if char.isprintable() or char == "\t" else "�" for char in text)

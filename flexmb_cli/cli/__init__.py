@@ -11,7 +11,7 @@ import sys
 import click
 
 from .. import __version__
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, FlexmbError
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, FlexmbError, visible
 from ..run.outcome import Terminated
 from .beam import beam
 from .check import check
@@ -79,6 +79,7 @@ def main():
         _tell("flexmb: terminated; what was not complete is not written")
         sys.exit(143)
     except click.ClickException as fault:
+        fault.message = visible(fault.message)
         fault.show()
         sys.exit(BAD_INPUT)
     except FlexmbError as failure:
@@ -137,4 +138,4 @@ def _tell(sentence):
 
 def _report_failure(failure):
     for fault in failure.faults:
-        click.echo(f"flexmb: {fault.severity}: {fault.sentence}", err=True)
+        click.echo(f"flexmb: {fault.severity}: {visible(fault.sentence)}", err=True)

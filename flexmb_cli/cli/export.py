@@ -23,10 +23,11 @@ def export(result, form, output, quiet):
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
-    from ..write.quantities import open_result, shortfall
+    from ..write.quantities import open_result, refuse_uneven, shortfall
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
     with open_result(result) as file:
+        refuse_uneven(file)
         told = shortfall(file)
         WRITERS[form](file, output)
     if told and not quiet:
@@ -37,22 +38,16 @@ def export(result, form, output, quiet):
 
 def _write_vtkhdf(file, output):
     from ..write.atomic import write_whole
-    from ..write.scene import intact
     from ..write.vtkhdf import vtkhdf_bytes
 
-    with intact(file):
-        content = vtkhdf_bytes(file)
-    write_whole(output, content)
+    write_whole(output, vtkhdf_bytes(file))
 
 
 def _write_mat(file, output):
     from ..run.matlab_file import matlab_bytes
     from ..write.atomic import write_whole
-    from ..write.scene import intact
 
-    with intact(file):
-        content = matlab_bytes(file)
-    write_whole(output, content)
+    write_whole(output, matlab_bytes(file))
 
 
 def _write_csv(file, output):

@@ -36,6 +36,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     from ..write.atomic import write_whole
     from ..write.curves import panels
     from ..write.plots import FORMATS, picture
+    from ..write.stored_result import attribute
     from .extras import needed
 
     output = output or f"{Path(result).stem}.png"
@@ -51,7 +52,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
         ]
         drawn = panels(sources)
         if title is None:
-            title = str(sources[0].result.attrs.get("deck_name", ""))
+            title = attribute(sources[0].result, "deck_name")
     write_whole(output, picture(drawn, form, title))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)

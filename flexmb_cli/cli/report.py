@@ -21,14 +21,14 @@ def report(result, output, quiet):
     from pathlib import Path
 
     from ..write.atomic import write_whole
-    from ..write.quantities import open_result
+    from ..write.quantities import open_result, refuse_uneven
     from ..write.report_page import report_page
-    from ..write.scene import intact
     from .extras import needed
 
     library = needed("plotly.offline", "plotly", "report").get_plotlyjs()
     output = output or f"{Path(result).stem}.html"
-    with open_result(result) as file, intact(file):
+    with open_result(result) as file:
+        refuse_uneven(file)
         page = report_page(file, library).encode("utf-8")
     write_whole(output, page)
     if not quiet:

@@ -58,12 +58,10 @@ def table(result, names, listing, start, stop, every, style, quiet):
 
 
 def _print_study(path, names, listing, every, style, quiet):
-    import h5py
-
-    from ..write.study_text import chosen_columns, study_columns, study_notes, study_text
+    from ..write.study_text import chosen_columns, open_study, study_columns, study_notes, study_text
     from ..write.table import list_text
 
-    with h5py.File(path, "r") as file:
+    with open_study(path) as file:
         columns = study_columns(file)
         if names or not listing:
             columns = chosen_columns(columns, names)

@@ -32,7 +32,8 @@ def read_study(source: DeckText) -> Study:
 def _table(source):
     try:
         return tomllib.loads(source.text.replace("\r\n", "\n"))
-    except (tomllib.TOMLDecodeError, RecursionError) as fault:
+    except (ValueError, RecursionError) as fault:
+        # tomllib leaves integers of thousands of digits to int(), which refuses them without a place.
         found = _SYNTAX.match(str(fault))
         place = Place(int(found[2]), int(found[3])) if found else None
         message = f"not TOML: {found[1] if found else fault}"
@@ -190,7 +191,7 @@ def _names_a_column(name):
 
 
 def _is_number(value):
-    return type(value) in (int, float) and math.isfinite(value)
+    return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 
 def _spaced(start, end, count, logarithmic):

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 
 from ..write.quantities import ResultError
+from ..write.stored_result import attribute
 
 # Bytes of the header's text, of a variable, and of a name.
 HEADER, LARGEST, LONGEST_NAME = 116, 2**31 - 1, 63
@@ -21,7 +22,7 @@ def matlab_bytes(result: h5py.File) -> bytes:
     from scipy.io import savemat
 
     content = _struct(result)
-    content["info"] = {name: _plain(value) for name, value in result.attrs.items() if name[0] != "_"}
+    content["info"] = {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
     stream = io.BytesIO()
     if _size(content) > LARGEST:
         limit = "larger than the 2 GB of a MATLAB 5 file; MATLAB reads the result itself (h5read)"
@@ -52,12 +53,8 @@ def _field(name, taken):
 def _values(dataset):
     if h5py.check_string_dtype(dataset.dtype) is None:
         return dataset[()]
-    texts = dataset.asstr()[()]
+    texts = dataset.asstr(errors="replace")[()]
     return texts if isinstance(texts, str) else np.array(texts, dtype=object)
-
-
-def _plain(value):
-    return value.decode() if isinstance(value, bytes) else value
 
 
 def _size(content):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from .. import __version__
-from ..errors import INTERNAL_FAULT, DeckError
+from ..errors import INTERNAL_FAULT, DeckError, Fault
 from ..read.deck import Deck, DeckText
 from ..read.dialects import read_deck
 from ..read.study import Study
@@ -120,6 +120,9 @@ def _readable_deck(path, study) -> DeckText:
     """The text of the study's deck; what is wrong with it is told at its own lines."""
     text = None
     try:
+        if os.path.exists(path) and not os.path.isfile(path):
+            # A pipe would be waited for: the study, which may be a stranger's, chose the name.
+            raise DeckError([Fault("error", "is no regular file, but a folder, a pipe or a device")])
         text = read_text(path)
         read_deck(text, study.dialect)
     except DeckError as failure:

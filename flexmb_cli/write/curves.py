@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 
 from .quantities import Quantity, names, read
+from .stored_result import attribute
 
 # What tells most of a result, most telling first; the rest is asked for by name.
 TELLING = {
@@ -66,7 +67,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     """What to draw when nothing is named: the telling quantities of the dialect that move, and energies."""
     known = names(result)
     chosen = []
-    for dataset in TELLING.get(str(result.attrs.get("dialect")), TELLING["young"]):
+    for dataset in TELLING.get(attribute(result, "dialect"), TELLING["young"]):
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.

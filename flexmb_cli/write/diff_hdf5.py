@@ -1,13 +1,24 @@
 """Compare two HDF5 results dataset by dataset, a part of the rows at a time."""
 
 import math
+from contextlib import contextmanager
 
 import h5py
 import numpy as np
 
-from ..errors import Fault
+from ..errors import Fault, visible
 from .diff_report import Found, Report
 from .listing import TableError
+from .stored_result import (
+    Damaged,
+    attribute,
+    check_shapes,
+    check_structure,
+    is_number,
+    scale_of,
+    texts,
+    understood,
+)
 from .tolerances import Tolerances
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
@@ -47,20 +58,38 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
     report = Report(path_a, path_b)
     with _opened(path_a) as a, _opened(path_b) as b:
-        for name in COMPARED_ATTRIBUTES:
-            if a.attrs.get(name) != b.attrs.get(name):
-                report.missing.append(f"{name}: {a.attrs.get(name)} against {b.attrs.get(name)}")
-        flips = same_attitude and _have_attitudes(a, b)
-        names = _datasets(a), _datasets(b)
-        for name in [*names[0], *(name for name in names[1] if name not in names[0])]:
-            tolerance = tolerances.of(kind_of(name))
-            if tolerance.ignores:
-                continue
-            if name in names[0] and name in names[1]:
-                _compare_dataset(report, name, a, b, tolerance, flips)
-            else:
-                report.missing.append(f"/{name}: not in {path_b if name in names[0] else path_a}")
+        for path, file in ((path_a, a), (path_b, b)):
+            with _intact(path):
+                check_structure(file)
+        with _intact(f"{path_a} or {path_b}"):
+            _compare_files(report, a, b, tolerances, same_attitude)
     return report
+
+
+@contextmanager
+def _intact(path):
+    try:
+        with understood():
+            yield
+    except Damaged as fault:
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {fault}")]) from fault
+
+
+def _compare_files(report, a, b, tolerances, same_attitude):
+    for name in COMPARED_ATTRIBUTES:
+        first, second = (attribute(file, name) for file in (a, b))
+        if first != second:
+            report.missing.append(f"{name}: {first} against {second}")
+    flips = same_attitude and _have_attitudes(a, b)
+    names = _datasets(a), _datasets(b)
+    for name in [*names[0], *(name for name in names[1] if name not in names[0])]:
+        tolerance = tolerances.of(kind_of(name))
+        if tolerance.ignores:
+            continue
+        if name in names[0] and name in names[1]:
+            _compare_dataset(report, name, a, b, tolerance, flips)
+        else:
+            report.missing.append(f"/{visible(name)}: not in {report.b if name in names[0] else report.a}")
 
 
 def kind_of(name: str) -> str:
@@ -88,13 +117,13 @@ def _datasets(file):
 
 def _compare_dataset(report, name, a, b, tolerance, flips):
     first, second = a[name], b[name]
-    if _is_number(first) != _is_number(second):
+    if is_number(first) != is_number(second):
         report.missing.append(f"/{name}: numbers in one file, text in the other")
         return
     rows = _common_rows(report, name, first, second)
     if rows is None:
         return
-    if not _is_number(first):
+    if not is_number(first):
         _compare_text(report, name, first[()], second[()])
     elif first.ndim == 0:
         _compare_part(report, name, a, slice(0, 0), (first[()], second[()]), tolerance)
@@ -113,7 +142,7 @@ def _common_rows(report, name, first, second):
     if first.shape == second.shape:
         return first.shape[0] if first.shape else 0
     report.missing.append(f"/{name}: shape {_shape(first)} against {_shape(second)}")
-    alike = first.ndim == second.ndim and first.shape[1:] == second.shape[1:] and _is_number(first)
+    alike = first.ndim == second.ndim and first.shape[1:] == second.shape[1:] and is_number(first)
     return min(first.shape[0], second.shape[0]) if alike and first.ndim else None
 
 
@@ -137,29 +166,33 @@ def _compare_part(report, name, file, part, values, tolerance):
 
 
 def _has_time(file, name):
-    dataset = file[name]
-    along = dataset.ndim > 0 and len(dataset.dims[0]) > 0 and dataset.dims[0][0].name == "/time"
-    return along and name != "time"
+    scale = scale_of(file[name], 0) if file[name].ndim else None
+    return scale is not None and scale.name == "/time" and is_number(scale) and name != "time"
 
 
 def _labels(file, name, position):
     """Readable item and column of an element, from the scales of its axes."""
     words = []
     for axis, number in enumerate(position, 1):
-        scales = file[name].dims[axis]
-        words.append(_label(scales[0], int(number)) if len(scales) else str(int(number) + 1))
+        scale = scale_of(file[name], axis)
+        words.append(_label(scale, int(number)) if scale is not None else str(int(number) + 1))
     return (" ".join(words[:-1]), words[-1]) if words else ("", "")
 
 
 def _label(scale, number):
-    if not _is_number(scale):
-        return scale.asstr()[number]
+    if not is_number(scale):
+        return texts(scale)[number]
     return f"{scale.name.rpartition('/')[2]} {scale[number]:g}"
 
 
 def _have_attitudes(a, b):
     name = SIGNED[0]
-    return name in a and name in b and a[name].shape[1:] == b[name].shape[1:]
+    if name not in a or name not in b:
+        return False
+    # Rates and accelerations are turned by the signs of the parameters, row by row.
+    for file in (a, b):
+        check_shapes(file, dict.fromkeys(SIGNED, "tb4"), {})
+    return a[name].shape[1:] == b[name].shape[1:]
 
 
 def _signs(a, b, part):
@@ -167,10 +200,6 @@ def _signs(a, b, part):
     with np.errstate(invalid="ignore"):
         against = (a[SIGNED[0]][part] * b[SIGNED[0]][part]).sum(axis=2, keepdims=True) < 0
     return np.where(against, -1.0, 1.0)
-
-
-def _is_number(dataset):
-    return np.issubdtype(dataset.dtype, np.number)
 
 
 def _shape(dataset):

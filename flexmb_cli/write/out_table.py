@@ -199,7 +199,7 @@ def _split_index(text):
     head = re.match(r"\s*\d+(?=\s|$)", text)
     end = head.end() if head else 3
     digits = text[:end].strip()
-    return (int(digits) if digits.isdigit() else 0), text[end:], end
+    return (int(digits) if re.fullmatch("[0-9]{1,9}", digits) else 0), text[end:], end
 
 
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)

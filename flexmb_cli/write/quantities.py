@@ -19,6 +19,7 @@ import numpy as np
 from ..errors import Fault, FlexmbError
 from .nearest_names import nearest
 from .quantity_names import TIME, families, folded
+from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
 
 SHOWS_ALL = "; --list shows all"
 
@@ -49,7 +50,8 @@ class Quantity:
 def open_result(path) -> Iterator[h5py.File]:
     """The result at `path`, open for reading.
 
-    Raises `ResultError` when there is none, or when it is another kind of file.
+    Raises `ResultError` when there is none, when it is another kind of file, or when it shows to be damaged
+    while it is open.
     """
     try:
         file = h5py.File(path, "r")
@@ -59,12 +61,19 @@ def open_result(path) -> Iterator[h5py.File]:
         raise ResultError(f"{path}: it is a folder") from None
     except OSError as error:
         raise ResultError(f"{path}: this is no HDF5 result that can be read: {error}") from error
-    with file:
-        if str(file.attrs.get("Conventions", "")).startswith("flexmb-study"):
-            raise ResultError(f"{path}: this is the table of a study, which flexmb table prints; no result")
-        if not isinstance(file.get(TIME), h5py.Dataset):
-            raise ResultError(f"{path}: this HDF5 file is no result of flexmb: it has no dataset /time")
-        yield file
+    try:
+        with file, understood():
+            check_structure(file)
+            if attribute(file, "Conventions").startswith("flexmb-study"):
+                raise ResultError(
+                    f"{path}: this is the table of a study, which flexmb table prints; no result"
+                )
+            if not isinstance(file.get(TIME), h5py.Dataset):
+                raise ResultError(f"{path}: this HDF5 file is no result of flexmb: it has no dataset /time")
+            check_shapes(file, {TIME: "t"}, {})
+            yield file
+    except Damaged as fault:
+        raise ResultError(f"{path}: a damaged result: {fault}") from fault
 
 
 def names(result: h5py.File) -> list[Quantity]:
@@ -84,7 +93,7 @@ def resolve(result: h5py.File, patterns: Iterable[str]) -> list[Quantity]:
     a blank may be written as an underscore.  Raises `ResultError`, with near names for every pattern that
     fits nothing.
     """
-    known = _families(result)
+    known = families(result)
     found: dict[Quantity, None] = {}
     unknown = []
     for pattern in patterns:
@@ -121,10 +130,10 @@ def time_at(result: h5py.File, row: int) -> float:
 
 def shortfall(result: h5py.File) -> str:
     """A sentence on a run that is not complete: why, and up to which time there are rows; else empty."""
-    if result.attrs.get("status", "complete") == "complete":
+    if attribute(result, "status", "complete") == "complete":
         return ""
     end = f"its rows end at t = {time_at(result, -1):.10g} s" if len(result[TIME]) else "it has no rows"
-    message = str(result.attrs.get("message", ""))
+    message = attribute(result, "message")
     return f"the run is not complete, {end}" + (f": {message}" if message else "")
 
 
@@ -132,16 +141,17 @@ def _elements(result, path, rows, index):
     """Elements (rows, places) of a dataset at the places `index` (places, axes) behind time."""
     low, high = index.min(axis=0), index.max(axis=0) + 1
     try:
-        box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
-    except OSError as error:
-        raise ResultError(f"{result.filename}: /{path} cannot be read: {error}") from error
+        with understood():
+            box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
+    except Damaged as fault:
+        raise ResultError(f"{result.filename}: /{path} {fault}") from fault
     _refuse_other_length(result, path)
     return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
 
 
 def refuse_uneven(result: h5py.File) -> None:
     """Raise `ResultError` when a series has not a row for every time; no run leaves such a file."""
-    for family in _families(result):
+    for family in families(result):
         _refuse_other_length(result, family.path)
 
 
@@ -149,13 +159,6 @@ def _refuse_other_length(result, path):
     if len(result[path]) != len(result[TIME]):
         counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
         raise ResultError(f"{result.filename}: a damaged result: /{path} has {counts}; run the deck again")
-
-
-def _families(result):
-    try:
-        return families(result)
-    except (OSError, RuntimeError) as error:
-        raise ResultError(f"{result.filename}: a damaged result that cannot be read: {error}") from error
 
 
 def _quantity(family, index):

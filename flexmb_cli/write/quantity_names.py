@@ -4,7 +4,8 @@ import re
 from dataclasses import dataclass
 
 import h5py
-import numpy as np
+
+from .stored_result import Damaged, attribute, is_number, scale_of, texts
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
@@ -72,13 +73,12 @@ class Family:
 
 def families(result: h5py.File) -> list[Family]:
     """Every dataset of numbers along time, the time first."""
-    paths = []
-
-    def note(path, item):
-        if path != TIME and isinstance(item, h5py.Dataset) and _runs_along_time(item):
-            paths.append(path)
-
-    result.visititems(note)
+    found: dict[str, h5py.Dataset] = {}
+    # h5py cannot bear an exception in the midst of its visit.
+    result.visititems(
+        lambda path, item: found.update({path: item}) if isinstance(item, h5py.Dataset) else None
+    )
+    paths = [path for path, item in found.items() if path != TIME and _runs_along_time(item)]
     labels = _Labels(result)
     return [_family(result, path, labels) for path in (TIME, *sorted(paths, key=_rank))]
 
@@ -89,8 +89,8 @@ def folded(text: str) -> str:
 
 
 def _runs_along_time(dataset):
-    along = dataset.ndim > 0 and len(dataset.dims[0]) > 0 and dataset.dims[0][0].name == f"/{TIME}"
-    return along and np.issubdtype(dataset.dtype, np.number)
+    scale = scale_of(dataset, 0) if dataset.ndim else None
+    return scale is not None and scale.name == f"/{TIME}" and is_number(dataset)
 
 
 def _rank(path):
@@ -105,10 +105,10 @@ def _family(result, path, labels):
     item = labels.body(between[0]) if group in BY_BODY and len(between) > 1 else None
     axes = [labels.axis(dataset, number) for number in range(1, dataset.ndim)]
     known = FORMS.get(f"{group}/{between[-1]}" if item else path, ())
-    if not known or f"{{{len(axes) - 1}}}" not in known[0]:
+    if not known or len(re.findall(r"\{\d\}", known[0])) != len(axes):
         known = (_form(path, item, dataset),)
     forms = tuple(tuple(_slot(word, axes, item) for word in form.split(".")) for form in known)
-    long_name = str(dataset.attrs.get("long_name", path.rpartition("/")[2].replace("_", " ")))
+    long_name = attribute(dataset, "long_name", path.rpartition("/")[2].replace("_", " "))
     units = labels.units(dataset, group)
     return Family(path, dataset.shape[1:], forms, units, long_name, labels.items(dataset))
 
@@ -125,8 +125,8 @@ def _form(path, item, dataset):
 
 def _numbered_axes(dataset):
     """How many axes behind time, from the first, count things: bodies, joints, nodes."""
-    scales = list(dataset.dims)[1:]
-    kinds = [len(axis) > 0 and np.issubdtype(axis[0].dtype, np.number) for axis in scales]
+    scales = [scale_of(dataset, axis) for axis in range(1, dataset.ndim)]
+    kinds = [scale is not None and is_number(scale) for scale in scales]
     return kinds.index(False) if False in kinds else len(kinds)
 
 
@@ -150,17 +150,16 @@ class _Labels:
 
     def axis(self, dataset, number):
         """Spellings for every position along an axis."""
-        scales = dataset.dims[number]
-        if not len(scales):
+        scale = scale_of(dataset, number)
+        if scale is None:
             return tuple((str(n),) for n in range(1, dataset.shape[number] + 1))
-        scale = scales[0]
         if scale.name not in self._known:
             self._known[scale.name] = tuple(tuple(map(_word, texts)) for texts in self._spellings(scale))
         return self._known[scale.name]
 
     def _spellings(self, scale):
-        if not np.issubdtype(scale.dtype, np.number):
-            return [(text,) for text in scale.asstr()[:]]
+        if not is_number(scale):
+            return [(text,) for text in texts(scale)]
         numbers = [f"{value:g}" for value in scale[:]]
         names = self._names(scale)
         if names:
@@ -172,32 +171,36 @@ class _Labels:
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
     def _names(self, scale):
-        texts = self._result.get(f"{scale.name.rpartition('/')[0]}/name")
-        return [] if texts is None else texts.asstr()[:].tolist()
+        return self._listed(f"{scale.name.rpartition('/')[0]}/name", len(scale))
+
+    def _listed(self, path, count):
+        """The names at `path`, none when there is no such list; Damaged unless there are `count`."""
+        if path not in self._result:
+            return []
+        found = texts(self._result[path])
+        if len(found) != count:
+            raise Damaged(f"{path} has {len(found)} names for {count} things")
+        return found
 
     def body(self, name):
         """Number and name of the body that has a group for itself."""
         bodies = self._result.get("body/name")
-        given = [] if bodies is None else bodies.asstr()[:].tolist()
+        given = [] if bodies is None else texts(bodies)
         return (str(given.index(name) + 1), _word(name)) if name in given else (_word(name),)
 
     def items(self, dataset):
         """Names of the things that the first axis counts."""
-        if dataset.ndim < 2 or not len(dataset.dims[1]):
-            return ()
-        scale = dataset.dims[1][0]
-        return tuple(self._names(scale)) if np.issubdtype(scale.dtype, np.number) else ()
+        scale = scale_of(dataset, 1) if dataset.ndim > 1 else None
+        return tuple(self._names(scale)) if scale is not None and is_number(scale) else ()
 
     def units(self, dataset, group):
         """Unit of the dataset, or one for every element of its first axis (coordinates: rad or m)."""
-        stated = str(dataset.attrs.get("units", "1"))
-        each = self._result.get(f"{group}/unit")
-        if each is None or " or " not in stated:
+        stated = attribute(dataset, "units", "1")
+        if " or " not in stated or dataset.ndim < 2 or f"{group}/unit" not in self._result:
             return (stated,)
+        each = self._listed(f"{group}/unit", dataset.shape[1])
         choices = stated.split(" or ")
-        return tuple(
-            next((c for c in choices if c.split("/")[0] == unit), stated) for unit in each.asstr()[:]
-        )
+        return tuple(next((c for c in choices if c.split("/")[0] == unit), stated) for unit in each)
 
 
 def _with_angles(given):

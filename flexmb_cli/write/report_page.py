@@ -23,8 +23,10 @@ from .echo import echo
 from .quantities import ResultError, names, shortfall
 from .report_animation import COLOURS, animation, frame_rows
 from .scene import read_scene
+from .stored_result import Damaged, attribute, check_shapes, is_number, is_text, texts
 
 MOST_CURVE_ROWS = 2000
+AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
 
 SCRIPT = """
 const figures = JSON.parse(document.getElementById("figures").textContent);
@@ -94,10 +96,11 @@ def report_page(result: h5py.File, library: str) -> str:
         raise ResultError(f"{result.filename}: this is no result of a run: it has no deck")
     moving = _animation(result)
     drawn = _curves(result)
-    name = str(result.attrs.get("deck_name", ""))
+    check_shapes(result, AUDITED, {})
+    name = attribute(result, "deck_name")
     return PAGE.substitute(
         hashes=" ".join(map(_hash, (library, SCRIPT))),
-        title=escape(f"{name}: {result.attrs.get('dialect', '')} {result.attrs.get('analysis', '')}"),
+        title=escape(f"{name}: {attribute(result, 'dialect')} {attribute(result, 'analysis')}"),
         status=_status(result),
         animation=ANIMATION if moving else "<p>There are no rows to draw.</p>",
         curves="".join(
@@ -106,7 +109,7 @@ def report_page(result: h5py.File, library: str) -> str:
         ),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
-        deck=escape(result["deck"].asstr()[()]),
+        deck=escape(_deck(result)),
         echo=_echo(result),
         figures=_json({"animation": moving, "curves": drawn}),
         library=library,
@@ -179,9 +182,9 @@ def _audit(result):
     """(what, number) of everything that tells how good the numbers are."""
     found = []
     for name, dataset in result["audit"].items() if "audit" in result else ():
-        if len(dataset):
-            values = dataset[:]
-            what = f"{dataset.attrs.get('long_name', name)} [{dataset.attrs.get('units', '1')}]"
+        if isinstance(dataset, h5py.Dataset) and is_number(dataset) and dataset.size:
+            values = dataset[()]
+            what = f"{attribute(dataset, 'long_name', name)} [{attribute(dataset, 'units', '1')}]"
             found.append((what, f"largest {np.max(values):.3g}, mean {np.mean(values):.3g}"))
     if "energy/total" in result and len(result["energy/total"]):
         total, kinetic = result["energy/total"][:], result["energy/kinetic"][:]
@@ -194,20 +197,25 @@ def _audit(result):
 
 def _run(result):
     attributes = ("deck_name", "deck_sha256", "dialect", "analysis", "status", "message", "flexmb_version")
-    found = [(name.replace("_", " "), str(result.attrs.get(name, ""))) for name in attributes]
+    found = [(name.replace("_", " "), attribute(result, name)) for name in attributes]
     found += [
-        (f"{kind}s", f"{len(result[kind + '/name'])}: " + ", ".join(result[kind + "/name"].asstr()[:40]))
+        (f"{kind}s", f"{len(result[kind + '/name'])}: " + ", ".join(texts(result[kind + "/name"])[:40]))
         for kind in ("body", "joint", "driver", "point", "coordinate") if f"{kind}/name" in result
     ]  # fmt: skip
     return [(what.replace("bodys", "bodies"), told) for what, told in found if told]
 
 
+def _deck(result):
+    dataset = result["deck"]
+    if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.shape:
+        raise Damaged("/deck is no text")
+    return dataset.asstr(errors="replace")[()]
+
+
 def _echo(result):
     """Every number of the deck's text with its meaning, folded; the text alone where it cannot be read."""
-    name, digest, dialect = (
-        str(result.attrs.get(key, "")) for key in ("deck_name", "deck_sha256", "dialect")
-    )
-    text = DeckText(name, result["deck"].asstr()[()], digest)
+    name, digest, dialect = (attribute(result, key) for key in ("deck_name", "deck_sha256", "dialect"))
+    text = DeckText(name, _deck(result), digest)
     try:
         told = echo(read_deck(text, dialect))
     except DeckError as failure:

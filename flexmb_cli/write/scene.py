@@ -4,16 +4,23 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import h5py
 import numpy as np
 
 from .neighbours import different, gabriel_edges
-from .quantities import ResultError, refuse_uneven
+from .quantities import ResultError
+from .stored_result import Damaged, attribute, check_shapes, texts
 
+# A letter a dataset's axis: time, body, joint, point, node, mode, or its length.
+SHAPES = {
+    "time": "t",
+    "body/position": "tb3", "body/euler_parameters": "tb4", "body/name": "b", "body/centre": "b3",
+    "joint/body": "j2", "joint/point": "j23", "joint/axis": "j23", "joint/name": "j",
+    "point/position": "tp3", "point/body": "p", "point/name": "p", "gravity": "3",
+}  # fmt: skip
+ELASTIC_SHAPES = {"node_position": "n3", "displacement": "tn3", "shape": "n3m"}
 # More nodes than these are drawn as points: the edges would take long to find and hide each other.
 MOST_NODES = 1500
 # Marks of a body that are nearer than this part of the whole picture are one.
@@ -56,11 +63,14 @@ class Scene:
         return np.concatenate([part.reshape(-1, 3) for part in parts])
 
 
+# Numbers too large for a picture are found at its end.
+@np.errstate(all="ignore")
 def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     """The scene of `result` at `rows`.
 
     Raises `ResultError` when it has no rows or no bodies, or places that are not finite.
     """
+    _check_shapes(result)
     if "body/position" not in result or not len(range(*rows.indices(len(result["time"])))):
         raise ResultError(f"{result.filename}: there are no bodies to draw: the result has no rows")
     motion = _Motion(result, rows)
@@ -84,17 +94,19 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     return scene
 
 
-@contextmanager
-def intact(result: h5py.File) -> Iterator[None]:
-    """Turn what h5py raises on missing and unreadable datasets into a `ResultError`.
-
-    A series that has not a row for every time is refused at once.
-    """
-    try:
-        refuse_uneven(result)
-        yield
-    except (KeyError, OSError, RuntimeError) as error:
-        raise ResultError(f"{result.filename}: a damaged result that cannot be read: {error}") from error
+def _check_shapes(result):
+    """All that is drawn fits together; raises `Damaged`."""
+    sizes: dict[str, int] = {}
+    check_shapes(result, SHAPES, sizes)
+    bodies = sizes.get("b", 0)
+    for path in ("joint/body", "point/body"):
+        numbers = result[path][:] if path in result else np.zeros(0)
+        if numbers.size and not (numbers.min() >= 0 and numbers.max() <= bodies):
+            raise Damaged(f"/{path} names a body outside 0..{bodies}")
+    for name in _names(result, "body"):
+        own = {f"elastic/{name}/{key}": letters for key, letters in ELASTIC_SHAPES.items()}
+        lengths = {letter: sizes[letter] for letter in "t" if letter in sizes}
+        check_shapes(result, own | {f"modal/{name}/amplitude": "tm"}, lengths)
 
 
 class _Motion:
@@ -105,7 +117,7 @@ class _Motion:
         self.rows = len(self.position)
         self.turn = rotations(result["body/euler_parameters"][rows])
         self.names = _names(result, "body")
-        self.relative = result.attrs.get("dialect") == "dafms"
+        self.relative = attribute(result, "dialect") == "dafms"
         self.nodes = dict(_nodes(result, self.names, rows))
         have_joints, have_points = "joint/point" in result, "point/body" in result
         self.joint_body = result["joint/body"][:] if have_joints else np.zeros((0, 2), int)
@@ -190,7 +202,7 @@ def _extent(parts):
 
 
 def _names(result, kind):
-    return tuple(result[f"{kind}/name"].asstr()) if f"{kind}/name" in result else ()
+    return tuple(texts(result[f"{kind}/name"])) if f"{kind}/name" in result else ()
 
 
 def _nodes(result, names, rows):

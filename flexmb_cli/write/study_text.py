@@ -6,14 +6,17 @@ import io
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 
 import h5py
 import numpy as np
 
+from ..errors import visible
 from .quantities import ResultError
 from .quantity_names import folded
+from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from .study_table import BLOCK_NUMBERS, CONVENTIONS
 from .table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 
@@ -52,10 +55,21 @@ class StudyColumn:
 def is_study(path) -> bool:
     """Whether the file at `path` can be opened and is the table of a study."""
     try:
-        with h5py.File(path, "r") as file:
-            return file.attrs.get("Conventions") == CONVENTIONS
-    except OSError:
+        with h5py.File(path, "r") as file, understood():
+            return attribute(file, "Conventions") == CONVENTIONS
+    except (OSError, Damaged):
         return False
+
+
+@contextmanager
+def open_study(path) -> Iterator[h5py.File]:
+    """The table at `path`, open for reading.  Raises ResultError when it shows to be damaged."""
+    try:
+        with h5py.File(path, "r") as file, understood():
+            check_structure(file)
+            yield file
+    except Damaged as fault:
+        raise ResultError(f"{path}: a damaged table: {fault}") from fault
 
 
 def study_columns(table: h5py.File) -> list[StudyColumn]:
@@ -65,11 +79,10 @@ def study_columns(table: h5py.File) -> list[StudyColumn]:
 
 
 def _column(table, path):
-    try:
-        dataset = table[path]
-        unit, long_name = str(dataset.attrs["units"]), str(dataset.attrs["long_name"])
-    except (KeyError, OSError) as error:
-        raise ResultError(f"{table.filename}: a damaged table that cannot be read: {error}") from error
+    axes = "cr" if getattr(table[path], "ndim", 1) > 1 else "c"
+    check_shapes(table, {CASE: "c", path: axes}, {})
+    dataset = table[path]
+    unit, long_name = attribute(dataset, "units"), attribute(dataset, "long_name")
     if len(dataset) != len(table[CASE]):
         counts = f"{len(dataset)} rows and /case {len(table[CASE])}"
         raise ResultError(f"{table.filename}: a damaged table: /{path} has {counts}")
@@ -114,16 +127,16 @@ def study_text(
         yield _lines(heads, _rows(table, columns, slice(block.start, block.stop, block.step)), style)
 
 
+def _messages(dataset, cases):
+    return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
+
+
 def _rows(table, columns, cases):
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:
         dataset = table[column.path]
-        try:
-            values = dataset.asstr()[cases] if column.path == MESSAGE else dataset[cases]
-        except OSError as error:
-            message = f"{table.filename}: /{column.path} cannot be read: {error}"
-            raise ResultError(message) from error
+        values = dataset[cases] if column.path != MESSAGE else _messages(dataset, cases)
         cells += np.reshape(values, (len(values), -1)).T.tolist()
     return list(zip(*cells, strict=True))
 

@@ -76,6 +76,7 @@ def test_a_bar_swings_by_elliptic_functions_with_order_two():
     assert errors[1] / errors[2] == pytest.approx(4.0, abs=0.3)
 
 
+@pytest.mark.long_motion
 def test_a_double_pendulum_comes_to_the_explicit_solution_with_order_two():
     model = double_pendulum(damping=3.0)
     exact = run(model)

@@ -7,6 +7,8 @@ import pytest
 import squeezer
 from dynamic_runs import run
 
+pytestmark = pytest.mark.long_motion
+
 
 @pytest.fixture(scope="module")
 def rows():

@@ -28,6 +28,7 @@ def test_nineteen_decks_are_supplied():
     assert len(NAMES) == 19
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("name", NAMES)
 def test_a_deck_gives_its_four_files_and_a_row_at_each_multiple_of_its_step(outcomes, name):
     outcome, folder = outcomes[0][name], outcomes[1]

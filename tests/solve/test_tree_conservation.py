@@ -50,6 +50,7 @@ def momenta(tree, state):
     return np.concatenate([velocity.sum(axis=0), np.cross(moved.real, velocity).sum(axis=0)])
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("seed", range(4))
 def test_free_tree_keeps_momentum_moment_of_momentum_and_energy(seed, tilted):

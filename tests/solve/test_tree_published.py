@@ -10,6 +10,8 @@ from scipy.integrate import solve_ivp
 
 from tests.solve.tree_runs import deck_tree, run
 
+pytestmark = pytest.mark.long_motion
+
 
 def swing(t, z):
     """Equations (4.1): stretch q1 = x/L and angle q2 of the elastic pendulum; w1² = k/m, w2² = g/L."""

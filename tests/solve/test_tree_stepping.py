@@ -158,6 +158,7 @@ def test_motion_without_bound_keeps_the_rows_before_and_names_time_and_coordinat
     assert joined(kept).time[-1] == pytest.approx(0.7, abs=0.11)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(("method", "allowed"), [("radau", 1e-7), ("lsoda", 1e-6)])
 def test_other_integrators_give_the_motion_of_the_default_one(method, allowed):
     """Shaft and beam with the jumps of its pulse; tips move by 0.015 m."""
@@ -168,6 +169,7 @@ def test_other_integrators_give_the_motion_of_the_default_one(method, allowed):
     assert np.max(np.abs(found.q - expected.q)) < allowed
 
 
+@pytest.mark.long_motion
 def test_implicit_integrator_walks_over_vibrations_that_its_tolerance_does_not_ask_for():
     """A node of 1 kg on a spring of 1e10 N/m, at rest but for gravity: 16 kHz that nothing excites."""
     elastic = Elasticity(

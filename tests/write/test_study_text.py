@@ -101,7 +101,7 @@ def test_a_column_that_was_cut_is_told(study):
         file["result/top"].attrs["units"] = file["result/top"].attrs["long_name"] = ""
     done = CliRunner().invoke(table, [str(study)])
     assert isinstance(done.exception, ResultError)
-    assert "a damaged table: /result/top has 1 rows and /case 3" in str(done.exception)
+    assert "study.h5: a damaged table: /result/top has 1" in str(done.exception)
 
 
 def test_other_commands_say_what_the_file_is(study):

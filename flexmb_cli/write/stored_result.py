@@ -1,0 +1,160 @@
+"""HDF5 results as anybody may have made them: read only where they are built as flexmb builds them.
+
+A file can lead to other files by its links, declare sizes that no memory holds, and name scales that are not
+there, at which the HDF5 library ends the process.  So the structure is looked at before anything is read, and
+scales are found by their references here rather than by the library.
+"""
+
+import errno
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import h5py
+import numpy as np
+
+from ..errors import visible
+
+# Filters of the library itself; another one would have it load a plugin from the disk.
+FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
+FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)
+MOST_OBJECTS, DEEPEST = 100_000, 10
+# Errors of a stream or a file that is written while the result is open.
+_OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
+# A file may declare this, and beyond it so many times its own size: compressed results are smaller than told.
+FREE_BYTES, MOST_TIMES = 2**26, 100
+
+
+class Damaged(Exception):
+    """The file is no result that flexmb can have written; the text says where and why."""
+
+
+@contextmanager
+def understood() -> Iterator[None]:
+    """Turn into `Damaged` what h5py raises of a file whose parts are missing or cannot be read."""
+    try:
+        yield
+    except (KeyError, RuntimeError, MemoryError) as error:
+        raise Damaged(f"cannot be read: {visible(str(error))}") from error
+    except OSError as error:
+        if error.errno in _OF_OUTPUT:
+            raise
+        raise Damaged(f"cannot be read: {visible(str(error))}") from error
+
+
+def check_structure(file: h5py.File) -> None:
+    """Raise `Damaged` where the file has links, types or sizes that no result of flexmb has."""
+    names: list[str] = []
+
+    def stop_at(name, link):
+        """What ends the search; h5py cannot bear an exception in here."""
+        names.append(name)
+        if not isinstance(link, h5py.HardLink):
+            return f"/{_told(name)} is a link to elsewhere, which is not followed"
+        if name.count("/") > DEEPEST:
+            return f"it has groups in groups, more than {DEEPEST} deep"
+        return f"it has more than {MOST_OBJECTS} datasets" if len(names) > MOST_OBJECTS else None
+
+    fault = file.visititems_links(stop_at)
+    if fault:
+        raise Damaged(fault)
+    declared = sum(_declared(name, file[name]) for name in names)
+    size = file.id.get_filesize()
+    if declared > max(FREE_BYTES, MOST_TIMES * size):
+        raise Damaged(f"it declares {declared:.3g} bytes of numbers in a file of {size}")
+
+
+def _declared(name, item):
+    """Bytes of memory that reading an object takes."""
+    if isinstance(item, h5py.Group):
+        return 0
+    if not isinstance(item, h5py.Dataset) or not (is_text(item) or is_number(item)):
+        raise Damaged(f"/{_told(name)} holds neither numbers nor text")
+    if item.shape is None:
+        raise Damaged(f"/{_told(name)} is empty")
+    created = item.id.get_create_plist()
+    if item.is_virtual or item.external:
+        raise Damaged(f"/{_told(name)} has its numbers in another file, which is not read")
+    if any(created.get_filter(k)[0] not in FILTERS for k in range(created.get_nfilters())):
+        raise Damaged(f"/{_told(name)} is packed by a filter that is not of HDF5 itself")
+    places = max(_product(item.shape), _product(item.chunks or (0,)))
+    return places * item.dtype.itemsize
+
+
+def _product(lengths):
+    # Of Python's integers: 2^40 times 2^40 must not be 0.
+    product = 1
+    for length in lengths:
+        product *= int(length)
+    return product
+
+
+def is_number(dataset: h5py.Dataset) -> bool:
+    """Whether it holds integers or real numbers."""
+    return dataset.dtype.kind in "iuf"
+
+
+def is_text(dataset: h5py.Dataset) -> bool:
+    """Whether it holds text."""
+    return h5py.check_string_dtype(dataset.dtype) is not None
+
+
+def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
+    """The first dimension scale along an axis, of its length; None where there is none.
+
+    Raises `Damaged` when the reference leads to nothing that can be one.
+    """
+    listed = dataset.attrs.get("DIMENSION_LIST")
+    if not isinstance(listed, np.ndarray) or listed.shape != (dataset.ndim,) or listed.dtype.kind != "O":
+        return None
+    if not len(listed[axis]):
+        return None
+    where = f"the scale of axis {axis + 1} of {_told(dataset.name or 'a dataset')}"
+    try:
+        scale = dataset.file[listed[axis][0]]
+    except (ValueError, TypeError) as error:
+        raise Damaged(f"{where} is missing") from error
+    good = isinstance(scale, h5py.Dataset) and scale.name is not None and scale.ndim == 1
+    # Of axis 0, the time, others tell the two lengths.
+    if not good or (axis and len(scale) != dataset.shape[axis]):
+        raise Damaged(f"{where} has another length")
+    return scale
+
+
+def texts(dataset: h5py.Dataset) -> list[str]:
+    """The texts of a list of names, as they can be shown."""
+    if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.ndim != 1:
+        raise Damaged(f"{_told(dataset.name or 'a dataset')} is no list of names")
+    return [visible(text) for text in dataset.asstr(errors="replace")[:].tolist()]
+
+
+def attribute(owner, name: str, default: str = "") -> str:
+    """An attribute that is text, as it can be shown; "" for what is no text."""
+    if name not in owner.attrs:
+        return default
+    value = owner.attrs[name]
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    return visible(value) if isinstance(value, str) else ""
+
+
+def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, int]) -> None:
+    """Raise `Damaged` where a dataset has another shape than told; what is not in the file is passed over.
+
+    A digit is a length, a letter that of `sizes`, where letters that it lacks are put in as they are found.
+    """
+    for path, letters in shapes.items():
+        if path not in result:
+            continue
+        dataset = result[path]
+        if not isinstance(dataset, h5py.Dataset) or dataset.ndim != len(letters):
+            raise Damaged(f"/{_told(path)} is no array of {len(letters)} axes")
+        if is_text(dataset) != path.endswith(("name", "message")):
+            raise Damaged(f"/{_told(path)} has numbers in place of text, or text in place of numbers")
+        for letter, length in zip(letters, dataset.shape, strict=True):
+            wanted = int(letter) if letter.isdigit() else sizes.setdefault(letter, length)
+            if length != wanted:
+                raise Damaged(f"/{_told(path)} has {length} places along an axis of {wanted}")
+
+
+def _told(name):
+    return visible(name if len(name) < 100 else f"{name[:80]}…")
