@@ -13,6 +13,7 @@ from .stage import ANSWERS, VALUES, Command, study, undisturbed
 from .trip import Trip
 
 LATEST = 1.1  # of the undisturbed time, for random moments
+LONGEST_END = 30.0  # s, in which a worker that is still importing learns that its parent is gone
 
 
 @dataclass
@@ -105,8 +106,8 @@ def _with_workers(stage, folder, number):
 
 
 def _orphans(group):
-    """Processes of a killed parent that are still there after two seconds; they are ended here."""
-    until = time.monotonic() + 3
+    """Processes of a killed parent that are still there after a while; they are ended here."""
+    until = time.monotonic() + LONGEST_END
     while time.monotonic() < until:
         try:
             os.killpg(group, 0)
