@@ -94,7 +94,10 @@ class _Reader:
         """Words behind a keyword are a comment; numbers there were meant to be read."""
         extra = line[4:].strip()
         if _NUMBERS_ONLY.fullmatch(extra):
-            message = f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
+            message = (
+                f"'{extra}' stands behind the keyword and is not read; "
+                "data cards follow on lines of their own"
+            )
             self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
 
     def _check_end(self, ended):
