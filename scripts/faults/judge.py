@@ -125,7 +125,8 @@ def _belongs(name, command, ended):
     kept = name.endswith((".resume", ".draft")) or ".parts/" in name or ".parts.done/" in name
     if command.resumable and ended.code != 0 and kept:
         return True
-    return ended.code == KILLED and bool(OURS.search(name))
+    # Of these the next command that writes the same output clears up.
+    return ended.code in (KILLED, *STOPPED) and bool(OURS.search(name))
 
 
 def faults_of_finish(command: Command, folder: Path, before: dict, ended: Ended) -> list[str]:
@@ -138,7 +139,7 @@ def faults_of_finish(command: Command, folder: Path, before: dict, ended: Ended)
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
         left = not path.is_dir() and name not in before and name not in command.outputs
-        if left and not (OURS.search(name) and not command.resumable):
+        if left:
             found.append(f"given again: {name} is left behind")
     return found
 
