@@ -102,6 +102,13 @@ def _basis(given, matrices, frame: Frame, findings) -> _Basis | None:
         if given.interface:
             return _interface_basis(given, K, S, frame)
         return _eigen_basis(given, K, S, frame, available)
+    except modes.NegativeStrain as motion:
+        node = given.numbers[int(np.argmax(np.abs(motion.shape))) // 3]
+        message = (
+            f"the stiffness is not positive semidefinite: a deformation, largest at node {node}, gives "
+            "energy away; is it a tangent stiffness beyond buckling, or spoilt on its way?"
+        )
+        findings.error(given.name, message, given.stiffness.place)
     except modes.FreeMotion as motion:
         place = given.place if _clamped_on_a_line(given) else given.stiffness.place
         findings.error(given.name, _free_motion(given, motion.shape), place)

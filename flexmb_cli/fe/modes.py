@@ -17,6 +17,8 @@ DEPENDENT = 1e-10
 MASSLESS = 1e-10
 # A shape whose strain energy is less than this share of its terms' sum is free of strain.
 NO_STRAIN = 2e-15
+# Share below zero that is more than round-off.
+NEGATIVE = 1e-9
 
 
 class FreeMotion(Exception):
@@ -25,6 +27,10 @@ class FreeMotion(Exception):
     def __init__(self, shape: np.ndarray):
         super().__init__("free motion")
         self.shape = shape
+
+
+class NegativeStrain(FreeMotion):
+    """The stiffness gives energy away in the deformation `shape`: it is not positive semidefinite."""
 
 
 class IndefiniteMass(Exception):
@@ -65,8 +71,10 @@ def _modes_of(K, S, free, count):
 
 def _check_strain(K, shape):
     """Whether the lowest mode has a strain energy, measured against that of its terms one by one."""
-    terms = np.abs(shape) @ (abs(K) @ np.abs(shape))
-    if not shape @ (K @ shape) > NO_STRAIN * terms:
+    terms, energy = np.abs(shape) @ (abs(K) @ np.abs(shape)), shape @ (K @ shape)
+    if energy < -NEGATIVE * terms:
+        raise NegativeStrain(shape)
+    if not energy > NO_STRAIN * terms:
         raise FreeMotion(shape)
 
 
@@ -98,7 +106,9 @@ def _lowest_at_once(K, S, count):
             return pencil(K, S, count)
         inverse, vectors = pencil(S, K, count, largest=True)
     except np.linalg.LinAlgError:
-        raise FreeMotion(np.linalg.eigh(K)[1][:, 0]) from None
+        lowest = np.linalg.eigh(K)[1][:, 0]
+        _check_strain(K, lowest)
+        raise FreeMotion(lowest) from None
     return 1.0 / inverse[::-1], (vectors / np.sqrt(inverse))[:, ::-1]
 
 
@@ -144,6 +154,8 @@ def _mean_axis_modes(K, S, frame, count):
         count = min(count, factor.shape[1] - 6)
         flexibility = factor.T @ body.shapes(factor)
         inverse, vectors = np.linalg.eigh((flexibility + flexibility.T) / 2)
+        if inverse[0] < -NEGATIVE * inverse[-1]:
+            _check_strain(K, body.shapes(factor @ vectors[:, 0]))
         last = slice(None, -count - 1, -1)
         values = 1.0 / inverse[last]
         shapes = body.shapes(factor @ vectors[:, last]) * values

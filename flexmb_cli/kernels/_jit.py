@@ -8,11 +8,13 @@ import contextlib
 import functools
 import hashlib
 import os
+import pickle
 import stat
 import tempfile
+import zlib
 from pathlib import Path
 
-OPTIONS = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
 _interpreted = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
@@ -132,9 +134,68 @@ def _lock(path: Path):
     except ImportError:  # no such locks here: everyone compiles
         yield
         return
-    with open(path, "w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+    with contextlib.ExitStack() as opened:
+        # Where the folder has vanished or became unwritable, everyone compiles, too.
+        with contextlib.suppress(OSError):
+            fcntl.flock(opened.enter_context(open(path, "w")), fcntl.LOCK_EX)
         yield
+
+
+@functools.cache
+def _kept_kernel():
+    """numba's cache of one kernel, which neither damage nor the loss of its folder can stop.
+
+    numba itself would raise what unpickling raises, and run whatever machine code still unpickles.
+    """
+    from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+    class CheckedFiles(IndexDataCacheFile):
+        def _dump(self, obj):
+            data = super()._dump(obj)
+            return _checksum(data) + data
+
+        def _load_index(self):
+            # Damaged bytes can raise anything when they are unpickled.
+            with contextlib.suppress(Exception), open(self._index_path, "rb") as file:
+                if pickle.load(file) == self._version:
+                    stamp, overloads = pickle.loads(_intact(file.read()))
+                    return overloads if stamp == self._source_stamp else {}
+            return {}
+
+        def _load_data(self, name):
+            with open(self._data_path(name), "rb") as file:
+                return pickle.loads(_intact(file.read()))
+
+    class KeptKernel(FunctionCache):
+        def __init__(self, function):
+            super().__init__(function)
+            stamp = self._impl.locator.get_source_stamp()
+            self._cache_file = CheckedFiles(self._cache_path, self._impl.filename_base, stamp)
+
+        def _guard_against_spurious_io_errors(self):
+            # A kernel that cannot be kept, or is gone, is compiled: the cache only saves time.
+            return contextlib.suppress(OSError)
+
+    return KeptKernel
+
+
+def _checksum(data):
+    return zlib.crc32(data).to_bytes(4, "little")
+
+
+def _intact(content):
+    """What stands behind its checksum; numba takes the OSError of a damaged file for a missing one."""
+    if _checksum(content[4:]) != content[:4]:
+        raise OSError("damaged")
+    return content[4:]
+
+
+def _dispatcher(function, **options):
+    dispatcher = _compiled()(**OPTIONS, **options)(function)
+    # numba raises RuntimeError where it finds no folder that can be written: then nothing is kept.
+    with contextlib.suppress(RuntimeError):
+        dispatcher._cache = _kept_kernel()(function)
+    return dispatcher
 
 
 @functools.cache
@@ -156,7 +217,7 @@ def _compiled():
 
 def kernel(function):
     """Compile `function` with numba, or leave it alone when kernels are interpreted."""
-    return function if _interpreted else _compiling_alone(_compiled()(**OPTIONS)(function))
+    return function if _interpreted else _compiling_alone(_dispatcher(function))
 
 
 def part(function):
@@ -165,4 +226,4 @@ def part(function):
     numba optimises every kernel together with all that it calls, so that each level of calls costs the
     levels below once more.
     """
-    return function if _interpreted else _compiled()(**OPTIONS, inline="always")(function)
+    return function if _interpreted else _dispatcher(function, inline="always")

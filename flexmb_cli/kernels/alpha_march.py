@@ -13,7 +13,7 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import kernel, part
-from .arms import place_arms
+from .arms import geometry_of, place_arms
 from .constrained_march import (
     BEGIN,
     CONTRADICTION,
@@ -212,7 +212,7 @@ def _accept(system, work, march, h):
     if march.turns.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
         rotation_matrices(q, work.rotations[A])
-        place_arms(system, work, q)
+        place_arms(geometry_of(system, work), q)
         note_turns(system, work, march)
 
 

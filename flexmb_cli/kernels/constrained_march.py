@@ -19,7 +19,7 @@ import numpy as np
 
 from ._jit import kernel, part
 from .constrained_report import complete, coordinates_and_speeds
-from .constrained_solve import accelerations
+from .constrained_solve import accelerate, factorise_at
 from .constrained_system import SOLVED
 from .constraint_projection import largest_gap, project_position, project_speeds
 from .dop853_table import ALL_STAGES, DENSE_TERMS, ERROR_3, ERROR_5, STAGE_TIMES, STAGES
@@ -122,18 +122,20 @@ def _evaluate(system, work, march, report):
         clock["moved"] = _project(system, work, march, z, clock["at"])
         if not clock["moved"] < np.inf:
             return clock["fault"]
+    else:
+        code = factorise_at(system, work, q)
+        if code != SOLVED:
+            return code
     out = march.slopes[clock["stage"]]
     qd, slopes = coordinates_and_speeds(system, out)
     ud = report.rates[row] if reports else slopes
-    code, power = accelerations(system, work, q, u, clock["at"], ud)
-    if code != SOLVED:
-        return code
+    power = accelerate(system, work, q, u, clock["at"], ud)
     if reports:
         complete(system, work, z, clock["at"], march.turns[NEAR], power, report, row)
     else:
         coordinate_rates(system.masses.shape[0], q, u, qd)
         out[out.shape[0] - 1] = power
-    return code
+    return SOLVED
 
 
 @part
@@ -267,7 +269,10 @@ def _step_error(march, h):
 
 @part
 def _project(system, work, march, z, t):
-    """Bring a state onto the constraints at t; returns by how many tolerances it moved, or infinity."""
+    """Bring a state onto the constraints at t, with the factors there.
+
+    Returns by how many tolerances it moved, or infinity.
+    """
     clock = march.clock[0]
     q, u = coordinates_and_speeds(system, z)
     before = z.copy()

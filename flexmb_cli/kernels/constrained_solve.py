@@ -12,7 +12,7 @@ accelerations and projections.
 
 from . import constraints as equations
 from ._jit import kernel, part
-from .arms import move_arms, place_arms
+from .arms import geometry_of, move_arms, place_arms
 from .constrained_system import (
     FORCES,
     FREE,
@@ -38,7 +38,7 @@ from .independent_rows import (
     factorise,
     free_motions,
 )
-from .mass_matrix import inertia_and_elastic_forces, mass_matrices, mass_times
+from .mass_matrix import inertia_and_elastic_forces, inertia_of, mass_matrices, mass_times
 from .measures import equation_accelerations, equation_rows
 from .rotation import rotation_matrices, rotation_rates
 from .speeds import add_turning, coordinate_rates, speed_jacobian
@@ -50,7 +50,7 @@ SMALLEST_INERTIA = 1e-13  # pivot of the reduced mass matrix, of its diagonal en
 def evaluate_jacobian(system, work, q):
     """Fill A, the arms, Φ_q and the scaled Jacobian on speeds of `work` at q."""
     rotation_matrices(q, work.rotations[A])
-    place_arms(system, work, q)
+    place_arms(geometry_of(system, work), q)
     equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
     speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
     equation_rows(system, work, work.jacobian)
@@ -97,63 +97,102 @@ def factorise_constraints(system, work, q):
 @part
 def _reduce_mass(system, work, free):
     """Zᵀ M Z and its Cholesky factor."""
-    n = work.jacobian.shape[1]
-    column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
-        for k in range(n):
+        for k in range(work.jacobian.shape[1]):
             column[k] = work.motions[k, f] * system.speed_scale[k]
-        mass_times(system, work, column, product)
-        for g in range(f, free):
-            total = 0.0
-            for k in range(n):
-                if work.motions[k, g] != 0.0:
-                    total += work.motions[k, g] * system.speed_scale[k] * product[k]
-            work.reduced[g, f] = total
+        mass_times(inertia, column, product)
+        fill_column(system, work, product, f, work.reduced)
     return NO_INERTIA if cholesky(work.reduced, free, SMALLEST_INERTIA) else SOLVED
+
+
+@kernel
+def fill_column(system, work, product, f, matrix):
+    """Fill column f of the lower part of matrix (n, n) with Zᵀ product.
+
+    A free motion moves one free speed and dependent ones: nothing else is visited.
+    """
+    rank, (m, n) = work.rank[0], work.jacobian.shape
+    order, Z, scale = work.order, work.motions, system.speed_scale
+    for g in range(f, n - rank):
+        k = order[m + rank + g]
+        matrix[g, f] = scale[k] * product[k]
+    for d in range(rank):
+        k = order[m + d]
+        amount = scale[k] * product[k]
+        for g in range(f, n - rank):
+            matrix[g, f] += Z[k, g] * amount
 
 
 @kernel
 def solve(system, work, forces, gamma, x):
     """Fill x (n,) with J x = gamma and M x = forces + Jᵀ λ, by the factors at hand."""
+    y = work.vectors[FREE]
+    split(system, work, forces, gamma, x, y)
+    cholesky_solve(work.reduced, work.jacobian.shape[1] - work.rank[0], y)
+    add_free(system, work, work.motions, y, x)
+
+
+@kernel
+def split(system, work, forces, gamma, x, y):
+    """Fill x (n,) with x_p, by dependent speeds alone, and y with Zᵀ (forces - M x_p)."""
     rank, (m, n) = work.rank[0], work.jacobian.shape
     right_side, scaled, product = work.rows[SCALED], work.vectors[UNKNOWN], work.vectors[PRODUCT]
-    y = work.vectors[FREE]
+    order, Z, scale = work.order, work.motions, system.speed_scale
     for row in range(m):
         right_side[row] = gamma[row] / system.row_scale[row]
-    dependent_speeds(work.factors, work.order, rank, m, right_side, scaled)
+    dependent_speeds(work.factors, order, rank, m, right_side, scaled)
     for k in range(n):
-        x[k] = scaled[k] * system.speed_scale[k]
-    mass_times(system, work, x, product)
+        x[k] = scaled[k] * scale[k]
+    mass_times(inertia_of(system, work), x, product)
     for f in range(n - rank):
-        y[f] = 0.0
-        for k in range(n):
-            if work.motions[k, f] != 0.0:
-                y[f] += work.motions[k, f] * system.speed_scale[k] * (forces[k] - product[k])
-    cholesky_solve(work.reduced, n - rank, y)
-    for k in range(n):
+        k = order[m + rank + f]
+        y[f] = scale[k] * (forces[k] - product[k])
+    for d in range(rank):
+        k = order[m + d]
+        amount = scale[k] * (forces[k] - product[k])
         for f in range(n - rank):
-            x[k] += work.motions[k, f] * y[f] * system.speed_scale[k]
+            y[f] += Z[k, f] * amount
+
+
+@kernel
+def add_free(system, work, Z, y, x):
+    """x += Z y for the free motions Z of some position, with the order of the work."""
+    rank, (m, n) = work.rank[0], work.jacobian.shape
+    order, scale = work.order, system.speed_scale
+    for f in range(n - rank):
+        k = order[m + rank + f]
+        x[k] += scale[k] * y[f]
+    for d in range(rank):
+        k, total = order[m + d], 0.0
+        for f in range(n - rank):
+            total += Z[k, f] * y[f]
+        x[k] += scale[k] * total
 
 
 @part
 def accelerations(system, work, q, u, t, ud):
-    """Fill ud (n,), the rates of the speeds u at q; returns (code, power).
-
-    `power`: of the drivers and of the applied forces that store no energy, W.  FORCES of the work
-    then holds all forces but those of the constraints.
-    """
+    """Fill ud (n,), the rates of the speeds u at q; returns (code, power), the power that of `accelerate`."""
     code = factorise_at(system, work, q)
-    if code != SOLVED:
-        return code, 0.0
+    return code, accelerate(system, work, q, u, t, ud) if code == SOLVED else 0.0
+
+
+@part
+def accelerate(system, work, q, u, t, ud):
+    """Fill ud (n,), the rates of the speeds u at q, whose factors are at hand.
+
+    Returns the power of the drivers and of the applied forces that store no energy, W.  FORCES of the
+    work then holds all forces but those of the constraints.
+    """
     power = fill_forces(system, work, q, u, t)
     fill_gamma(system, work, q, u, t)
     forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
     solve(system, work, forces, work.rows[GAMMA], ud)
     # Constraints that do not move do no work: what is left of their power is the drivers'.
-    mass_times(system, work, ud, product)
+    mass_times(inertia_of(system, work), ud, product)
     for k in range(u.shape[0]):
         power += (product[k] - forces[k]) * u[k]
-    return code, power
+    return power
 
 
 @part
@@ -162,7 +201,7 @@ def fill_forces(system, work, q, u, t):
 
     Mass matrices and arms belong to q.
     """
-    move_arms(system, work, u)
+    move_arms(geometry_of(system, work), u)
     power = inertia_and_elastic_forces(system, work, q, u, work.vectors[FORCES])
     return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
 
@@ -171,8 +210,9 @@ def fill_forces(system, work, q, u, t):
 def fill_gamma(system, work, q, u, t):
     """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved arms belong to q and u."""
     qd, gamma = work.vectors[QD], work.rows[GAMMA]
-    coordinate_rates(system.masses.shape[0], q, u, qd)
-    rotation_rates(q, qd, work.rotations[RATE], work.rotations[REMAINDER])
-    equations.acceleration(system.constraints, q, qd, t, work.rotations, gamma)
-    add_turning(system.bodies, q, u, work.phi_q, gamma)
+    if system.constraints.shape[0] > 0:
+        coordinate_rates(system.masses.shape[0], q, u, qd)
+        rotation_rates(q, qd, work.rotations[RATE], work.rotations[REMAINDER])
+        equations.acceleration(system.constraints, q, qd, t, work.rotations, gamma)
+        add_turning(system.bodies, q, u, work.phi_q, gamma)
     equation_accelerations(system, work, t, gamma)

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import constraints as equations
 from ._jit import kernel, part
-from .arms import place_arms
+from .arms import geometry_of, place_arms
 from .constrained_solve import factorise_at, solve
 from .constrained_system import CORRECTION, GAMMA, PHI, QD, SOLVED, A
 from .measures import equation_residuals, equation_velocities
@@ -33,7 +33,7 @@ def largest_gap(system, work):
 def evaluate_residual(system, work, q, t, near):
     """Fill PHI at q; returns the largest scaled equation of the independent ones."""
     rotation_matrices(q, work.rotations[A])
-    place_arms(system, work, q)
+    place_arms(geometry_of(system, work), q)
     equations.residual(system.constraints, q, t, near, work.rotations[A], work.rows[PHI])
     equation_residuals(system, work, t, near, work.rows[PHI])
     found = 0.0

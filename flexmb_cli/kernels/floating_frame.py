@@ -18,19 +18,36 @@ def moving_inertia(eta, J0, J1, J2, C0, C1, T, S_tt, S_tf):
     N = eta.shape[0]
     for a in range(3):
         for b in range(3):
-            inertia = J0[a, b]
-            for k in range(N):
-                turned = 0.0
-                for l in range(N):
-                    turned += eta[l] * J2[k, l, a, b]
-                T[k, a, b] = turned
-                inertia += eta[k] * (J1[k, a, b] + turned)
-            S_tt[a, b] = inertia
+            S_tt[a, b] = J0[a, b]
         for l in range(N):
-            coupling = C0[a, l]
-            for k in range(N):
-                coupling += eta[k] * C1[k, a, l]
-            S_tf[a, l] = coupling
+            S_tf[a, l] = C0[a, l]
+    for k in range(N):
+        _turned_inertia(eta, J2[k], T[k])
+        for a in range(3):
+            for b in range(3):
+                S_tt[a, b] += eta[k] * (J1[k, a, b] + T[k, a, b])
+            for l in range(N):
+                S_tf[a, l] += eta[k] * C1[k, a, l]
+
+
+@kernel
+def _turned_inertia(eta, J2, T):
+    """T = sum_l eta_l J2_l (3, 3), in the order in which J2 (N, 3, 3) lies in memory."""
+    t00 = t01 = t02 = t10 = t11 = t12 = t20 = t21 = t22 = 0.0
+    for l in range(eta.shape[0]):
+        e = eta[l]
+        t00 += e * J2[l, 0, 0]
+        t01 += e * J2[l, 0, 1]
+        t02 += e * J2[l, 0, 2]
+        t10 += e * J2[l, 1, 0]
+        t11 += e * J2[l, 1, 1]
+        t12 += e * J2[l, 1, 2]
+        t20 += e * J2[l, 2, 0]
+        t21 += e * J2[l, 2, 1]
+        t22 += e * J2[l, 2, 2]
+    T[0, 0], T[0, 1], T[0, 2] = t00, t01, t02
+    T[1, 0], T[1, 1], T[1, 2] = t10, t11, t12
+    T[2, 0], T[2, 1], T[2, 2] = t20, t21, t22
 
 
 @kernel

@@ -7,7 +7,7 @@ Sᵀ Aᵀ F.  `loads` are records of `model.system_records.LOAD`; the arms have 
 import math
 
 from ._jit import kernel, part
-from .arms import ARM, RATE, add_arm_row
+from .arms import ARM, RATE, add_arm_row, geometry_of, vector
 from .constrained_system import A
 from .laws import law_values
 from .measures import add_measure_row, measure_rates, measure_value
@@ -47,7 +47,7 @@ def _add_vector(system, work, load, factor, u, f):
         return 0.0
     F = rotate(work.rotations[A], b, v) if load["following"] else (v[0], v[1], v[2])
     if load["kind"] == FORCE:
-        add_arm_row(system, work, p, F, factor, True, f)
+        add_arm_row(geometry_of(system, work), p, F, factor, True, f)
         w = work.arms[RATE, p]
         power = 0.0
         for i in range(3):
@@ -72,15 +72,16 @@ def _add_line(system, work, load, f):
 
     Ends that coincide leave the direction open: no force acts then.
     """
-    d, v = work.spans[ARM, load["measure"], 0], work.spans[RATE, load["measure"], 0]
+    geometry, k = geometry_of(system, work), load["measure"]
+    d, v = vector(work.spans[ARM, k], 0), vector(work.spans[RATE, k], 0)
     length = _length(d)
     if length < AT_REST:
         return 0.0
     rate = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / length
     pull = load["stiffness"] * (length - load["free_length"]) + load["damping"] * rate
-    ends = system.measures[load["measure"]]["ends"]
-    add_arm_row(system, work, ends[0, 1], d, pull / length, True, f)
-    add_arm_row(system, work, ends[0, 0], d, -pull / length, True, f)
+    ends = system.measures[k]["ends"]
+    add_arm_row(geometry, ends[0, 1], d, pull / length, True, f)
+    add_arm_row(geometry, ends[0, 0], d, -pull / length, True, f)
     return -load["damping"] * rate * rate
 
 
@@ -88,15 +89,16 @@ def _add_line(system, work, load, f):
 def _stretch(system, work, load):
     turn = system.measures[load["measure"]]["turn"]
     near = work.turns[turn] if turn >= 0 else 0.0
-    return measure_value(system, work, load["measure"], near) - load["free_length"]
+    return measure_value(geometry_of(system, work), load["measure"], near) - load["free_length"]
 
 
 @part
 def _add_relative(system, work, load, f):
     """Spring and damper in an angle or a stroke; returns the power of the damper."""
-    rate = measure_rates(system, work, load["measure"])[0]
+    geometry = geometry_of(system, work)
+    rate = measure_rates(geometry, load["measure"])[0]
     pull = load["stiffness"] * _stretch(system, work, load) + load["damping"] * rate
-    add_measure_row(system, work, load["measure"], -pull, f)
+    add_measure_row(geometry, load["measure"], -pull, f)
     return -load["damping"] * rate * rate
 
 
@@ -107,7 +109,7 @@ def spring_energy(system, work):
     for k in range(system.loads.shape[0]):
         load, stretch = system.loads[k], 0.0
         if load["kind"] == LINE:
-            stretch = _length(work.spans[ARM, load["measure"], 0]) - load["free_length"]
+            stretch = _length(vector(work.spans[ARM, load["measure"]], 0)) - load["free_length"]
         elif load["kind"] == RELATIVE:
             stretch = _stretch(system, work, load)
         total += 0.5 * load["stiffness"] * stretch * stretch

@@ -18,11 +18,11 @@ import math
 
 from ._jit import kernel, part
 from .constrained_report import coordinates_and_speeds
-from .constrained_solve import factorise_constraints, fill_forces, fill_gamma, solve
+from .constrained_solve import factorise_constraints, fill_column, fill_forces, fill_gamma, solve
 from .constrained_system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
 from .constraint_projection import evaluate_residual, rate_gap
 from .independent_rows import cholesky
-from .mass_matrix import mass_matrices, mass_times
+from .mass_matrix import inertia_of, mass_matrices, mass_times
 from .screw_turns import NEAR, expect_turns
 from .speeds import move
 from .stiff_tangent import tangent_times
@@ -175,7 +175,7 @@ def _evaluate(system, work, march, t):
                 total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
         gaps[ACCELERATION, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
     forces, product = march.missing, work.vectors[PRODUCT]
-    mass_times(system, work, ud, product)
+    mass_times(inertia_of(system, work), ud, product)
     for k in range(n):
         forces[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.
@@ -188,20 +188,13 @@ def _evaluate(system, work, march, t):
 def _set_matrix(system, work, march, by_position, by_speed):
     """Zᵀ (M + by_speed D + by_position K) Z where everything stands, and its Cholesky factor; a code."""
     n = system.speed_scale.shape[0]
-    rank, m = work.rank[0], work.jacobian.shape[0]
-    matrix, order, Z = march.newton.reduced, work.order, work.motions
+    rank, matrix, Z = work.rank[0], march.newton.reduced, work.motions
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(n - rank):
         for k in range(n):
             column[k] = Z[k, f] * system.speed_scale[k]
         tangent_times(system, work, by_position, by_speed, column, product)
-        for g in range(f, n - rank):
-            k = order[m + rank + g]
-            total = system.speed_scale[k] * product[k]
-            for d in range(rank):
-                k = order[m + d]
-                total += Z[k, g] * system.speed_scale[k] * product[k]
-            matrix[g, f] = total
+        fill_column(system, work, product, f, matrix)
     return NO_INERTIA if cholesky(matrix, n - rank, SMALLEST_INERTIA) else SOLVED
 
 

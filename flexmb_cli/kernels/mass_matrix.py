@@ -9,15 +9,29 @@ and for a flexible one `floating_frame`.  M is kept body by body: work.mass (bod
 whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 """
 
+from collections import namedtuple
+
 from . import floating_frame
 from ._jit import kernel, part
 from .constrained_system import PRODUCT, A
 
+Inertia = namedtuple("Inertia", "masses flexible mass modal")
+Inertia.__doc__ = """The mass matrix of a mechanism: what products with it need of a System and its Work.
+
+masses, flexible: those of the System.  mass, modal: those of the Work.
+"""
+
 
 @kernel
-def constants_of(system, f):
+def inertia_of(system, work):
+    """The mass matrix at hand: views, which follow the work."""
+    return Inertia(system.masses, system.flexible, work.mass, work.modal)
+
+
+@kernel
+def constants_of(flat, f):
     """S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N), KG of a body."""
-    N, at, flat = f["modes"], f["constants"], system.modal
+    N, at = f["modes"], f["constants"]
     S1 = flat[at : at + 3 * N].reshape(3, N)
     at += 3 * N
     J1 = flat[at : at + 9 * N].reshape(N, 3, 3)
@@ -38,9 +52,9 @@ def constants_of(system, f):
 
 
 @kernel
-def places_of(work, f):
+def places_of(flat, f):
     """s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work."""
-    N, at, flat = f["modes"], f["places"], work.modal
+    N, at = f["modes"], f["places"]
     width = 6 + N
     s, S_tt = flat[at : at + 3], flat[at + 3 : at + 12].reshape(3, 3)
     at += 12
@@ -74,8 +88,8 @@ def mass_matrices(system, work, q):
 
 @part
 def _flexible_mass(system, work, f, q):
-    S1, J1, J2, C0, C1, Mff, _, _, _ = constants_of(system, f)
-    s, S_tt, S_tf, T, M, _ = places_of(work, f)
+    S1, J1, J2, C0, C1, Mff, _, _, _ = constants_of(system.modal, f)
+    s, S_tt, S_tf, T, M, _ = places_of(work.modal, f)
     b, at = f["body"], 7 * system.masses.shape[0] + f["first"]
     eta, mass = q[at : at + f["modes"]], system.masses[b]
     floating_frame.first_moment(eta, mass["moment"], S1, s)
@@ -84,27 +98,29 @@ def _flexible_mass(system, work, f, q):
 
 
 @kernel
-def mass_times(system, work, x, y):
-    """y = M x for x, y (n,)."""
-    for b in range(system.masses.shape[0]):
-        if system.masses[b]["flexible"] >= 0:
-            continue
-        for i in range(6):
-            total = 0.0
+def mass_times(inertia, x, y):
+    """y = M x for x, y (n,); zeros in x cost nothing."""
+    masses = inertia.masses
+    for k in range(x.shape[0]):
+        y[k] = 0.0
+    for b in range(masses.shape[0]):
+        if masses[b]["flexible"] < 0:
             for j in range(6):
-                total += work.mass[b, i, j] * x[6 * b + j]
-            y[6 * b + i] = total
-    for k in range(system.flexible.shape[0]):
-        f = system.flexible[k]
-        M, N = places_of(work, f)[4], f["modes"]
-        rigid, modal = 6 * f["body"], 6 * system.masses.shape[0] + f["first"]
-        for i in range(6 + N):
-            total = 0.0
-            for j in range(6):
-                total += M[i, j] * x[rigid + j]
-            for j in range(N):
-                total += M[i, 6 + j] * x[modal + j]
-            y[rigid + i if i < 6 else modal + i - 6] = total
+                amount = x[6 * b + j]
+                if amount != 0.0:
+                    for i in range(6):
+                        y[6 * b + i] += inertia.mass[b, j, i] * amount
+    for k in range(inertia.flexible.shape[0]):
+        f = inertia.flexible[k]
+        M, N = places_of(inertia.modal, f)[4], f["modes"]
+        rigid, modal = 6 * f["body"], 6 * masses.shape[0] + f["first"]
+        for j in range(6 + N):
+            amount = x[rigid + j if j < 6 else modal + j - 6]
+            if amount != 0.0:
+                for i in range(6):
+                    y[rigid + i] += M[j, i] * amount
+                for i in range(N):
+                    y[modal + i] += M[j, 6 + i] * amount
 
 
 @part
@@ -157,8 +173,8 @@ def _add_weight(mass, axes, g, f):
 
 @part
 def _flexible_forces(system, work, flexible, q, u, f):
-    S1, J1, _, _, C1, _, Kr, Dr, KG = constants_of(system, flexible)
-    s, S_tt, S_tf, T, _, own = places_of(work, flexible)
+    S1, J1, _, _, C1, _, Kr, Dr, KG = constants_of(system.modal, flexible)
+    s, S_tt, S_tf, T, _, own = places_of(work.modal, flexible)
     b, N, bodies = flexible["body"], flexible["modes"], system.masses.shape[0]
     axes, first = work.rotations[A, b], flexible["first"]
     eta, w = q[7 * bodies + first : 7 * bodies + first + N], u[6 * b + 3 : 6 * b + 6]
@@ -177,7 +193,7 @@ def _flexible_forces(system, work, flexible, q, u, f):
 def kinetic_energy(system, work, u):
     """½ uᵀ M u, J."""
     product, total = work.vectors[PRODUCT], 0.0
-    mass_times(system, work, u, product)
+    mass_times(inertia_of(system, work), u, product)
     for k in range(u.shape[0]):
         total += 0.5 * u[k] * product[k]
     return total
@@ -189,7 +205,7 @@ def strain_energy(system, q):
     total = 0.0
     for k in range(system.flexible.shape[0]):
         f = system.flexible[k]
-        N, at, K = f["modes"], 7 * system.masses.shape[0] + f["first"], constants_of(system, f)[6]
+        N, at, K = f["modes"], 7 * system.masses.shape[0] + f["first"], constants_of(system.modal, f)[6]
         for i in range(N):
             for j in range(N):
                 total += 0.5 * q[at + i] * K[i, j] * q[at + j]
@@ -205,7 +221,7 @@ def weight_energy(system, work, q):
         moment = mass["moment"]
         s = (moment[0], moment[1], moment[2])
         if mass["flexible"] >= 0:
-            moved = places_of(work, system.flexible[mass["flexible"]])[0]
+            moved = places_of(work.modal, system.flexible[mass["flexible"]])[0]
             s = (moved[0], moved[1], moved[2])
         for i in range(3):
             arm = axes[i, 0] * s[0] + axes[i, 1] * s[1] + axes[i, 2] * s[2]

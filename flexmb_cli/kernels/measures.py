@@ -11,47 +11,59 @@ the first measures are equations, Φ = μ - f(t).  The second derivative of a pr
 import math
 
 from ._jit import kernel, part
-from .arms import ARM, add_arm_row
+from .arms import ARM, RATE, REST, add_arm_row, geometry_of, vector
 from .laws import law_values
-from .rotation import dot
 
 TURN = 2.0 * math.pi
 
 
 @kernel
-def measure_value(system, work, k, near):
+def measure_value(geometry, k, near):
     """μ of measure k at placed arms; near: the angle expected, rad."""
-    m, value = system.measures[k], -system.measures[k]["constant"]
+    m, value = geometry.measures[k], -geometry.measures[k]["constant"]
     if m["alpha"] != 0.0:
-        value += m["alpha"] * dot(work.spans[ARM, k, 0], work.spans[ARM, k, 1])
+        value += m["alpha"] * _span_product(geometry.spans, k, ARM, ARM)
     if m["beta"] != 0.0:
-        value += m["beta"] * measure_angle(work, m, near)
+        value += m["beta"] * measure_angle(geometry.placed, m, near)
     return value
 
 
 @kernel
-def measure_angle(work, m, near):
+def _span_product(spans, k, layer, layer_of_w):
+    """V · W of measure k, each of one layer."""
+    total = 0.0
+    for i in range(3):
+        total += spans[layer, k, 0, i] * spans[layer_of_w, k, 1, i]
+    return total
+
+
+@kernel
+def measure_angle(placed, m, near):
     """θ, rad: the value nearest to `near`."""
-    x, y = _products(work, m, ARM, ARM)
+    x, y = _products(placed, m, ARM, ARM)
     theta = math.atan2(y, x)
     return theta + TURN * math.floor((near - theta) / TURN + 0.5)
 
 
 @kernel
-def _products(work, m, layer, layer_of_h):
-    """F · H and G · H, F and G of one layer of the arms, H of another."""
-    H = work.arms[layer_of_h, m["h"]]
-    return dot(work.arms[layer, m["f"]], H), dot(work.arms[layer, m["g"]], H)
+def _products(placed, m, layer, layer_of_h):
+    """F · H and G · H, F and G of one layer of the arms `placed`, H of another."""
+    f, g, h = m["f"], m["g"], m["h"]
+    x = y = 0.0
+    for i in range(3):
+        x += placed[layer, f, i] * placed[layer_of_h, h, i]
+        y += placed[layer, g, i] * placed[layer_of_h, h, i]
+    return x, y
 
 
 @kernel
-def angle_rates(work, m):
+def angle_rates(placed, m):
     """Rate of θ, rad/s, and its second derivative without those of the coordinates, at moved arms."""
-    x, y = _products(work, m, ARM, ARM)
+    x, y = _products(placed, m, ARM, ARM)
     xd = yd = xr = yr = 0.0
     for a in range(3):
         for b in range(3 - a):
-            share_x, share_y = _products(work, m, a, b)
+            share_x, share_y = _products(placed, m, a, b)
             if a + b == 1:
                 xd += share_x
                 yd += share_y
@@ -63,39 +75,36 @@ def angle_rates(work, m):
 
 
 @kernel
-def measure_rates(system, work, k):
+def measure_rates(geometry, k):
     """Rate of measure k, and its second derivative without those of the coordinates, at moved arms."""
-    m = system.measures[k]
+    m, spans = geometry.measures[k], geometry.spans
     rate = rest = 0.0
     if m["alpha"] != 0.0:
-        for a in range(3):
-            for b in range(3 - a):
-                product = m["alpha"] * dot(work.spans[a, k, 0], work.spans[b, k, 1])
-                if a + b == 1:
-                    rate += product
-                elif a + b == 2:
-                    rest += product * (2.0 if a == b else 1.0)
+        rate = _span_product(spans, k, ARM, RATE) + _span_product(spans, k, RATE, ARM)
+        rest = _span_product(spans, k, ARM, REST) + _span_product(spans, k, REST, ARM)
+        rest += 2.0 * _span_product(spans, k, RATE, RATE)
+        rate, rest = m["alpha"] * rate, m["alpha"] * rest
     if m["beta"] != 0.0:
-        turn, turn_rest = angle_rates(work, m)
+        turn, turn_rest = angle_rates(geometry.placed, m)
         rate += m["beta"] * turn
         rest += m["beta"] * turn_rest
     return rate, rest
 
 
 @kernel
-def add_measure_row(system, work, k, factor, row):
+def add_measure_row(geometry, k, factor, row):
     """Add factor times the derivative of measure k by the speeds to row (n,)."""
-    m = system.measures[k]
+    m, arms = geometry.measures[k], geometry.arms
     if m["alpha"] != 0.0:
         for side in range(2):
             head, tail = m["ends"][side, 0], m["ends"][side, 1]
-            w, share = work.spans[ARM, k, 1 - side], factor * m["alpha"]
-            apart = tail >= 0 and system.arms[head]["body"] != system.arms[tail]["body"]
-            add_arm_row(system, work, head, w, share, apart, row)
+            w, share = vector(geometry.spans[ARM, k], 1 - side), factor * m["alpha"]
+            apart = tail >= 0 and arms[head]["body"] != arms[tail]["body"]
+            add_arm_row(geometry, head, w, share, apart, row)
             if tail >= 0:
-                add_arm_row(system, work, tail, w, -share, apart, row)
+                add_arm_row(geometry, tail, w, -share, apart, row)
     if m["beta"] != 0.0:
-        x, y = _products(work, m, ARM, ARM)
+        x, y = _products(geometry.placed, m, ARM, ARM)
         share = factor * m["beta"] / (x * x + y * y)
         for arm, other, part in (
             (m["f"], m["h"], -y),
@@ -103,16 +112,16 @@ def add_measure_row(system, work, k, factor, row):
             (m["h"], m["g"], x),
             (m["h"], m["f"], -y),
         ):
-            add_arm_row(system, work, arm, work.arms[ARM, other], share * part, False, row)
+            add_arm_row(geometry, arm, vector(geometry.placed[ARM], other), share * part, False, row)
 
 
 @part
 def equation_residuals(system, work, t, near, phi):
     """Fill the last rows of phi (m,), those of the measures that are equations."""
-    first = system.bodies.shape[0]
+    first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for k in range(phi.shape[0] - first):
         m = system.measures[k]
-        phi[first + k] = measure_value(system, work, k, near[m["turn"]] if m["turn"] >= 0 else 0.0)
+        phi[first + k] = measure_value(geometry, k, near[m["turn"]] if m["turn"] >= 0 else 0.0)
         if m["law"] >= 0:
             phi[first + k] -= law_values(system.laws, system.knots, m["law"], t)[0]
 
@@ -120,11 +129,11 @@ def equation_residuals(system, work, t, near, phi):
 @part
 def equation_rows(system, work, jacobian):
     """Fill the last rows of jacobian (m, n), not scaled."""
-    first = system.bodies.shape[0]
+    first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for k in range(jacobian.shape[0] - first):
         for column in range(jacobian.shape[1]):
             jacobian[first + k, column] = 0.0
-        add_measure_row(system, work, k, 1.0, jacobian[first + k])
+        add_measure_row(geometry, k, 1.0, jacobian[first + k])
 
 
 @part
@@ -139,9 +148,9 @@ def equation_velocities(system, t, nu):
 @part
 def equation_accelerations(system, work, t, gamma):
     """Fill the last rows of gamma (m,), at moved arms."""
-    first = system.bodies.shape[0]
+    first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for k in range(gamma.shape[0] - first):
         law = system.measures[k]["law"]
-        gamma[first + k] = -measure_rates(system, work, k)[1]
+        gamma[first + k] = -measure_rates(geometry, k)[1]
         if law >= 0:
             gamma[first + k] += law_values(system.laws, system.knots, law, t)[2]

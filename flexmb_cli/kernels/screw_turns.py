@@ -2,7 +2,7 @@
 alone does not show."""
 
 from ._jit import kernel
-from .arms import move_arms, place_arms
+from .arms import geometry_of, move_arms, place_arms
 from .constrained_report import coordinates_and_speeds
 from .constrained_system import A
 from .constraints import SCREW
@@ -36,8 +36,9 @@ def expect_turns(system, work, march, h):
     for end in range(2 if march.turns.shape[1] else 0):
         q, u = coordinates_and_speeds(system, march.z if end == 0 else march.trial)
         rotation_matrices(q, work.rotations[A])
-        place_arms(system, work, q)
-        move_arms(system, work, u)
+        geometry = geometry_of(system, work)
+        place_arms(geometry, q)
+        move_arms(geometry, u)
         _add_turns(system, work, u, 0.5 * h, march.turns[NEAR])
     largest = 0.0
     for k in range(system.measures.shape[0]):
@@ -56,7 +57,7 @@ def _add_turns(system, work, u, h, turns):
             turns[c["screw"]] += h * _turn_rate(work, c, u)
     for k in range(system.measures.shape[0]):
         if system.measures[k]["turn"] >= 0:
-            turns[system.measures[k]["turn"]] += h * angle_rates(work, system.measures[k])[0]
+            turns[system.measures[k]["turn"]] += h * angle_rates(work.arms, system.measures[k])[0]
 
 
 @kernel
@@ -69,7 +70,7 @@ def find_turns(system, work, near, turns):
     for k in range(system.measures.shape[0]):
         s = system.measures[k]["turn"]
         if s >= 0:
-            turns[s] = measure_angle(work, system.measures[k], near[s])
+            turns[s] = measure_angle(work.arms, system.measures[k], near[s])
 
 
 @kernel
@@ -85,6 +86,6 @@ def angles_at(system, work, q, near):
     """Angles (angles,) at q, those nearest to `near`, rad."""
     angles = near.copy()
     rotation_matrices(q, work.rotations[A])
-    place_arms(system, work, q)
+    place_arms(geometry_of(system, work), q)
     find_turns(system, work, near, angles)
     return angles

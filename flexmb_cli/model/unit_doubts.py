@@ -16,6 +16,7 @@ from .tree import Tree
 
 IN_MILLIMETRES = (9.5e3, 10.1e3)  # gravity of the earth, mm/s²
 ON_EARTH = (9.5, 10.1)  # m/s²
+FASTEST_SOUND = 2e4  # m/s; 18,000 in diamond
 LARGE = 50.0  # m between the joints of one body, for a mechanism under gravity
 WIDE = 30.0  # radius of gyration over the distance of joints: inertia in kg mm² would be 1000
 NARROW = 1e-2  # the other way round: 1e-3
@@ -41,6 +42,8 @@ def unit_doubts(model: DynamicModel | FlexibleMechanism | Tree) -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     extents, gravity = _EXTENTS[type(model)](model), float(np.linalg.norm(model.gravity))
     notes = [Fault("note", note, body.place, body.name) for body in extents for note in _of_body(body)]
+    if isinstance(model, FlexibleMechanism):
+        notes += _of_frequencies(model)
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(Fault("note", f"gravity {gravity:.6g} looks like mm/s²; decks are in SI units, m/s²"))
@@ -59,6 +62,21 @@ def _of_body(body):
             f"{body.radius:.3g} m, joints are up to {body.size:.3g} m from the mass centre: "
             "are all in SI units?"
         )
+
+
+def _of_frequencies(mechanism: FlexibleMechanism):
+    """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
+    for body in mechanism.bodies:
+        if body.flexible is None or not body.modes:
+            continue
+        size = float(np.ptp(body.flexible.r0, axis=0).max())
+        lowest = float(body.flexible.frequencies[0])
+        if lowest * size > FASTEST_SOUND:
+            message = (
+                f"the lowest frequency is {lowest:.3g} Hz in a body of {size:.3g} m, as if sound went at "
+                f"{lowest * size:.1g} m/s or faster: are mass in kg, stiffness in N/m, nodes in m?"
+            )
+            yield Fault("note", message, body.place, body.name)
 
 
 def _farthest(points, centre) -> float:

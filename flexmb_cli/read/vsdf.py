@@ -9,6 +9,8 @@ from .deck import Deck, DeckText, Number, Record
 from .vsdf_cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP, Card, Column
 
 _TITLE_WIDTH = 75
+# Nobody reads more, and each costs a search for near words.
+_MOST_FAULTS = 1000
 _COMMENT = "*"
 # A data card begins with a blank or a number, so that no keyword can be mistaken for one.
 _DATA = re.compile(r"[\s0-9+\-.,]")
@@ -41,6 +43,10 @@ class _Reader:
         self._read_title()
         card, ended = None, {}
         while (line := self._next()) is not None:
+            if len(self.faults) > _MOST_FAULTS:
+                place = Place(self.at, 1)
+                self._error("", f"more than {_MOST_FAULTS} faults: the deck is not read from here on", place)
+                return
             if not _DATA.match(line):
                 word = line[:4].strip().upper()
                 card = self._open(word, line, ended)
@@ -94,7 +100,10 @@ class _Reader:
         """Words behind a keyword are a comment; numbers there were meant to be read."""
         extra = line[4:].strip()
         if _NUMBERS_ONLY.fullmatch(extra):
-            message = f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
+            message = (
+                f"'{extra}' stands behind the keyword and is not read; "
+                "data cards follow on lines of their own"
+            )
             self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
 
     def _check_end(self, ended):

@@ -13,6 +13,7 @@ from ..model.system_arrays import SystemArrays
 from .constrained_start import inertia_failure, order_of_elimination, start_speeds
 from .constrained_system import blank_report, constrained_system, new_work
 from .diagnosis import Gap, Mobility
+from .passed_positions import SINGULAR, PassedPositions, at_line, has_gained_rank, weakest_of_speeds
 from .steppers import ExplicitSteps
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
@@ -54,13 +55,14 @@ class ConstrainedMotion:
         before have been yielded.
         """
         self.start()
-        grid, row = self.grid, 0
+        grid, row, passed = self.grid, 0, PassedPositions(self)
         while row < grid.rows:
             end = min(row + LARGEST_BLOCK, grid.rows)
             report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
             answer = self._call(constrained_march.MARCH, report)
             filled = int(self.clock["row"][0])
             if filled:
+                passed.look(report.times[:filled], report.states[:filled])
                 yield self.block(report._replace(**_first(report, filled)))
             row += filled
             if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
@@ -103,18 +105,25 @@ class ConstrainedMotion:
         if answer == constrained_march.CONTRADICTION:
             worst = self.arrays.equations[int(clock["worst"])]
             gap = Gap(worst, float(clock["gap"]) * worst.scale)
-            message = (
-                f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; a driver or "
-                "a joint asks for a motion that the others forbid"
+            reason = (
+                "they did so at the start only, which is a singular position (rods in line); begin elsewhere"
+                if has_gained_rank(self)
+                else "a driver or a joint asks for a motion that the others forbid"
             )
+            message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
             return AnalysisError(Fault("error", message, worst.place), t, norms)
         if clock["fault"] == NO_INERTIA:
             return inertia_failure(self, t)
-        message = (
-            f"at t = {t:.6g} s the step length falls to {step:.1e} s: the mechanism reaches a singular "
-            "position (a dead centre or branching), or its forces grow beyond all bounds"
-        )
-        return AnalysisError(Fault("error", message), t, norms)
+        condition, owners = weakest_of_speeds(self)
+        norms["condition"] = condition
+        joints = ", ".join(f"{one.owner}{at_line(one)}" for one in owners)
+        size = f"condition {condition:.0e}"
+        reason = f"the joints are far from singular ({size}), so a load, stiffness or speed is too great"
+        if condition > SINGULAR:
+            reason = f"a singular position of {joints} ({size}), a dead centre or a branching, is reached"
+        message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
+        place = owners[0].place if owners and condition > SINGULAR else None
+        return AnalysisError(Fault("error", message, place), t, norms)
 
 
 def _repetition_warning(found):

@@ -6,7 +6,7 @@ from ..errors import AnalysisError, Fault, ModelError
 from ..kernels.constrained_solve import choose_order, evaluate_jacobian
 from ..kernels.constrained_system import GAMMA, NO_INERTIA
 from ..kernels.constraint_projection import fill_nu, project_position
-from ..kernels.mass_matrix import mass_times
+from ..kernels.mass_matrix import inertia_of, mass_times
 from ..kernels.speeds import move, normalise
 from .assembly import assemble_by_search, assembly_failure
 from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
@@ -157,7 +157,7 @@ def inertia_failure(analysis, t: float) -> AnalysisError:
     MZ = np.empty_like(Z)
     for k in range(free):
         product = np.empty(len(Z))
-        mass_times(analysis.system, work, Z[:, k].copy(), product)
+        mass_times(inertia_of(analysis.system, work), Z[:, k].copy(), product)
         MZ[:, k] = product
     values, vectors = np.linalg.eigh(Z.T @ MZ)
     bodies = analysis.arrays.bodies

@@ -444,3 +444,10 @@ def test_a_step_that_rk45_does_not_use_is_told():
     assert told(text) == [
         "28:27: warning: TIME: RK45 chooses its steps by the tolerance; the step of 0.02 s is not used"
     ]
+
+
+def test_a_megabyte_of_faults_is_left_after_a_thousand():
+    """Each unknown word is looked for among the known ones, and each fault is kept."""
+    faults = told("VSDF T\nBODY\n    1 RIGD\n" + "QQQQ\n" * 200_000)
+    assert 1000 < len(faults) < 1010
+    assert "not read from here on" in faults[-1]
