@@ -5,10 +5,10 @@ made anew.
 """
 
 import hashlib
+import io
 import json
 import os
 import tempfile
-import zipfile
 from dataclasses import fields
 from pathlib import Path
 
@@ -18,7 +18,9 @@ from ..errors import Fault
 from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 3
+LAYOUT = 4
+# Bytes behind the archive: a damage anywhere makes the body anew, instead of another body.
+DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
 _ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped"))
 
@@ -76,10 +78,14 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     if folder is None:
         return None
     try:
-        with np.load(folder / f"{key_of(given)}.npz", allow_pickle=False) as stored:
-            return _restored(given, {name: stored[name] for name in stored.files})
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        raw = (folder / f"{key_of(given)}.npz").read_bytes()
+    except OSError:
         return None
+    content, digest = raw[:-DIGEST], raw[-DIGEST:]
+    if hashlib.sha256(content).digest() != digest:
+        return None
+    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+        return _restored(given, {name: stored[name] for name in stored.files})
 
 
 def _restored(given, stored):
@@ -113,8 +119,11 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
 def _write(path, arrays):
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
     try:
+        content = io.BytesIO()
+        np.savez(content, **arrays)
         with os.fdopen(handle, "wb") as stream:
-            np.savez(stream, **arrays)
+            stream.write(content.getvalue())
+            stream.write(hashlib.sha256(content.getvalue()).digest())
         os.replace(temporary, path)
     except BaseException:
         os.unlink(temporary)
