@@ -12,6 +12,8 @@ from .bulk_data import bulk_cards, integer_field, real_field
 from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault
 
+# Products of such lengths with masses and stiffnesses stay finite.
+FARTHEST = 1e30  # m
 _HEADING = re.compile(r"[^\d+\-.]")
 
 
@@ -34,6 +36,9 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     for node, position, line in found:
         if not all(map(math.isfinite, position)):
             raise line_fault(path.name, line, f"the position of node {node} is not finite")
+        if max(map(abs, position)) > FARTHEST:
+            message = f"node {node} lies farther off than {FARTHEST:g} m; was a digit of an exponent lost?"
+            raise line_fault(path.name, line, message)
     return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
 
 
