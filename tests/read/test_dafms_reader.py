@@ -20,7 +20,11 @@ def values(deck, section, number):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_supplied_decks_have_no_fault(name):
-    assert faults(deck_text(name)) == []
+    """Two of them give a node of a rigid parent, which is not used."""
+    notes = ["NP = 4 is not used: body 1 is rigid"] * (name == "fourbar_flex")
+    notes += ["NP = 2 is not used: body 1 is rigid"] * (name == "slider_crank_flex")
+    found = faults(deck_text(name))
+    assert [(f.severity, f.message.partition(",")[0]) for f in found] == [("note", note) for note in notes]
 
 
 def test_nineteen_decks_are_supplied():

@@ -157,27 +157,33 @@ class Killed:
             cwd=folder, stderr=subprocess.DEVNULL, start_new_session=True,
         )  # fmt: skip
 
-    def after(self, seconds):
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self.process.wait(seconds)
+    def once_more_is_kept(self, parts, size):
+        """Kill it when `size` bytes have come to its folder of parts, or let it end."""
+        wanted = bytes_of(parts) + size
+        while self.process.poll() is None and bytes_of(parts) < wanted:
+            time.sleep(0.002)
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self.process.pid, signal.SIGKILL)
         return self.process.wait()
+
+
+def bytes_of(parts):
+    with contextlib.suppress(FileNotFoundError):
+        return sum(part.stat().st_size for part in parts.glob("*.part"))
+    return 0
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_one(tmp_path, jobs):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     flexmb("sweep", written(whole, SAMPLED, count=400), "-q", cwd=whole)
-    study, moments = written(killed, SAMPLED, count=400), random.Random(11)
-    kept = [0]
-    for attempt in range(60):
-        Killed(study, killed, "-j", jobs).after(0.7 + moments.random() * attempt)
-        if (killed / "study.h5").exists():
-            break
-        parts = list((killed / "study.h5.parts").glob("*.part"))
-        kept.append(sum(len(list(Parts(str(p.parent), {}).stored(int(p.stem[6:])))) for p in parts))
-    assert kept == sorted(kept) and any(kept)
+    study, sizes = written(killed, SAMPLED, count=400), random.Random(11)
+    parts, kept = killed / "study.h5.parts", [0]
+    while not (killed / "study.h5").exists():
+        Killed(study, killed, "-j", jobs).once_more_is_kept(parts, sizes.randrange(1, 8000))
+        found = list(parts.glob("*.part"))
+        kept.append(sum(len(list(Parts(str(parts), {}).stored(int(p.stem[6:])))) for p in found))
+    assert kept[:-1] == sorted(kept[:-1]) and len(kept) > 5
     assert (whole / "study.h5").read_bytes() == (killed / "study.h5").read_bytes()
 
 
