@@ -41,6 +41,7 @@ def turn(t):
     return LAW[0] * t + LAW[1] * t * t
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("pitch", [0.5, -0.3, 1e-4, 20.0, 0.0])
 @pytest.mark.parametrize("step", [0.1, 6.0 * np.pi / 7.0, 30.0])
 def test_the_slide_follows_any_number_of_turns_either_way(pitch, step):
@@ -72,6 +73,7 @@ def test_the_angle_of_the_estimates_may_be_any(angle):
     assert np.max(np.abs(rows.position[:, 1, 2] - expected)) <= 1e-13
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("slide", [0.4, 1e-3, -0.4, -1e-3])
 def test_the_slide_is_counted_along_the_points_distance_in_the_estimates(slide):
     """δ = |d| in the estimates: for P_j below P_i the slide grows downwards, and it passes δ = 0."""
@@ -88,6 +90,7 @@ def test_points_that_coincide_in_the_estimates_slide_along_the_axis():
         assert np.max(np.abs(rows.position[:, 1, 2] - expected)) <= 1e-12
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("s_j", [(0.0, 0.0, 3.0), (0.0, 0.0, -3.0)])
 def test_a_screw_with_its_bodies_exchanged_moves_the_same(s_j):
     """Seen from the other body d is -d and θ is -θ; about an axis of the other sense θ stays.

@@ -14,6 +14,8 @@ from flexmb_cli.read.text import read_text
 from flexmb_cli.write.beam_cards import rotation_card
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, loaded, run
 
+pytestmark = pytest.mark.long_motion
+
 PUBLISHED = Path(__file__).parents[1] / "published" / "dafms"
 
 
@@ -28,7 +30,6 @@ def test_nineteen_decks_are_supplied():
     assert len(NAMES) == 19
 
 
-@pytest.mark.long_motion
 @pytest.mark.parametrize("name", NAMES)
 def test_a_deck_gives_its_four_files_and_a_row_at_each_multiple_of_its_step(outcomes, name):
     outcome, folder = outcomes[0][name], outcomes[1]
