@@ -8,6 +8,8 @@ import pytest
 
 from tests.run.dafms_runs import loaded, run
 
+pytestmark = pytest.mark.long_motion
+
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):

@@ -12,6 +12,8 @@ from flexmb_cli.run.outcome import Outcome, RunOptions
 from flexmb_cli.run.verify import Difference, Verification, verify_deck
 from tests.run.dafms_runs import DECKS, NAMES, loaded, run
 
+pytestmark = pytest.mark.long_motion
+
 COUPLED = [name for name in NAMES if not name.endswith("unco")]
 COMPARED = {"rotation speeds", "body position", "point velocity", "body attitude", "total energy"}
 
@@ -20,7 +22,6 @@ def verified(name):
     return verify_deck(str(DECKS / f"{name}.DAT"), RunOptions(), 1e-7)
 
 
-@pytest.mark.long_motion
 @pytest.mark.parametrize("name", COUPLED)
 def test_kane_and_absolute_coordinates_give_one_motion(name):
     """Over the whole run, to 1e-7 of the largest value of each kind; 6e-9 were measured."""

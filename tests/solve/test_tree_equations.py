@@ -13,6 +13,8 @@ from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import deck_tree, run
 
+pytestmark = pytest.mark.long_motion
+
 TREES = (
     "pendulum",
     "pendulum_strict",

@@ -15,6 +15,7 @@ from tests.solve.tree_runs import deck_tree, joined, run
 LOOPS = ("fourbar_rigid", "fourbar_flex", "slider_crank_flex")
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("deck", LOOPS)
 def test_loops_stay_closed_and_the_energy_constant(deck):
     rows = run(deck_tree(deck, 1e-9))
@@ -71,6 +72,7 @@ def joints(angle):
     return B, (B[0] + along * dx + across * dy, B[1] + along * dy - across * dx)
 
 
+@pytest.mark.long_motion
 def test_four_bar_moves_as_the_equation_of_its_crank_angle_says():
     tree = deck_tree("fourbar_rigid", 1e-11)
     rows = run(tree)
@@ -117,6 +119,7 @@ def test_one_way_model_with_a_loop_is_refused():
         run(replace(deck_tree("fourbar_flex"), one_way=True))
 
 
+@pytest.mark.long_motion
 def test_resumed_run_of_a_loop_gives_the_numbers_of_an_uninterrupted_one(monkeypatch):
     tree = replace(deck_tree("slider_crank_flex", 1e-8), time=TimeGrid(0.0, 0.3, 0.005))
     whole = run(tree)

@@ -70,6 +70,7 @@ def test_report_rows_stand_at_multiples_of_the_step():
     assert np.array_equal(rows.time, 0.001 * np.arange(501))
 
 
+@pytest.mark.long_motion
 def test_dense_output_agrees_with_steps_that_end_at_the_report_time():
     """A breakpoint of a torque that is always 0 makes a step end at 0.37."""
     tree = deck_tree("two_link_n2", 1e-11)

@@ -11,6 +11,8 @@ from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import build, changed, supplied, told
 
+pytestmark = pytest.mark.long_motion
+
 SLIDER = """\
 VSDF A MASS ON AN AXIS
 BODY
