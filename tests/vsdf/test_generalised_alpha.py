@@ -10,6 +10,8 @@ from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from tests.read.vsdf_decks import build, supplied
 from tests.vsdf.test_runs import FREE_ROD, PENDULUM, Run, momenta, rotation
 
+pytestmark = pytest.mark.long_motion
+
 GRID = "       0.5    5.0E-4    5.0E-5"
 
 

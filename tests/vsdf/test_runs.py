@@ -14,6 +14,8 @@ from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import build, supplied
 
+pytestmark = pytest.mark.long_motion
+
 # t: z, vz of node 51 with a revolute joint, with nine pinned directions, nonlinear.
 PENDULUM = {
     0.05: ((-0.01773, -0.6870), (-0.01766, -0.7210), (-0.01772, -0.6896)),
