@@ -14,6 +14,8 @@ from flexmb_cli.model.tree import INERTIAL, ROTATION, Body, Elasticity, Hinge, I
 from tests.kernels.test_kane_forward_dynamics import Recursion
 from tests.solve.tree_runs import run
 
+pytestmark = pytest.mark.long_motion
+
 L, EI, RHO = 2.0, 3.0, 0.4
 UNIT = np.sqrt(EI / RHO) / L**2  # frequency with which the dimensionless ones count, rad/s
 FLAPWISE, CHORDWISE = 3, 1  # axis of the spin; deflections go along axis 3

@@ -27,6 +27,8 @@ from tests.kernels.test_kane_forward_dynamics import Recursion, close
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import deck_tree, joined, run
 
+pytestmark = pytest.mark.long_motion
+
 SHORT = TimeGrid(0.0, 0.2, 0.01)
 
 
@@ -71,7 +73,6 @@ def test_mass_matrix_is_that_of_the_particles(make, seed):
     close(np.triu(mass), np.triu(recursion.dense()[0]), 1e-11)
 
 
-@pytest.mark.long_motion
 @pytest.mark.parametrize("deck", ["shaft_beam_n2", "two_link_n2_unco", "spatial_flex"])
 def test_motion_is_that_of_the_explicit_method(deck):
     """With pulses, one-way motion and Euler parameters; amplitudes are 0.01 to 1."""
@@ -117,7 +118,6 @@ def test_vibrations_that_the_tolerance_does_not_ask_for_cost_nothing():
     assert energy == pytest.approx(0.0, abs=1e-4)
 
 
-@pytest.mark.long_motion
 def test_resumed_run_gives_the_numbers_of_an_uninterrupted_one():
     tree = implicit(deck_tree("shaft_beam_n2"), 1e-5)
     whole = run(tree)
@@ -130,7 +130,6 @@ def test_resumed_run_gives_the_numbers_of_an_uninterrupted_one():
     assert np.array_equal(again.q, whole.q)
 
 
-@pytest.mark.long_motion
 @pytest.mark.parametrize("deck", ["fourbar_rigid", "fourbar_flex", "slider_crank_flex"])
 def test_closed_loops_move_as_by_the_explicit_method_and_stay_closed(deck):
     """Angles are of order 1, deflections 1e-3 and less."""

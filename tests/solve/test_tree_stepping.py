@@ -26,6 +26,8 @@ from flexmb_cli.solve.tree_dynamics import TreeAnalysis
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import deck_tree, joined, run
 
+pytestmark = pytest.mark.long_motion
+
 
 def wheel(law, end=1.0, step=0.1):
     """A disc of 2 kg m² about axis 1 that nothing but a torque law moves."""
@@ -70,7 +72,6 @@ def test_report_rows_stand_at_multiples_of_the_step():
     assert np.array_equal(rows.time, 0.001 * np.arange(501))
 
 
-@pytest.mark.long_motion
 def test_dense_output_agrees_with_steps_that_end_at_the_report_time():
     """A breakpoint of a torque that is always 0 makes a step end at 0.37."""
     tree = deck_tree("two_link_n2", 1e-11)
@@ -159,7 +160,6 @@ def test_motion_without_bound_keeps_the_rows_before_and_names_time_and_coordinat
     assert joined(kept).time[-1] == pytest.approx(0.7, abs=0.11)
 
 
-@pytest.mark.long_motion
 @pytest.mark.parametrize(("method", "allowed"), [("radau", 1e-7), ("lsoda", 1e-6)])
 def test_other_integrators_give_the_motion_of_the_default_one(method, allowed):
     """Shaft and beam with the jumps of its pulse; tips move by 0.015 m."""
@@ -170,7 +170,6 @@ def test_other_integrators_give_the_motion_of_the_default_one(method, allowed):
     assert np.max(np.abs(found.q - expected.q)) < allowed
 
 
-@pytest.mark.long_motion
 def test_implicit_integrator_walks_over_vibrations_that_its_tolerance_does_not_ask_for():
     """A node of 1 kg on a spring of 1e10 N/m, at rest but for gravity: 16 kHz that nothing excites."""
     elastic = Elasticity(
