@@ -60,29 +60,52 @@ def _without_letter(value, digits):
     return f"{mantissa}{int(exponent):+d}"
 
 
-def write_dmig(path, name, matrix):
-    """Lower triangle by columns, node and direction, in large fields."""
+def write_dmig(path, name, matrix, card):
+    """Lower triangle by columns, node and direction, each by `card`."""
     lines, matrix = [f"DMIG    {name:8}       0       6       2       0"], matrix.tocsc()
     for j in range(matrix.shape[1]):
-        lines.append(f"DMIG*   {name:8}{'':8}{j // 3 + 1:16d}{j % 3 + 1:16d}")
-        for k in range(matrix.indptr[j], matrix.indptr[j + 1]):
-            i = matrix.indices[k]
-            if i >= j:
-                lines.append(f"*       {i // 3 + 1:16d}{i % 3 + 1:16d}{sixteen_columns(matrix.data[k]):>16}")
+        rows = slice(matrix.indptr[j], matrix.indptr[j + 1])
+        below = [(i, value) for i, value in zip(matrix.indices[rows], matrix.data[rows]) if i >= j]
+        lines.extend(card(name, _freedom(j), [(_freedom(i), value) for i, value in below]))
     path.write_text("\n".join(lines) + "\n")
     return FEFile(path, "DMIG")
 
 
-def test_dmig_with_the_most_digits_of_its_field_is_off_by_4e_8(tmp_path):
-    """12 digits, 13 of positive entries: two or three more than with D exponents, and no more fit."""
+def _freedom(row):
+    return row // 3 + 1, row % 3 + 1
+
+
+def large_fields(name, column, entries):
+    yield f"DMIG*   {name:8}{'':8}{column[0]:16d}{column[1]:16d}"
+    for (node, axis), value in entries:
+        yield f"*       {node:16d}{axis:16d}{sixteen_columns(value):>16}"
+
+
+def commas(name, column, entries):
+    """Free fields, which may be as long as a number is."""
+    yield f"DMIG,{name},{column[0]},{column[1]}"
+    for (node, axis), value in entries:
+        yield f",{node},{axis},{float(value)!r}"
+
+
+def frequencies_by_dmig(folder, card):
     M, K = (mmread(FILES / name) for name in PENDULUM["MM"][:2])
-    exact = pendulum("MM", modes=9)
     files = {
-        "mass": write_dmig(tmp_path / "M", "MAAX", M),
-        "stiffness": write_dmig(tmp_path / "K", "KAAX", K),
+        "mass": write_dmig(folder / "M", "MAAX", M, card),
+        "stiffness": write_dmig(folder / "K", "KAAX", K, card),
     }
-    found, wanted = body(replace(exact, **files)).frequencies, body(exact).frequencies
+    return body(replace(pendulum("MM", modes=9), **files)).frequencies
+
+
+def test_dmig_with_the_most_digits_of_its_large_fields_is_off_by_4e_8(tmp_path):
+    """12 digits, 13 of positive entries: two or three more than with D exponents, and no more fit."""
+    found, wanted = frequencies_by_dmig(tmp_path, large_fields), body(pendulum("MM", modes=9)).frequencies
     assert 1e-9 < np.max(np.abs(found / wanted - 1.0)) < 1e-7
+
+
+def test_dmig_between_commas_gives_the_same_frequencies_to_1e_8(tmp_path):
+    found, wanted = frequencies_by_dmig(tmp_path, commas), body(pendulum("MM", modes=9)).frequencies
+    np.testing.assert_allclose(found, wanted, rtol=1e-8)
 
 
 def test_calculix_internal_freedoms_are_condensed_and_their_mass_dropped():
