@@ -65,8 +65,8 @@ def write_dmig(path, name, matrix, card):
     lines, matrix = [f"DMIG    {name:8}       0       6       2       0"], matrix.tocsc()
     for j in range(matrix.shape[1]):
         rows = slice(matrix.indptr[j], matrix.indptr[j + 1])
-        below = [(i, value) for i, value in zip(matrix.indices[rows], matrix.data[rows]) if i >= j]
-        lines.extend(card(name, _freedom(j), [(_freedom(i), value) for i, value in below]))
+        entries = zip(matrix.indices[rows], matrix.data[rows], strict=True)
+        lines.extend(card(name, _freedom(j), [(_freedom(i), value) for i, value in entries if i >= j]))
     path.write_text("\n".join(lines) + "\n")
     return FEFile(path, "DMIG")
 
