@@ -87,8 +87,7 @@ def _solve(made, jobs, scheduler, quiet):
 
     outlive_workers()
     blocks = made.pending()
-    cases = made.job.study.cases
-    left = sum(len(made.job.cases(block)) for block in blocks)
+    cases, left = made.job.study.cases, made.left
     if made.restored:
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with _progress(left, quiet) as advance:

@@ -8,7 +8,6 @@ kept twice.  The folder may be on a disk that many machines share.
 import contextlib
 import json
 import os
-import shutil
 import struct
 import zlib
 from collections.abc import Iterator
@@ -16,13 +15,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
-from ..write.atomic import located, make_folder
+from ..write.atomic import located
+from .study_lock import LOCK, StudyLock
 from .study_solver import CaseResult
 
 _HEAD = struct.Struct("<II")
 _FIXED = struct.Struct("<qiiiii")
 _IDENTITY = "study.json"
 _UNFINISHED_IDENTITY = f".{_IDENTITY}"
+_PART = ".part"
 
 
 class Parts:
@@ -32,22 +33,31 @@ class Parts:
         self.folder = folder
         self.identity = identity
 
-    def begin(self, fresh: bool) -> bool:
-        """Make the folder, or go on with the one of a stopped study; whether there was one.
+    def lock(self, study: str) -> StudyLock:
+        """The right to write in the folder, which is made if it is missing.
 
-        Raises ModelError when the folder belongs to another study, OutputError when it cannot be made.
+        Raises ModelError where the folder holds what is no study, OutputError as StudyLock does.
         """
-        if fresh or os.path.isdir(self._leaving):
-            self._clear(fresh)
+        if os.path.isdir(self.folder) and self._stored_identity() is None:
+            # A kill may have left a folder that was being begun or removed.
+            found = set(os.listdir(self.folder)) - {LOCK}
+            if found and _UNFINISHED_IDENTITY not in found:
+                message = (
+                    f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
+                )
+                raise ModelError([Fault("error", message)])
+        return StudyLock(self.folder, study)
+
+    def begin(self, fresh: bool) -> bool:
+        """Begin the folder, which is locked, or go on with that of a stopped study; whether there was one.
+
+        Raises ModelError when the folder belongs to another study, OutputError when it cannot be written.
+        """
         found = self._stored_identity()
-        if found is not None:
+        if found is not None and not fresh:
             self._refuse_other(found)
             return True
-        # A kill may have left the identity half written.
-        if os.path.isdir(self.folder) and set(os.listdir(self.folder)) - {_UNFINISHED_IDENTITY}:
-            message = f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
-            raise ModelError([Fault("error", message)])
-        make_folder(self.folder)
+        self.remove()
         with located(self.folder):
             temporary = os.path.join(self.folder, _UNFINISHED_IDENTITY)
             with open(temporary, "w", encoding="utf-8") as file:
@@ -55,42 +65,38 @@ class Parts:
             os.replace(temporary, os.path.join(self.folder, _IDENTITY))
         return False
 
-    def _clear(self, fresh):
-        """Finish a removal that was stopped; with `fresh` remove the stopped study as well."""
-        if os.path.isdir(self._leaving):
-            shutil.rmtree(self._leaving)
-        if fresh:
-            self.remove()
-
     def check_shared(self) -> None:
         """Raises OutputError where this process does not see the study's folder."""
         if self._stored_identity() != self.identity:
-            raise OutputError(f"{self.folder}: not seen by a worker; give --parts a folder that all share")
+            message = "not seen by a worker: removed, or not on a disk that all share (--parts names one)"
+            raise OutputError(f"{self.folder}: {message}")
 
-    def block(self, number: int) -> "Part":
-        """The part file of a block, locked until it is closed."""
-        return Part(self._path(number))
+    def block(self, number: int, cases: range) -> "Part":
+        """The part file of a block of `cases`, locked until it is closed."""
+        return Part(self._path(number), cases)
 
-    def stored(self, number: int) -> Iterator[CaseResult]:
-        """The cases of a block that are there, without waiting for whoever works on it."""
+    def stored(self, number: int, cases: range) -> Iterator[CaseResult]:
+        """The first of the `cases` of a block that are there, without waiting for whoever works on it."""
         with contextlib.suppress(FileNotFoundError), open(self._path(number), "rb") as file:
-            yield from _records(file)
+            yield from _records(file, cases)
 
     def remove(self) -> None:
-        """Remove the folder of this or another study."""
+        """Remove all of this or another study but the lock of its folder."""
         with located(self.folder):
+            identity, unfinished = (
+                os.path.join(self.folder, name) for name in (_IDENTITY, _UNFINISHED_IDENTITY)
+            )
             # A kill half-way must not leave a folder that looks like a study with cases missing.
-            if self._stored_identity() is not None:
-                os.replace(self.folder, self._leaving)
-            if os.path.isdir(self._leaving):
-                shutil.rmtree(self._leaving)
-
-    @property
-    def _leaving(self):
-        return f"{self.folder}.done"
+            with contextlib.suppress(FileNotFoundError):
+                os.replace(identity, unfinished)
+            for name in os.listdir(self.folder):
+                if name.endswith(_PART):
+                    os.unlink(os.path.join(self.folder, name))
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(unfinished)
 
     def _path(self, number):
-        return os.path.join(self.folder, f"block-{number:08d}.part")
+        return os.path.join(self.folder, f"block-{number:08d}{_PART}")
 
     def _stored_identity(self):
         try:
@@ -113,14 +119,14 @@ class Parts:
 class Part:
     """One part file, open for appending by the only process that works on its block."""
 
-    def __init__(self, path: str):
+    def __init__(self, path: str, cases: range):
         self.path = path
         with located(path):
             # Unbuffered: what a full disk refused must not be tried again when the file is closed.
             self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)
             _lock(self._file)
             self.failed = self.count = end = 0
-            for record in _records(self._file):
+            for record in _records(self._file, cases):
                 self.count += 1
                 self.failed += record.exit_code != 0
                 end = self._file.tell()
@@ -160,10 +166,13 @@ def _packed(result):
     return fixed + struct.pack("<I", len(message)) + message + numbers.astype("<f8").tobytes()
 
 
-def _records(file):
-    """Whole records up to the end or the first torn one."""
+def _records(file, cases):
+    """Whole records of `cases`, up to the end or the first that is torn or of another case."""
     size = os.fstat(file.fileno()).st_size
-    while len(head := file.read(_HEAD.size)) == _HEAD.size:
+    for case in cases:
+        head = file.read(_HEAD.size)
+        if len(head) < _HEAD.size:
+            return
         length, checksum = _HEAD.unpack(head)
         # A damaged length may be larger than any memory.
         if length > size - file.tell():
@@ -171,7 +180,10 @@ def _records(file):
         payload = file.read(length)
         if len(payload) < length or zlib.crc32(payload) != checksum:
             return
-        yield _unpacked(payload)
+        result = _unpacked(payload)
+        if result.case != case:
+            return
+        yield result
 
 
 def _unpacked(payload):

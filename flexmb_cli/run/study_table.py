@@ -2,22 +2,25 @@
 
 from collections.abc import Iterator
 
+from ..errors import ANALYSIS_FAILED, OutputError
 from ..read.study import SERIES
 from ..write.study_table import Column, Row, TableHead, write_table
 from .outcome import Stop
 from .sweep import Sweep
 
+MOST_RANGES = 5  # of missing cases named
+
 
 def write_study_table(path: str, sweep: Sweep) -> None:
     """Write every case of a finished study to `path`, and remove its parts.
 
-    Raises OutputError when the table cannot be written; the parts then stay.
+    Raises OutputError when the table cannot be written or cases are missing; the parts then stay.
     """
     # A stop must not be raised where HDF5 calls back for a write.
     with Stop.later():
         write_table(path, _head(sweep), _rows(sweep))
     Stop.heed()
-    sweep.job.parts.remove()
+    sweep.end()
 
 
 def _head(sweep):
@@ -41,7 +44,36 @@ def _result_columns(sweep):
 
 def _rows(sweep) -> Iterator[Row]:
     takes = sweep.solver.takes
-    for result in sweep.results():
+    for result in _every_case(sweep):
         values, series = iter(result.values), iter(result.series)
         kept = [next(series if take == SERIES else values) for take in takes]
         yield result.case + 1, result.exit_code, result.rows, result.message, [*result.parameters, *kept]
+
+
+def _every_case(sweep):
+    """The result of every case.  Raises OutputError with the numbers of those that are not kept."""
+    missing = []
+    for block in range(sweep.job.blocks):
+        found, cases = list(sweep.job.stored(block)), sweep.job.cases(block)
+        if len(found) < len(cases):
+            _add(missing, cases[len(found) :])
+        elif not missing:
+            yield from found
+    if missing:
+        raise OutputError(_told(missing, sweep.job), ANALYSIS_FAILED)
+
+
+def _add(ranges, cases):
+    if ranges and ranges[-1].stop == cases.start:
+        cases = range(ranges.pop().start, cases.stop)
+    ranges.append(cases)
+
+
+def _told(missing, job):
+    shown = [f"{cases.start + 1} to {cases.stop}" for cases in missing[:MOST_RANGES]]
+    numbers = ", ".join(shown) + (", …" if len(missing) > MOST_RANGES else "")
+    return (
+        f"{job.parts_folder}: {sum(map(len, missing))} of {job.study.cases} cases are missing ({numbers}): "
+        "their files were removed or damaged after they were solved; no table is written, the same command "
+        "solves them"
+    )

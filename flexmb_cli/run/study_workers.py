@@ -101,7 +101,8 @@ def _solve_noted(job, block):
 
 def _keep(sweep, done: BlockDone, advance):
     sweep.done[done.block] = done
-    advance(done.solved)
+    # Cases of a process that died count too, but it could not tell.
+    advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
 
 
 def _note_deaths(job, blocks, deaths):

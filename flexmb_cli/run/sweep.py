@@ -13,7 +13,8 @@ from ..read.dialects import read_deck
 from ..read.study import Study
 from ..read.study_file import read_study
 from ..read.text import read_text
-from .study_parts import Parts
+from .study_lock import StudyLock
+from .study_parts import Part, Parts
 from .study_solver import CaseResult, CaseSolver
 
 LARGEST_BLOCK = 200  # cases
@@ -47,6 +48,14 @@ class Job:
         first = block * self.block_size
         return range(first, min(first + self.block_size, self.study.cases))
 
+    def stored(self, block: int) -> Iterator[CaseResult]:
+        """The cases of a block that are kept, from its first on."""
+        return self.parts.stored(block, self.cases(block))
+
+    def part(self, block: int) -> Part:
+        """The file of a block, held until it is closed."""
+        return self.parts.block(block, self.cases(block))
+
 
 @dataclass(frozen=True)
 class BlockDone:
@@ -61,14 +70,16 @@ class BlockDone:
 class Sweep:
     """A study ready to be solved.  Raises DeckError where study or deck cannot be read as they are.
 
-    `restored`: the study was stopped before and goes on.
+    `restored`: the study was stopped before and goes on; `kept`: how many cases of a block there were then.
     """
 
     job: Job
     study_text: DeckText
     deck: Deck
     solver: CaseSolver
+    lock: StudyLock
     restored: bool = False
+    kept: dict[int, int] = field(default_factory=dict)
     done: dict[int, BlockDone] = field(default_factory=dict)
 
     @classmethod
@@ -83,24 +94,36 @@ class Sweep:
         identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
         job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
         solver = solver_of(job)
+        lock = job.parts.lock(path)
         restored = job.parts.begin(fresh)
-        return cls(job, text, solver.deck, solver, restored)
+        return cls(job, text, solver.deck, solver, lock, restored)
 
     def pending(self) -> list[int]:
         """Blocks that lack cases; the others count as done."""
         missing = []
         for block in range(self.job.blocks):
-            codes = [result.exit_code for result in self.job.parts.stored(block)] if self.restored else []
+            codes = [result.exit_code for result in self.job.stored(block)] if self.restored else []
+            self.kept[block] = len(codes)
             if len(codes) == len(self.job.cases(block)):
                 self.done[block] = BlockDone(block, 0, sum(code != 0 for code in codes))
             else:
                 missing.append(block)
         return missing
 
+    @property
+    def left(self) -> int:
+        """How many cases there were still to solve when `pending` looked."""
+        return self.job.study.cases - sum(self.kept.values())
+
     def results(self) -> Iterator[CaseResult]:
         """Every case that is kept, in order."""
         for block in range(self.job.blocks):
-            yield from self.job.parts.stored(block)
+            yield from self.job.stored(block)
+
+    def end(self) -> None:
+        """Remove what was kept: the table has it."""
+        self.job.parts.remove()
+        self.lock.leave()
 
     @property
     def failed(self) -> int:
@@ -146,10 +169,9 @@ def _solver(text, folder, study):
 
 def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda cases: None) -> BlockDone:
     """Solve what a block lacks; every case is kept before the next begins."""
-    parts = job.parts
-    parts.check_shared()
+    job.parts.check_shared()
     solver = solver_of(job)
-    with parts.block(block) as part:
+    with job.part(block) as part:
         missing = job.cases(block)[part.count :]
         for case in missing:
             part.append(solver.solve(case))
@@ -159,7 +181,7 @@ def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda ca
 
 def give_up_case(job: Job, block: int) -> None:
     """Record that the next case of a block ends the process that solves it."""
-    with job.parts.block(block) as part:
+    with job.part(block) as part:
         if part.count < len(job.cases(block)):
             message = (
                 f"the process that solved this case ended {MOST_DEATHS} times: killed from outside, or out "
@@ -170,4 +192,4 @@ def give_up_case(job: Job, block: int) -> None:
 
 def next_case(job: Job, block: int) -> int:
     """Number of the case of a block that comes next."""
-    return job.cases(block).start + sum(1 for _ in job.parts.stored(block))
+    return job.cases(block).start + sum(1 for _ in job.stored(block))

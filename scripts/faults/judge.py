@@ -122,7 +122,7 @@ def _strangers(command, folder, before, ended):
 
 
 def _belongs(name, command, ended):
-    kept = name.endswith((".resume", ".draft")) or ".parts/" in name or ".parts.done/" in name
+    kept = name.endswith((".resume", ".draft")) or ".parts/" in name
     if command.resumable and ended.code != 0 and kept:
         return True
     # Of these the next command that writes the same output clears up.

@@ -1,0 +1,128 @@
+"""Two sweeps of one study, and cases that vanish: nothing is lost without a word."""
+
+import os
+from pathlib import Path
+
+import h5py
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli import cli
+from flexmb_cli.errors import OutputError
+from flexmb_cli.run.study_table import write_study_table
+from flexmb_cli.run.study_workers import solve_here
+from flexmb_cli.run.sweep import Sweep, solve_block
+
+DECK = Path(__file__).resolve().parents[2] / "decks/young/IN1-3-1.dat"
+STUDY = f"""
+deck = "{DECK}"
+[parameters]
+"point.1.x" = {{ from = 0.0, to = 1.0, count = 100 }}
+[results]
+top = "max point.1.z"
+"""
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(STUDY)
+    return "s.toml"
+
+
+def begun(study, **how):
+    return Sweep.of(study, "s.h5.parts", **how)
+
+
+def solve(sweep):
+    solve_here(sweep, sweep.pending(), lambda cases: None)
+
+
+@pytest.mark.parametrize("how", [(), ("--fresh",)])
+def test_a_second_sweep_of_a_folder_is_refused_and_the_first_loses_nothing(study, how):
+    first = begun(study)
+    solve_block(first.job, 0)
+    second = CliRunner().invoke(cli, ["sweep", study, *how])
+    assert isinstance(second.exception, OutputError) and second.exception.exit_code == 2
+    told = str(second.exception)
+    assert told.startswith("s.toml: another sweep is writing this study, its cases are in ")
+    assert "wait until it ends or stop it" in told
+    solve(first)
+    write_study_table("s.h5", first)
+    with h5py.File("s.h5") as table:
+        assert table["case"][:].tolist() == list(range(1, 101))
+
+
+def test_the_lock_goes_with_who_held_it(study):
+    """A file that is left locks nothing; the table's end takes it along with the folder."""
+    begun(study)
+    assert Path("s.h5.parts/lock").exists()
+    sweep = begun(study)
+    assert sweep.restored
+    solve(sweep)
+    write_study_table("s.h5", sweep)
+    assert sorted(os.listdir()) == ["s.h5", "s.toml"]
+
+
+def test_a_sweep_that_found_the_lock_of_one_just_ended_takes_a_new_one(study, monkeypatch):
+    """Between its look for the folder and its lock the other removed both: the lock it holds is nowhere."""
+    import flexmb_cli.run.study_lock as study_lock
+
+    removed = []
+
+    def hold(file):
+        if not removed:
+            removed.append(True)
+            os.unlink("s.h5.parts/lock")
+            os.rmdir("s.h5.parts")
+        return True
+
+    monkeypatch.setattr(study_lock, "hold", hold)
+    solve(begun(study))
+    assert Path("s.h5.parts/lock").exists()
+
+
+def test_a_table_is_refused_while_cases_are_missing(study):
+    """Two of a block of two are gone, and the second of another: numbered from 1, as in the table."""
+    sweep = begun(study)
+    solve(sweep)
+    os.unlink("s.h5.parts/block-00000003.part")
+    last = Path("s.h5.parts/block-00000049.part")
+    last.write_bytes(last.read_bytes()[:-1])
+    with pytest.raises(OutputError, match=r"3 of 100 cases are missing \(7 to 8, 100 to 100\)") as refused:
+        write_study_table("s.h5", sweep)
+    assert refused.value.exit_code == 1
+    assert not Path("s.h5").exists()
+    del sweep, refused
+    again = begun(study)
+    assert (len(again.pending()), again.left) == (2, 3)
+
+
+def test_the_cases_of_another_block_do_not_count(study):
+    sweep = begun(study)
+    solve(sweep)
+    os.replace("s.h5.parts/block-00000003.part", "s.h5.parts/block-00000004.part")
+    with pytest.raises(OutputError, match=r"4 of 100 cases are missing \(7 to 10\)"):
+        write_study_table("s.h5", sweep)
+
+
+def test_a_removal_that_was_cut_short_leaves_no_study(study):
+    sweep = begun(study)
+    solve(sweep)
+    os.replace("s.h5.parts/study.json", "s.h5.parts/.study.json")
+    del sweep
+    assert not begun(study).restored
+    assert sorted(os.listdir("s.h5.parts")) == ["lock", "study.json"]
+
+
+def test_what_is_told_of_a_stopped_study_is_right_to_the_case(study):
+    """51 cases of blocks of two: a whole block less than the half of 52, and one case."""
+    sweep = begun(study)
+    for block in range(26):
+        solve_block(sweep.job, block)
+    part = Path("s.h5.parts/block-00000025.part")
+    part.write_bytes(part.read_bytes()[:-1])
+    del sweep
+    done = CliRunner().invoke(cli, ["sweep", study])
+    assert done.exit_code == 0
+    assert "going on with a stopped study: 51 of 100 cases are complete" in done.output
