@@ -32,7 +32,7 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     Example:
         flexmb sweep study.toml -j 4
     """
-    output = output or f"{PurePath(study).stem}.h5"
+    output = output or f"{'flexmb' if study == '-' else PurePath(study).stem}.h5"
     parts = parts or f"{output}.parts"
     made = _begun(study, output, parts, fresh)
     stop_on_signals()
@@ -56,7 +56,7 @@ def _kept(made, output, parts):
 
 
 def _begun(study, output, parts, fresh):
-    from ..run.sweep import StudyDeckError, Sweep
+    from ..run.sweep import StudyError, Sweep
     from ..write.atomic import refuse_unwritable
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
@@ -65,20 +65,11 @@ def _begun(study, output, parts, fresh):
     refuse_unwritable(output)
     try:
         return Sweep.of(study, parts, fresh)
-    except StudyDeckError as failure:
+    except StudyError as failure:
         click.echo(compiler_style(failure.path, failure.faults, failure.lines), err=True)
     except DeckError as failure:
-        click.echo(compiler_style(study, failure.faults, _lines(study)), err=True)
+        click.echo(compiler_style(study, failure.faults), err=True)
     sys.exit(BAD_INPUT)
-
-
-def _lines(study):
-    from ..read.text import read_text
-
-    try:
-        return read_text(study).lines
-    except DeckError:
-        return ()
 
 
 def _solve(made, jobs, scheduler, quiet):

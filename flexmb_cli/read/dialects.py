@@ -13,6 +13,7 @@ from .card import Word, words
 from .deck import Deck, DeckText
 
 AUTO = "auto"
+CHOOSES = "--dialect chooses one"
 
 _DAFMS_MACROS = ("DFMB", "STAR", "STOP")
 
@@ -46,7 +47,7 @@ def recognise(lines: Sequence[str]) -> str:
     first = next(words(lines), None)
     if first is None:
         raise DeckError([Fault("error", f"the deck is empty; {_beginnings()}")])
-    message = f"no dialect begins like this; {_beginnings()}; --dialect chooses one"
+    message = f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
     raise DeckError([Fault("error", message, first.place)])
 
 

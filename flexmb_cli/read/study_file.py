@@ -55,7 +55,7 @@ class _Reader:
         parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]
         results = [self._kept(*item) for item in self._entries("results")]
         self.within = ""
-        count = self._whole("count", 1, MOST_CASES) if sampled else 0
+        count = self._sample_size() if sampled else 0
         if not sampled and "count" in self.table:
             self._fault("count", f"belongs to sampling = {LATIN!r}; others take all values given")
         study = Study(
@@ -70,6 +70,11 @@ class _Reader:
         if not self.faults:
             self._check_size(study)
         return study
+
+    def _sample_size(self):
+        if "count" in self.table:
+            return self._whole("count", 1, MOST_CASES)
+        return self._fault("sampling", f"a {LATIN} needs `count`, the number of its cases: count = 100")
 
     def _check_size(self, study):
         lengths = {len(item.values) for item in study.parameters}

@@ -3,13 +3,14 @@
 import gc
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from .. import __version__
 from ..errors import INTERNAL_FAULT, DeckError, Fault
 from ..read.deck import Deck, DeckText
-from ..read.dialects import read_deck
+from ..read.dialects import CHOOSES, read_deck
 from ..read.study import Study
 from ..read.study_file import read_study
 from ..read.text import read_text
@@ -85,15 +86,17 @@ class Sweep:
     @classmethod
     def of(cls, path: str, parts_folder: str, fresh: bool = False) -> "Sweep":
         """The study in the file at `path`; begins its folder of parts or goes on with it."""
-        text = read_text(path)
-        study = read_study(text)
+        text = _study_text(path)
+        with told_at(path, text.lines):
+            study = read_study(text)
         deck_path = os.path.join(os.path.dirname(path), study.deck)
         deck_text = _readable_deck(deck_path, study)
         folder = os.path.dirname(os.path.abspath(deck_path))
         size = max(1, min(LARGEST_BLOCK, study.cases // BLOCKS_WANTED))
         identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
         job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
-        solver = solver_of(job)
+        with told_at(path, text.lines):
+            solver = solver_of(job)
         lock = job.parts.lock(path)
         restored = job.parts.begin(fresh)
         return cls(job, text, solver.deck, solver, lock, restored)
@@ -131,26 +134,51 @@ class Sweep:
         return sum(block.failed for block in self.done.values())
 
 
-class StudyDeckError(DeckError):
-    """The deck of a study cannot be read: its path as the study has it, and its lines."""
+class StudyError(DeckError):
+    """A study or its deck cannot be read: the path of the one at fault as the user has it, and its lines."""
 
     def __init__(self, path: str, faults, lines=()):
         super().__init__(faults)
         self.path, self.lines = path, lines
 
 
+@contextmanager
+def told_at(path: str, lines=()):
+    """Faults of what is done here are those of the file at `path`, whose `lines` are."""
+    try:
+        yield
+    except DeckError as failure:
+        raise StudyError(path, failure.faults, lines) from failure
+
+
+def _study_text(path) -> DeckText:
+    with told_at(path):
+        text = read_text(path, "study")
+    with told_at(path, text.lines):
+        if text.warnings:
+            place = text.warnings[0].place
+            raise DeckError([Fault("error", "the study is not UTF-8, which TOML has to be", place)])
+    return text
+
+
 def _readable_deck(path, study) -> DeckText:
     """The text of the study's deck; what is wrong with it is told at its own lines."""
-    text = None
-    try:
+    with told_at(path):
         if os.path.exists(path) and not os.path.isfile(path):
             # A pipe would be waited for: the study, which may be a stranger's, chose the name.
             raise DeckError([Fault("error", "is no regular file, but a folder, a pipe or a device")])
         text = read_text(path)
-        read_deck(text, study.dialect)
-    except DeckError as failure:
-        raise StudyDeckError(path, failure.faults, text.lines if text else ()) from failure
+    with told_at(path, text.lines):
+        try:
+            read_deck(text, study.dialect)
+        except DeckError as failure:
+            raise DeckError(map(_for_a_study, failure.faults)) from failure
     return text
+
+
+def _for_a_study(fault):
+    """A study has a key where the commands have an option."""
+    return replace(fault, message=fault.message.replace(CHOOSES, 'dialect = "…" in the study chooses one'))
 
 
 def solver_of(job: Job) -> CaseSolver:

@@ -48,8 +48,8 @@ KIND_OF = {
 }
 KIND_OF_GROUP = {"audit": "audit", "energy": "energy", "elastic": "elastic", "modal": "modal"}
 SIGNED = ("body/euler_parameters", "body/euler_parameter_rates", "body/euler_parameter_accelerations")
-# The text of the decks may differ where the results do not: a comment, the order of the spaces.
-NOT_COMPARED = ("deck",)
+# The text of decks and studies may differ where the results do not: a comment, the order of the spaces.
+NOT_COMPARED = ("deck", "study")
 COMPARED_ATTRIBUTES = ("analysis", "status")
 
 
@@ -156,8 +156,9 @@ def _compare_part(report, name, file, part, values, tolerance):
 
     def describe(position, distance):
         row = part.start + int(position[0])
-        item, column = _labels(file, name, position[1:])
-        time = float(file["time"][row]) if _has_time(file, name) else None
+        timed = _has_time(file, name)
+        time = float(file["time"][row]) if timed else None
+        item, column = _labels(file, name, (row, *position[1:]), timed)
         return Found(
             f"/{name}", item, column, time, float(first[position]), float(second[position]), distance
         )
@@ -170,12 +171,13 @@ def _has_time(file, name):
     return scale is not None and scale.name == "/time" and is_number(scale) and name != "time"
 
 
-def _labels(file, name, position):
-    """Readable item and column of an element, from the scales of its axes."""
+def _labels(file, name, position, timed):
+    """Readable item and column of an element, from the scales of its axes but time."""
     words = []
-    for axis, number in enumerate(position, 1):
+    for axis, number in list(enumerate(position[: file[name].ndim]))[timed:]:
         scale = scale_of(file[name], axis)
-        words.append(_label(scale, int(number)) if scale is not None else str(int(number) + 1))
+        bare = f"{'' if axis else 'row '}{int(number) + 1}"
+        words.append(_label(scale, int(number)) if scale is not None else bare)
     return (" ".join(words[:-1]), words[-1]) if words else ("", "")
 
 

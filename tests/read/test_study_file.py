@@ -60,8 +60,13 @@ def test_logarithmic_steps_keep_their_ratio_and_their_ends():
         (HEAD + "seed = -1\n" + GRID[len(HEAD) :], "is an integer from 0 to 4294967295", 2),
         (
             HEAD + 'sampling = "latin-hypercube"\n' + GRID[len(HEAD) :],
+            "a latin-hypercube needs `count`, the number of its cases",
+            2,
+        ),
+        (
+            HEAD + 'sampling = "latin-hypercube"\ncount = 0\n' + GRID[len(HEAD) :],
             "is an integer from 1 to 100000000",
-            None,
+            3,
         ),
         (
             HEAD + 'sampling = "together"\n' + GRID[len(HEAD) :],

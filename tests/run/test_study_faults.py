@@ -18,16 +18,18 @@ spin = "last body.2.omega.x"
 """
 
 
+def flexmb(*arguments, **how):
+    command = [sys.executable, "-m", "flexmb_cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, **how)
+
+
 @pytest.fixture
 def swept(tmp_path):
     """Runs a study with a text exchanged: exit code, standard error, and what lies in the folder then."""
 
     def run(old, new, *arguments):
         (tmp_path / "study.toml").write_text(STUDY.replace(old, new))
-        done = subprocess.run(
-            [sys.executable, "-m", "flexmb_cli", "sweep", "study.toml", *arguments],
-            cwd=tmp_path, capture_output=True, text=True,
-        )  # fmt: skip
+        done = flexmb("sweep", "study.toml", *arguments, cwd=tmp_path)
         return done.returncode, done.stderr, sorted(path.name for path in tmp_path.iterdir())
 
     return run
@@ -52,6 +54,37 @@ def test_an_unknown_parameter_is_told_at_its_line(swept):
     code, told, left = swept("driver.1.B", "driver.9.B")
     assert (code, left) == (2, ["study.toml"])
     assert told.startswith("study.toml:4:2: error: the deck has no number 'driver.9.B'; the nearest are")
+
+
+def test_a_sample_without_a_count_is_told_where_the_sampling_stands(swept):
+    code, told, left = swept("[parameters]", 'sampling = "latin-hypercube"\n[parameters]')
+    assert (code, left) == (2, ["study.toml"])
+    assert "study.toml:3:1: error: sampling: a latin-hypercube needs `count`, the number of its cases" in told
+
+
+def test_a_deck_of_no_dialect_is_advised_as_a_study_can_say_it(swept):
+    code, told, _ = swept(str(DECK), str(Path(__file__).resolve()))
+    assert code == 2 and 'dialect = "…" in the study chooses one' in told and "--dialect" not in told
+
+
+def test_a_binary_file_and_a_folder_are_called_what_they_should_be(tmp_path):
+    (tmp_path / "table.h5").write_bytes(b"\x89HDF\r\n\x1a\n\0\0")
+    (tmp_path / "latin.toml").write_bytes(STUDY.replace("[results]", "# Gr\xf6\xdfe").encode("latin-1"))
+    for name, message in (
+        ("table.h5", "table.h5:3:1: error: the study holds a NUL byte"),
+        (".", ".: error: is a directory, not a study"),
+        ("latin.toml", "latin.toml:6:5: error: the study is not UTF-8, which TOML has to be"),
+    ):
+        done = flexmb("sweep", name, "-o", "x.h5", cwd=tmp_path)
+        assert done.returncode == 2 and done.stderr.startswith(message), done.stderr
+
+
+def test_a_study_on_standard_input_has_carets_and_a_table(tmp_path):
+    wrong = flexmb("sweep", "-", cwd=tmp_path, input=STUDY.replace("driver.1.B", "driver.9.B"))
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith("-:4:2: error: the deck has no number 'driver.9.B'")
+    assert '    "driver.9.B" = [100.0, 150.0]\n     ^' in wrong.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_table_in_a_missing_folder_is_refused_and_none_is_made(swept):

@@ -8,6 +8,7 @@ import h5py
 import pytest
 from click.testing import CliRunner
 
+from flexmb_cli.cli.diff import diff
 from flexmb_cli.cli.table import table
 from flexmb_cli.write.quantities import ResultError, open_result
 from flexmb_cli.write.study_table import Column, TableHead, write_table
@@ -107,3 +108,13 @@ def test_a_column_that_was_cut_is_told(study):
 def test_other_commands_say_what_the_file_is(study):
     with pytest.raises(ResultError, match="this is the table of a study"), open_result(study):
         pass
+
+
+def test_diff_names_the_case_of_the_worst_place_and_passes_over_the_text_of_the_study(study, tmp_path):
+    other = tmp_path / "other.h5"
+    rows = [ROWS[0], ROWS[1], (3, 0, 3, "", [1e-7, -4.0, [4.0, 5.5, 6.0]])]
+    write_table(str(other), TableHead("# a comment", "", "a.dat", "0" * 64, COLUMNS, len(rows)), rows)
+    done = CliRunner().invoke(diff, [str(study), str(other)])
+    assert done.exit_code == 1
+    assert "/result/path, case 3, 2: 5.0 against 5.5" in done.output
+    assert "0 things are missing" in done.output
