@@ -199,6 +199,12 @@ def test_the_labelled_jacobian_is_that_of_table_6_1(tmp_path):
     assert "driver 1, e0" in rows[19]
 
 
+def test_a_jacobian_of_a_time_that_is_hours_of_computing_away_is_refused(tmp_path):
+    done = flexmb("check", FOUR_BAR, "--jacobian", "1e8", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--jacobian 1e+08: later than 100000 of the deck's steps" in done.stderr
+
+
 def test_what_cannot_share_standard_output_is_refused(tmp_path):
     for options in (["--out", "-", "--json"], ["--h5", "-"]):
         done = flexmb("run", HELD, *options, cwd=tmp_path)

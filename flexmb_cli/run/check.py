@@ -18,6 +18,7 @@ from .outcome import Outcome, RunOptions, refuse_warnings
 
 INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
+FARTHEST_STEPS = 100_000  # seconds of computing for a four-bar, and nothing tells how far it is
 RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
 
 
@@ -216,6 +217,11 @@ def _jacobian_at(mechanism, time):
     start = mechanism.time.start
     if not time >= start:
         message = f"--jacobian {time:g}: the motion begins at t = {start:g} s"
+        raise ModelError([Fault("error", message)])
+    if time - start > FARTHEST_STEPS * mechanism.time.step:
+        message = (
+            f"--jacobian {time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
+        )
         raise ModelError([Fault("error", message)])
     grid = replace(mechanism.time, end=time, step=max(time - start, 1.0))
     analysis = KinematicAnalysis(replace(mechanism, time=grid))

@@ -4,7 +4,6 @@ The layouts are those of `dafms.py`.  Lines that are no part of them (the ==WKD=
 program, blank lines) are passed over.
 """
 
-import io
 import os
 import re
 from dataclasses import dataclass
@@ -157,8 +156,10 @@ def _unit_number(name):
 def _series_numbers(name, lines, rows):
     """All numbers (rows, width), the units of the last digits of those behind the time, and the width."""
     try:
-        table = np.loadtxt(io.StringIO("\n".join(lines[row] for row in rows)), ndmin=2)
+        table = np.loadtxt([lines[row] for row in rows], comments=None, ndmin=2)
     except ValueError:
+        table = np.empty((0, 0))
+    if len(table) != len(rows) or not 2 <= table.shape[1] <= len(_EDITS):
         # Fields touch, or are stars, or something is wrong.
         table = _one_by_one(name, lines, rows)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -81,7 +81,7 @@ def name_quantities(chance, seeds, work):
     )
     words = [
         word if chance.random() < 0.5 else chance.choice(("body", "1", "driver", "x", "B", "*"))
-        for _ in "abc"
+        for _ in range(chance.choice((1, 2, 3)))
     ]
     text = chance.choice((".", "=", ",", "")).join(words).replace("\0", "")[:2000]
     result = str(seeds / "OUT4-BAR.h5")

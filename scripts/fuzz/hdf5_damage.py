@@ -129,11 +129,16 @@ def _resize(chance, file):
 
 def _spoil_values(chance, file):
     dataset = file[_chosen(chance, file)]
-    if dataset.size and np.issubdtype(dataset.dtype, np.number):
+    if dataset.size and np.issubdtype(dataset.dtype, np.number) and _is_small(dataset):
         value = chance.choice(VALUES if dataset.dtype.kind == "f" else (-1, 0, 1, 2**31 - 1))
         values = dataset[()].reshape(-1)
         values[chance.randrange(len(values)) :: chance.choice((1, 1000))] = value
         dataset[...] = values.reshape(dataset.shape)
+
+
+def _is_small(dataset):
+    """Whether a value can be written without the memory of a chunk of half a gigabyte."""
+    return np.prod(dataset.chunks or (1,), dtype=float) < 2**22
 
 
 def _spoil_text(chance, file):

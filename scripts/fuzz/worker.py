@@ -19,7 +19,7 @@ from kinds import KINDS
 # More than a file of a megabyte may ask for, above what the libraries themselves take.
 MEMORY = 768 * 2**20
 GROWTH = 256 * 2**20
-SLOW, HOPELESS = 2.0, 10.0
+HOPELESS = 10.0
 
 
 def main() -> None:
@@ -53,7 +53,7 @@ def _outcome(kind, seed, seeds, work):
     signal.setitimer(signal.ITIMER_PROF, 0)
     took, grown = time.process_time() - start, _peak() - before
     fault = answer.fault
-    if not fault and took > SLOW:
+    if not fault and took > kind.slow:
         fault = f"slow: {took:.1f} s"
     if not fault and grown > GROWTH:
         fault = f"memory: {grown / 2**20:.0f} MB"

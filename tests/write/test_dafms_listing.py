@@ -135,3 +135,12 @@ def test_a_broken_line_of_a_series_is_located():
     with pytest.raises(TableError) as caught:
         parse_series("x.T2", series(STATE[:, 6:], STATE[:, :6])[0].replace("0.0200000", "0.02OOOOO"))
     assert caught.value.faults[0].place.line == 3
+
+
+@pytest.mark.parametrize("spoilt", ["#  0.0200000", "   0.0200000 #", "   1_0.0200000"])
+def test_a_line_that_is_no_row_of_numbers_is_not_passed_over(spoilt):
+    """A comment of numpy's is none of FORTRAN's: its row was dropped."""
+    text = series(STATE[:, 6:], STATE[:, :6])[0].replace("   0.0200000", spoilt)
+    with pytest.raises(TableError) as caught:
+        parse_series("x.T2", text)
+    assert caught.value.faults[0].place.line == 3
