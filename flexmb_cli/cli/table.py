@@ -42,6 +42,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
         return
     from ..write.quantities import names as all_names
     from ..write.quantities import open_result, resolve
+    from ..write.stored_result import settings_of
     from ..write.table import chosen_rows, list_text, table_text
 
     if not names and not listing:
@@ -49,6 +50,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
     with open_result(result) as file:
         quantities = resolve(file, names) if names else all_names(file)
         if listing:
+            _remark_settings(result, settings_of(file), quiet)
             click.echo(list_text(quantities, style or "text"), nl=False)
             return
         rows = chosen_rows(file, start, stop, every)
@@ -72,6 +74,11 @@ def _print_study(path, names, listing, every, style, quiet):
             click.echo(f"{path}: note: {note}", err=True)
         for piece in study_text(file, columns, every, style or "csv"):
             click.echo(piece, nl=False)
+
+
+def _remark_settings(path, settings, quiet):
+    if settings and not quiet:
+        click.echo(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}", err=True)
 
 
 def _remark(path, file, rows, quiet):

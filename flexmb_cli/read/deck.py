@@ -84,7 +84,7 @@ class Deck:
     """A deck that was read without error: its records in reading order, and what was doubtful.
 
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
-    proves wrong, they are the likely cause.
+    proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each.
     """
 
     dialect: str
@@ -92,6 +92,7 @@ class Deck:
     records: tuple[Record, ...]
     warnings: tuple[Fault, ...] = field(default=())
     slips: tuple[Fault, ...] = field(default=())
+    settings: tuple[str, ...] = ()
 
     def section(self, name: str) -> list[Record]:
         """All records of one section, in the deck's order."""

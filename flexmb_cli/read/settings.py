@@ -44,16 +44,17 @@ class SettableDeck:
 
     def with_settings(self, settings: list[str]) -> Deck:
         """As `apply_settings`."""
-        changes, faults = {}, []
+        changes, taken, faults = {}, [], []
         for setting in settings:
             try:
                 name, changed = self._change(setting)
                 changes[name] = changed
+                taken.append(f"{name}={changed.text}")
             except number.Misspelt as fault:
                 faults.append(Fault("error", f"--set {setting}: {fault}"))
         if faults:
             raise DeckError(faults)
-        return self._changed(changes)
+        return replace(self._changed(changes), settings=(*self.deck.settings, *taken))
 
     def _change(self, setting: str) -> tuple[str, Number]:
         name, equals, word = (part.strip() for part in setting.partition("="))

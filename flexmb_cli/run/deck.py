@@ -49,6 +49,7 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     outcome.source = read_text(path)
     deck = apply_settings(read_deck(outcome.source, options.dialect), list(options.changes))
     outcome.faults += deck.warnings
+    outcome.settings = deck.settings
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
         raise DeckError([Fault("error", message)])

@@ -72,12 +72,14 @@ class RunOptions:
 class Outcome:
     """What became of one deck; fills while the deck is run.
 
-    `deck` is the deck as named by the user, `source` its text once read, `echo` the list of its numbers
-    if asked for, `statistics` what the solver counted, `resumable` whether `--resume` can go on with it.
+    `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
+    read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
+    whether `--resume` can go on with it.
     """
 
     deck: str
     exit_code: int = DONE
+    settings: tuple[str, ...] = ()
     source: DeckText | None = None
     faults: list[Fault] = field(default_factory=list)
     files: tuple[str, ...] = ()
@@ -98,6 +100,7 @@ class Outcome:
         """The record that `--json` prints."""
         return {
             "deck": self.deck,
+            "settings": list(self.settings),
             "status": self.status,
             "exit_code": self.exit_code,
             "faults": [fault.as_dict() for fault in self.faults],

@@ -18,12 +18,13 @@ import numpy as np
 from ..errors import DeckError
 from ..read.deck import DeckText
 from ..read.dialects import read_deck
+from ..read.settings import apply_settings
 from .curves import Panel, Source, default_quantities, panels
 from .echo import echo
 from .quantities import ResultError, names, shortfall
 from .report_animation import COLOURS, animation, frame_rows
 from .scene import read_scene
-from .stored_result import Damaged, attribute, check_shapes, is_number, is_text, texts
+from .stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 
 MOST_CURVE_ROWS = 2000
 AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
@@ -77,6 +78,7 @@ $audit
 <h2>Run</h2>
 $run
 <h2>Deck</h2>
+$changes
 <pre>$deck</pre>
 $echo
 <script id="figures" type="application/json">$figures</script>
@@ -109,6 +111,7 @@ def report_page(result: h5py.File, library: str) -> str:
         ),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
+        changes=_changes(result),
         deck=escape(_deck(result)),
         echo=_echo(result),
         figures=_json({"animation": moving, "curves": drawn}),
@@ -118,8 +121,10 @@ def report_page(result: h5py.File, library: str) -> str:
 
 
 ECHO = """<details id="echo"><summary>Every number of the deck: line, name, value, unit, meaning</summary>
-<p>As the deck's text has them; what --set changed for this run is not in it.</p>
+<p>{}</p>
 <pre>{}</pre></details>"""
+AS_TYPED = "As the deck's text has them."
+AS_CHANGED = "As this run had them; what --set changed has that word in place of its line."
 
 ANIMATION = """<h2>Motion</h2>
 <div id="animation"></div>
@@ -198,6 +203,7 @@ def _audit(result):
 def _run(result):
     attributes = ("deck_name", "deck_sha256", "dialect", "analysis", "status", "message", "flexmb_version")
     found = [(name.replace("_", " "), attribute(result, name)) for name in attributes]
+    found.append(("set by --set", ", ".join(settings_of(result))))
     found += [
         (f"{kind}s", f"{len(result[kind + '/name'])}: " + ", ".join(texts(result[kind + "/name"])[:40]))
         for kind in ("body", "joint", "driver", "point", "coordinate") if f"{kind}/name" in result
@@ -212,15 +218,23 @@ def _deck(result):
     return dataset.asstr(errors="replace")[()]
 
 
+def _changes(result):
+    settings = settings_of(result)
+    if not settings:
+        return ""
+    return f"<p>Numbers changed for this run by --set: <b>{escape(', '.join(settings))}</b></p>"
+
+
 def _echo(result):
-    """Every number of the deck's text with its meaning, folded; the text alone where it cannot be read."""
+    """Every number of the deck with its meaning, folded; the text alone where it cannot be read."""
     name, digest, dialect = (attribute(result, key) for key in ("deck_name", "deck_sha256", "dialect"))
     text = DeckText(name, _deck(result), digest)
+    settings = settings_of(result)
     try:
-        told = echo(read_deck(text, dialect))
+        told = echo(apply_settings(read_deck(text, dialect), settings))
     except DeckError as failure:
         return f"<p>This deck cannot be read: {escape(str(failure))}</p>"
-    return ECHO.format(escape(told))
+    return ECHO.format(AS_CHANGED if settings else AS_TYPED, escape(told))
 
 
 def _table(pairs):

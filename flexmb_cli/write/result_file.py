@@ -182,6 +182,8 @@ class ResultFile:
             ("message", CUT_SHORT),
         ):
             self._file.attrs[name] = value
+        if deck.settings:
+            self._file.attrs["settings"] = "\n".join(deck.settings)
         _describe(
             self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT), "1", "text of the deck"
         )

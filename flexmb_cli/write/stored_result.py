@@ -129,12 +129,20 @@ def texts(dataset: h5py.Dataset) -> list[str]:
 
 def attribute(owner, name: str, default: str = "") -> str:
     """An attribute that is text, as it can be shown; "" for what is no text."""
-    if name not in owner.attrs:
-        return default
+    return visible(_text(owner, name)) if name in owner.attrs else default
+
+
+def settings_of(result: h5py.File) -> list[str]:
+    """What `--set` changed of the deck for this run, "NAME=VALUE" each."""
+    text = _text(result, "settings") if "settings" in result.attrs else ""
+    return [visible(line) for line in text.splitlines()]
+
+
+def _text(owner, name):
     value = owner.attrs[name]
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
-    return visible(value) if isinstance(value, str) else ""
+    return value if isinstance(value, str) else ""
 
 
 def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, int]) -> None:
