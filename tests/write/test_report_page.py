@@ -43,7 +43,15 @@ def write_result(path, times=TIMES, **marks):
 def spoil(path):
     """Hostile text wherever a deck's or a file's words come to the page."""
     with h5py.File(path, "r+") as file:
-        for name in ("deck_name", "dialect", "analysis", "message", "deck_sha256", "flexmb_version"):
+        for name in (
+            "deck_name",
+            "dialect",
+            "analysis",
+            "message",
+            "deck_sha256",
+            "flexmb_version",
+            "settings",
+        ):
             file.attrs[name] = HOSTILE
         for kind in ("body", "point", "joint", "driver"):
             file[f"{kind}/name"][:] = [HOSTILE] * len(file[f"{kind}/name"])
@@ -96,7 +104,7 @@ def test_the_deck_is_echoed_number_by_number_in_a_fold(tmp_path):
     printed = CliRunner().invoke(check, [str(DECKS / "young/IN2-1-1.dat"), "--echo"]).output
     lines = html.unescape(re.search(r"<pre>(.*?)</pre>", fold, re.DOTALL)[1]).splitlines()
     assert len(lines) > 50 and lines[1:] == printed.splitlines()[1 : len(lines)]
-    assert "what --set changed for this run is not in it" in fold
+    assert "As the deck's text has them." in fold
 
 
 def test_a_deck_that_cannot_be_read_any_more_still_has_its_page(tmp_path):
