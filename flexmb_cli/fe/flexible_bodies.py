@@ -14,7 +14,7 @@ from . import cache, modes
 from .centrifugal import centrifugal_stiffness
 from .input_tests import COLLINEAR, Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
-from .linear_algebra import Matrix, in_three_directions, solver, turned
+from .linear_algebra import Matrix, in_three_directions, of_mass, turned
 from .nodal_matrices import condensed, nodal_part
 from .reference_frame import Frame, reference_frame
 
@@ -229,7 +229,7 @@ def _effective_limit(S, frame):
     carried = (S @ rigid)[free]
     inner = S[free][:, free]
     if not isinstance(inner, np.ndarray):
-        return np.einsum("ij,ij->j", carried, solver(inner)(carried))
+        return np.einsum("ij,ij->j", carried, of_mass(inner, carried))
     # Shapes without mass make the matrix singular; they carry nothing.
     factor = modes.factor_of_mass(inner)
     return np.sum(((factor / np.sum(factor**2, axis=0)).T @ carried) ** 2, axis=0)

@@ -87,6 +87,20 @@ def _solved(A, b):
         raise Singular from None
 
 
+def of_mass(S, b: np.ndarray) -> np.ndarray:
+    """A solution x (size, k) of S x = b, for a sparse positive semidefinite S and b (size, k) in its range.
+
+    Shapes without mass make S singular, which conjugate gradients do not mind.  A column they do not
+    converge for is 0.
+    """
+    from scipy.sparse import diags
+    from scipy.sparse.linalg import cg
+
+    scale = diags(1.0 / S.diagonal())
+    found = [cg(S, column, rtol=1e-13, maxiter=1000, M=scale) for column in b.T]
+    return np.column_stack([x if converged == 0 else np.zeros(x.size) for x, converged in found])
+
+
 def condensed_on(outer, coupling, inner) -> Matrix:
     """outer - coupling' inner^-1 coupling, of (n, n), (k, n) and (k, k).  Raises Singular."""
     solve = solver(inner)

@@ -14,16 +14,16 @@ from tests.fe.trusses import files_input, truss
 NODES, LIGHT = 7, (5, 6)
 
 
-def half_massless(folder, **choices):
+def half_massless(folder, nodes=NODES, light=LIGHT, **choices):
     """A truss whose last two nodes have no share of the mass but one that cancels in pairs.
 
     S = T' diag(m, 0) T with every node's motion mixed into the others keeps all diagonals positive.
     """
-    r, m, _, K = truss(3, NODES)
-    heavy = np.delete(np.arange(NODES), LIGHT)
-    mix = np.zeros((len(heavy), NODES))
+    r, m, _, K = truss(3, nodes)
+    heavy = np.delete(np.arange(nodes), light)
+    mix = np.zeros((len(heavy), nodes))
     mix[:, heavy] = np.eye(len(heavy))
-    mix[:, LIGHT] = 0.25
+    mix[:, light] = 0.25
     scalar = mix.T @ m[np.ix_(heavy, heavy)] @ mix
     S = np.kron(scalar, np.eye(3))
     return files_input(folder, r, S, K, **choices), S, K
@@ -65,3 +65,17 @@ def test_more_modes_than_shapes_with_mass_are_refused(tmp_path, choices, most):
 
 def test_all_modes_are_those_that_have_mass(tmp_path):
     assert body(half_massless(tmp_path, modes=0)[0]).modes == 9
+
+
+@pytest.mark.long_motion
+def test_so_do_bodies_too_large_for_full_matrices(tmp_path):
+    """930 freedoms; the limit of effective mass is that of the pseudo-inverse of the singular mass matrix."""
+    nodes, held = 310, slice(9, None)
+    given, S, _ = half_massless(tmp_path, nodes, (nodes - 2, nodes - 1), clamped=(11, 12, 13), modes=4)
+    found = body(given)
+    rigid = np.zeros((3 * nodes, 3))
+    for axis in range(3):
+        rigid[axis::3, axis] = 1.0
+    carried = (S @ rigid)[held]
+    limit = np.einsum("ij,ij->j", carried, np.linalg.pinv(S[held, held], rcond=1e-10) @ carried)
+    assert found.effective_limit[:3] == pytest.approx(limit, rel=1e-9)

@@ -24,9 +24,8 @@ def truss(seed, n=7):
     for i in range(n):
         for j in range(i):
             along = (r[i] - r[j]) / np.linalg.norm(r[i] - r[j])
-            bar = np.zeros(3 * n)
-            bar[3 * i : 3 * i + 3], bar[3 * j : 3 * j + 3] = along, -along
-            K += random.uniform(50, 200) * np.outer(bar, bar)
+            bar, ends = np.concatenate([along, -along]), np.add.outer([3 * i, 3 * j], range(3)).ravel()
+            K[np.ix_(ends, ends)] += random.uniform(50, 200) * np.outer(bar, bar)
     return r, m, np.kron(m, np.eye(3)), K
 
 
