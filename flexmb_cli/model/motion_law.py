@@ -37,16 +37,28 @@ class MotionLaw:
 def table_law(times, values) -> MotionLaw:
     """The law through at least two points, times ascending."""
     t, f = np.asarray(times, float), np.asarray(values, float)
-    h, slopes = np.diff(t), np.diff(f) / np.diff(t)
-    matrix = np.eye(len(t))
-    right = np.zeros(len(t))
-    for i in range(1, len(t) - 1):
-        matrix[i, i - 1 : i + 2] = h[i - 1], 2 * (h[i - 1] + h[i]), h[i]
-        right[i] = 6 * (slopes[i] - slopes[i - 1])
-    curvature = np.linalg.solve(matrix, right)
+    curvature = _natural_curvature(np.diff(t).tolist(), (np.diff(f) / np.diff(t)).tolist())
     return MotionLaw(
         TABLE, times=tuple(map(float, t)), values=tuple(map(float, f)), curvature=tuple(curvature)
     )
+
+
+def _natural_curvature(h, slopes):
+    """Second derivatives at the points, 0 at the ends, from the lengths (k-1) and slopes of the pieces.
+
+    Three diagonals, the middle one larger than the others together: eliminated without pivots.  A full
+    matrix would take 8 k² bytes.
+    """
+    inner = range(1, len(h))
+    ahead, reduced = [0.0], [0.0]
+    for i in inner:
+        pivot = 2 * (h[i - 1] + h[i]) - h[i - 1] * ahead[-1]
+        ahead.append(h[i] / pivot)
+        reduced.append((6 * (slopes[i] - slopes[i - 1]) - h[i - 1] * reduced[-1]) / pivot)
+    curvature = [0.0]
+    for i in reversed(inner):
+        curvature.append(reduced[i] - ahead[i] * curvature[-1])
+    return [0.0, *curvature[:0:-1], 0.0]
 
 
 def _polynomial(law, t):

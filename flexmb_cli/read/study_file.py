@@ -6,10 +6,12 @@ A study is data: names are looked up and numbers taken, nothing is evaluated.
 import math
 import re
 import tomllib
+from functools import cached_property
 
 from ..errors import DeckError, Fault, Place
 from .deck import DeckText
 from .study import GRID, LATIN, SAMPLINGS, TAKES, TOGETHER, Kept, Study, Varied
+from .study_places import key_places
 
 MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
@@ -17,6 +19,8 @@ KEYS = ("deck", "dialect", "sampling", "count", "seed", "parameters", "results")
 RANGE_KEYS = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
 DIALECTS = ("auto", "young", "dafms", "vsdf")
+DEEPEST_NAME = 64  # parts
+_BETWEEN_NAMES = re.compile(r"[][,={}]")
 _SYNTAX = re.compile(r"(.*) \(at line (\d+), column (\d+)\)")
 
 
@@ -30,6 +34,7 @@ def read_study(source: DeckText) -> Study:
 
 
 def _table(source):
+    _refuse_deep_names(source)
     try:
         return tomllib.loads(source.text.replace("\r\n", "\n"))
     except (ValueError, RecursionError) as fault:
@@ -38,6 +43,18 @@ def _table(source):
         place = Place(int(found[2]), int(found[3])) if found else None
         message = f"not TOML: {found[1] if found else fault}"
         raise DeckError([Fault("error", message, place)]) from None
+
+
+def _refuse_deep_names(source):
+    """A name of a hundred thousand parts takes tomllib hours."""
+    for number, line in enumerate(source.lines, 1):
+        if line.count(".") > DEEPEST_NAME and any(map(_is_deep, _BETWEEN_NAMES.split(line))):
+            message = f"a name of more than {DEEPEST_NAME} parts belongs to no study"
+            raise DeckError([Fault("error", message, Place(number, 1))])
+
+
+def _is_deep(piece):
+    return sum(bool(part.strip()) for part in piece.split(".")) > DEEPEST_NAME
 
 
 class _Reader:
@@ -162,32 +179,13 @@ class _Reader:
         self.faults.append(Fault("error", message, self._place(name), name))
 
     def _place(self, name) -> Place | None:
-        """Where the name stands as a key, at best of the table being read; tomllib does not tell."""
-        lines = self.source.lines
-        return (self.within and _key_of_table(lines, name, self.within)) or _key(lines, name)
+        """Where the name stands as a key, at best of the table being read."""
+        found = self._places.get((self.within, name)) or self._places.get(("", name))
+        return Place(*found, len(name)) if found else None
 
-
-def _key_of_table(lines, name, table):
-    """The name below the head [table], or behind "table." on one line."""
-    head = re.compile(r"\s*\[\s*[\"']?" + re.escape(table) + r"[\"']?\s*\]")
-    inside = False
-    for number, line in enumerate(lines, 1):
-        if re.match(r"\s*\[", line):
-            inside = bool(head.match(line))
-        found = _key_on(line, name, "" if inside else rf"{re.escape(table)}\s*\.\s*")
-        if found:
-            return Place(number, found.start(1) + 1, len(name))
-    return None
-
-
-def _key(lines, name):
-    """The first line on which the name stands as a key or a table's head."""
-    found = ((number, _key_on(line, name, r"\[?\s*")) for number, line in enumerate(lines, 1))
-    return next((Place(number, key.start(1) + 1, len(name)) for number, key in found if key), None)
-
-
-def _key_on(line, name, before):
-    return re.match(rf"\s*{before}[\"']?({re.escape(name)})[\"']?\s*[\]=]", line)
+    @cached_property
+    def _places(self):
+        return key_places(self.source.lines)
 
 
 def _names_a_column(name):

@@ -32,11 +32,17 @@ def write_seeds(folder: Path) -> dict[str, list[str]]:
     for name, content in (_node_files(nodes) | _matrix_files(M, K)).items():
         raw = content if isinstance(content, bytes) else content.encode()
         (folder / name).write_bytes(raw)
-    files = {}
     for name, (*cards, stiffened) in DECKS.items():
         (folder / f"{name}.vsdf").write_text(_deck(cards, stiffened))
-        files[f"{name}.vsdf"] = sorted({card.split()[1] for card in cards if card})
-    return files
+    return files_of_decks()
+
+
+def files_of_decks() -> dict[str, list[str]]:
+    """The names of each deck's files, by the deck's name."""
+    return {
+        f"{name}.vsdf": sorted({card.split()[1] for card in cards if card})
+        for name, (*cards, _) in DECKS.items()
+    }
 
 
 def _brick():

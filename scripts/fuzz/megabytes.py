@@ -1,60 +1,72 @@
 """Give flexmb files of a megabyte that are made to take long, and measure how soon it answers each.
 
 Example: .venv/bin/python scripts/fuzz/megabytes.py
-Prints processor time and exit code of each; exit 1 when one takes more than 2 s or is not answered.
+Prints processor time, memory and exit code of each; exit 1 when one takes more than 2 s or 256 MB, or is
+not answered.  With words as arguments: only files whose kind or filling holds one of them.
 """
 
+import os
+import signal
 import sys
 import tempfile
 import time
 from pathlib import Path
 
 from answer import answered, without_surroundings
+from damaged_bricks import brick_seeds
+from damaged_leftovers import draft_seeds, journal_seeds
+from megabyte_files import Case, cases
 
-SIZE, SLOW = 10**6, 2.0
-HEADS = {
-    "young": "2 1 1 1 0 0 0 0 0 2 0 1\n",
-    "dafms": "    1    2\nDFMB TITLE\n    1    0    0    0    0\n",
-    "vsdf": "VSDF TITLE\nBODY\n    1 RIGD\nTABL\n",
-    "study": 'deck = "x"\n[parameters]\n"a" = ',
-    "listing": "TIME= 0.000\n-----\nPOSITION\nBODY       X         Y         Z         e0\n",
-}
-FILLINGS = {
-    "one line": "1 ",
-    "digits": "9",
-    "blank lines": "\n",
-    "the same card": "    1       1.0       1.0\n",
-    "repeat counts": "999999*1.0\n",
-    "open braces": "{",
-    "open brackets": "[",
-    "braces in pairs": "{}",
-    "letters": "a",
-    "bad words": "x\n",
-}
-COMMANDS = {"study": "sweep", "listing": "diff"}
+# s, kB, s
+SLOW, MOST_MEMORY, HOPELESS = 2.0, 256 * 1024, 60
 
 
 def main() -> int:
     without_surroundings()
-    late = 0
+    wanted = sys.argv[1:]
+    bad = total = 0
     with tempfile.TemporaryDirectory() as folder:
-        for kind, head in HEADS.items():
-            for name, filling in FILLINGS.items():
-                late += _measured(Path(folder), kind, head, name, filling)
-    return 1 if late else 0
+        seeds = Path(folder)
+        for name, fill in (("bricks", brick_seeds), ("drafts", draft_seeds), ("journal", journal_seeds)):
+            (seeds / name).mkdir()
+            fill(seeds / name)
+        for case in cases(seeds):
+            if not wanted or any(word in f"{case.kind} {case.filling}" for word in wanted):
+                total += 1
+                bad += _measured(case, seeds / "work")
+    print(f"{total} files, {bad} not answered as they should be")
+    return 1 if bad else 0
 
 
-def _measured(folder, kind, head, name, filling) -> bool:
-    path = folder / "x.dat"
-    path.write_text(head + filling * (SIZE // len(filling)))
-    arguments = [COMMANDS.get(kind, "check"), str(path)]
-    arguments += [str(path)] if kind == "listing" else []
-    arguments += ["--dialect", kind] if kind not in COMMANDS else []
-    start = time.process_time()
-    answer = answered(arguments)
-    took = time.process_time() - start
-    print(f"{kind:8} {name:16} {took:6.2f} s  exit {answer.code}  {answer.fault.strip()[-80:]}", flush=True)
-    return took > SLOW or bool(answer.fault)
+def _measured(case: Case, work: Path) -> bool:
+    """One command in a process of its own, whose time and memory the system counts."""
+    work.mkdir(exist_ok=True)
+    arguments, typed = case.prepare(work)
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.setitimer(signal.ITIMER_PROF, HOPELESS)
+        # From here on the peak is this command's.
+        Path("/proc/self/clear_refs").write_text("5")
+        before, start = _peak(), time.process_time()
+        answer = answered(arguments, typed)
+        took, grown = time.process_time() - start, _peak() - before
+        os.write(write, f"{took} {grown} {answer.code} {answer.fault.strip()[-80:]}".encode())
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read, "rb") as pipe:
+        told = pipe.read().decode() or f"{HOPELESS} 0 None not ended"
+    os.waitpid(child, 0)
+    took, grown, code, fault = told.split(" ", 3)
+    name = f"{case.kind:15} {case.filling:24}"
+    print(f"{name} {float(took):6.2f} s {int(grown) / 1024:5.0f} MB  exit {code}  {fault}", flush=True)
+    return float(took) > SLOW or int(grown) > MOST_MEMORY or bool(fault)
+
+
+def _peak():
+    """Largest memory so far, kB."""
+    words = Path("/proc/self/status").read_text().split()
+    return int(words[words.index("VmHWM:") + 1])
 
 
 if __name__ == "__main__":

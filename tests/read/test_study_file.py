@@ -1,6 +1,7 @@
 """Study files: what is understood, and what is said of the rest."""
 
 import math
+import time
 from itertools import pairwise
 
 import pytest
@@ -126,3 +127,27 @@ def test_a_result_knows_where_it_stands(text, place):
 
 def test_a_parameter_knows_where_it_stands():
     assert [varied.place for varied in study(GRID).parameters] == [(3, 2, 10), (4, 2, 9)]
+
+
+@pytest.mark.parametrize("line", ['"a.{}" = "wrong"', "key{} = 1"])
+def test_a_megabyte_of_wrong_names_is_told_in_seconds(line):
+    """Each name was looked for on every line: hours.  Time of the processor: 0.6 s."""
+    text = HEAD + "[parameters]\n" + "".join(line.format(k) + "\n" for k in range(50_000))
+    start = time.process_time()
+    with pytest.raises(DeckError) as caught:
+        study(text)
+    assert time.process_time() - start < 10
+    assert caught.value.faults[40_000].place.line == 40_003
+
+
+def test_a_name_of_many_parts_is_refused_before_it_is_read():
+    """Of a quarter of a million parts tomllib makes as many tables, and looks through them for each."""
+    text = GRID + ".".join(250_000 * ["a"]) + " = 1\n"
+    with pytest.raises(DeckError, match="more than 64 parts") as caught:
+        study(text)
+    assert caught.value.faults[0].place.line == len(text.splitlines())
+
+
+def test_dots_in_lists_comments_and_paths_make_no_deep_name():
+    text = GRID.replace("[1, 2.5]", "[" + "1.5, " * 100 + "]").replace(HEAD, HEAD + "#" + "." * 100 + "\n")
+    assert len(study(text).parameters[0].values) == 100
