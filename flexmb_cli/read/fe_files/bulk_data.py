@@ -26,29 +26,29 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         line = line.split("$", 1)[0].rstrip()
         if not line:
             continue
-        head, fields = _fields(line)
-        if head in ("", "*", "+") or head[0] in "+*":
+        head = (line.split(",", 1)[0] if "," in line else line[:8]).strip()
+        if not head or head[0] in "+*":
             if card is not None:
-                card.fields.extend(fields)
+                card.fields.extend(_fields(line, head))
             continue
         if card is not None:
             yield card
         name = head.rstrip("*").upper()
-        card = BulkCard(name, count, fields) if name in names else None
+        # Files hold far more cards than those wanted.
+        card = BulkCard(name, count, _fields(line, head)) if name in names else None
     if card is not None:
         yield card
 
 
-def _fields(line):
-    """Name and fields of a line; a card of small fields has eight, of large ones four."""
+def _fields(line, head):
+    """Fields behind the head of a line; a card of small fields has eight, of large ones four."""
     if "," in line:
-        head, *fields = (cell.strip() for cell in line.split(","))
+        fields = [cell.strip() for cell in line.split(",")[1:]]
         count = 4 if head.endswith("*") else 8
-        return head, (fields + [""] * count)[:count]
-    head = line[:8].strip()
+        return (fields + [""] * count)[:count]
     width, count = (16, 4) if "*" in head else (8, 8)
     padded = line.ljust(8 + width * count)
-    return head, [padded[8 + width * i : 8 + width * (i + 1)].strip() for i in range(count)]
+    return [padded[8 + width * i : 8 + width * (i + 1)].strip() for i in range(count)]
 
 
 def integer_field(path: Path, card: BulkCard, index: int, what: str, default: int | None = None) -> int:
