@@ -54,7 +54,7 @@ class Journal:
             self._first = self._end = file.tell()
             for entry in _entries(file):
                 self._end = file.tell()
-                _remove_unfinished(_arrays(entry, (_UNFINISHED,)))
+                _remove_unfinished(_arrays(entry, (_UNFINISHED,)), os.path.dirname(self.path))
             lost = os.fstat(file.fileno()).st_size - self._end
         if lost:
             self._doubt("note", f"torn or damaged at byte {self._end}; the {lost} bytes there are not used")
@@ -72,7 +72,8 @@ class Journal:
             return
         with located(self.path):
             self._open()
-            self._write({_UNFINISHED: np.array(unfinished, str)})
+            # Names only: a journal may be another's, and no file but beside it is to be touched.
+            self._write({_UNFINISHED: np.array([os.path.basename(path) for path in unfinished], str)})
 
     def stored(self) -> Iterator[tuple[dict, dict]]:
         """Pairs (values, checkpoint) of the journal that was found, oldest first."""
@@ -185,12 +186,12 @@ def _parted(arrays):
     return {name: array for name, array in arrays.items() if not name.startswith(_STATE)}, state
 
 
-def _remove_unfinished(arrays):
-    for paths in arrays.values():
-        for path in paths.tolist():
-            if is_unfinished(path):
+def _remove_unfinished(arrays, folder):
+    for names in arrays.values():
+        for name in map(os.path.basename, names.tolist()):
+            if is_unfinished(name):
                 with suppress(OSError):
-                    os.unlink(path)
+                    os.unlink(os.path.join(folder, name))
 
 
 def _shown(value):

@@ -267,6 +267,23 @@ def test_only_files_with_the_name_of_unfinished_results_are_removed(tmp_path):
     assert not leftover.exists()
 
 
+def test_a_journal_tells_no_folder_and_removes_nothing_from_another(tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    foreign = elsewhere / ".flexmb-0123456789ab.tmp"
+    foreign.touch()
+    path, told = tmp_path / "x.resume", "elsewhere".encode("utf-32-le")
+    journal = Journal(str(path), {"deck": "x"})
+    journal.begin([str(foreign)])
+    assert told not in path.read_bytes()
+    # As one that was written by hand may have it.
+    journal.append({"unfinished": np.array([str(foreign)])}, {})
+    journal.close()
+    assert told in path.read_bytes()
+    rows_of(path)
+    assert foreign.exists()
+
+
 def command(folder, *more):
     deck = str(DECKS / "pendulum.DAT")
     return [sys.executable, "-m", "flexmb_cli", "run", deck, "-q", "-o", str(folder), *more]
