@@ -168,7 +168,7 @@ def _compare_part(report, name, file, part, values, tolerance):
 
 def _has_time(file, name):
     scale = scale_of(file[name], 0) if file[name].ndim else None
-    return scale is not None and scale.name == "/time" and is_number(scale) and name != "time"
+    return scale is not None and scale == file.get("time") and is_number(scale) and name != "time"
 
 
 def _labels(file, name, position, timed):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import h5py
 
-from .stored_result import Damaged, attribute, is_number, scale_of, texts
+from .stored_result import Damaged, attribute, is_number, paths_by_place, place_of, scale_of, texts
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
@@ -90,7 +90,7 @@ def folded(text: str) -> str:
 
 def _runs_along_time(dataset):
     scale = scale_of(dataset, 0) if dataset.ndim else None
-    return scale is not None and scale.name == f"/{TIME}" and is_number(dataset)
+    return scale is not None and scale == dataset.file.get(TIME) and is_number(dataset)
 
 
 def _rank(path):
@@ -147,31 +147,36 @@ class _Labels:
     def __init__(self, result):
         self._result = result
         self._known: dict[str, tuple[tuple[str, ...], ...]] = {}
+        self._paths = paths_by_place(result)
 
     def axis(self, dataset, number):
         """Spellings for every position along an axis."""
         scale = scale_of(dataset, number)
         if scale is None:
             return tuple((str(n),) for n in range(1, dataset.shape[number] + 1))
-        if scale.name not in self._known:
-            self._known[scale.name] = tuple(tuple(map(_word, texts)) for texts in self._spellings(scale))
-        return self._known[scale.name]
+        path = self._path(scale)
+        if path not in self._known:
+            self._known[path] = tuple(tuple(map(_word, texts)) for texts in self._spellings(scale, path))
+        return self._known[path]
 
-    def _spellings(self, scale):
+    def _path(self, scale):
+        return self._paths.get(place_of(scale), "")
+
+    def _spellings(self, scale, path):
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
         numbers = [f"{value:g}" for value in scale[:]]
         names = self._names(scale)
         if names:
             given = list(zip(numbers, names, strict=True))
-            return _with_angles(given) if scale.name.startswith("/coordinate/") else given
-        kind = scale.name.rpartition("/")[2]
+            return _with_angles(given) if path.startswith("coordinate/") else given
+        kind = path.rpartition("/")[2]
         if kind == "node":
             return [(f"node{number}", number, f"node {number}") for number in numbers]
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
     def _names(self, scale):
-        return self._listed(f"{scale.name.rpartition('/')[0]}/name", len(scale))
+        return self._listed(f"{self._path(scale).rpartition('/')[0]}/name", len(scale))
 
     def _listed(self, path, count):
         """The names at `path`, none when there is no such list; Damaged unless there are `count`."""

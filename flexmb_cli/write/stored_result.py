@@ -113,11 +113,29 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
         scale = dataset.file[listed[axis][0]]
     except (ValueError, TypeError) as error:
         raise Damaged(f"{where} is missing") from error
-    good = isinstance(scale, h5py.Dataset) and scale.name is not None and scale.ndim == 1
+    good = isinstance(scale, h5py.Dataset) and _is_linked(scale) and scale.ndim == 1
     # Of axis 0, the time, others tell the two lengths.
     if not good or (axis and len(scale) != dataset.shape[axis]):
         raise Damaged(f"{where} has another length")
     return scale
+
+
+def paths_by_place(file: h5py.File) -> dict[int, str]:
+    """The path of every dataset by its place in the file; h5py searches the file for that of a reference."""
+    found: dict[int, str] = {}
+    file.visititems(
+        lambda path, item: found.update({place_of(item): path}) if isinstance(item, h5py.Dataset) else None
+    )
+    return found
+
+
+def place_of(dataset: h5py.Dataset) -> int:
+    """Where in its file a dataset begins."""
+    return h5py.h5o.get_info(dataset.id).addr
+
+
+def _is_linked(dataset):
+    return h5py.h5o.get_info(dataset.id).rc > 0
 
 
 def texts(dataset: h5py.Dataset) -> list[str]:
