@@ -6,6 +6,7 @@ import numpy as np
 
 from ..model.equations import Equation
 from ..model.joint_types import JOINT_TYPES
+from .levenberg_marquardt import least_squares
 from .position import Evaluator
 from .rows import twice_g
 
@@ -13,7 +14,6 @@ RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
 CLOSED = 1e-9  # scaled residual that counts as met
 NAMED = 1e-6  # of the largest component of a null vector
 PRESCRIBED_WEIGHT = 1e4
-EXACT_LIMIT = 100  # equations; above, singular values of every trial take too long
 PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
 
 
@@ -51,27 +51,36 @@ def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.n
     What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
     joints that a gap shows where the user would see it: in a joint.
     """
-    from scipy.optimize import least_squares
-    from scipy.sparse import diags
-
     scale = evaluator.arrays.column_scale
-    many = q.size > EXACT_LIMIT
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
 
     def residual(x):
         return weights * evaluator.residual(x * scale, t, near)
 
-    def jacobian(x):
-        evaluator.residual(x * scale, t, near)
-        if many:
-            return diags(weights) @ evaluator.sparse_matrix(x * scale)
-        return weights[:, None] * evaluator.matrix(x * scale)
+    if evaluator.is_large:
+        x, weighted = _sparse_least_squares(evaluator, residual, weights, q / scale)
+    else:
+        x, weighted = least_squares(
+            residual, lambda x: weights[:, None] * evaluator.matrix(x * scale), q / scale
+        )
+    return x * scale, weighted / weights
 
-    solver = "lsmr" if many else "exact"
-    result = least_squares(
-        residual, q / scale, jacobian, tr_solver=solver, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
+
+def _sparse_least_squares(evaluator, residual, weights, x):
+    """As `least_squares`, for so many equations that scipy's sparse matrices are loaded in any case."""
+    from scipy import optimize
+    from scipy.sparse import diags
+
+    scale = evaluator.arrays.column_scale
+
+    def jacobian(x):
+        residual(x)
+        return diags(weights) @ evaluator.sparse_matrix(x * scale)
+
+    result = optimize.least_squares(
+        residual, x, jacobian, tr_solver="lsmr", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
     )
-    return result.x * scale, result.fun / weights
+    return result.x, result.fun
 
 
 def _of_joints(arrays):

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from young_linkages import four_bar, gear, outcome, slider_crank, told
 
-from flexmb_cli.solve import diagnosis, position
+from flexmb_cli.solve import position
 
 ONE_RADIAN = math.cos(1.0) + math.sqrt(9.0 - math.sin(1.0) ** 2)
 BETWEEN = "spherical joint 1 (line 7), universal joint 1 (line 8)"
@@ -36,7 +36,6 @@ def factors(request, monkeypatch):
     if not getattr(request.node, "callspec", None) or request.node.callspec.params.get("dense", True):
         return
     monkeypatch.setattr(position, "DENSE_LIMIT", 0)
-    monkeypatch.setattr(diagnosis, "EXACT_LIMIT", 0)
 
 
 @SMALL_AND_LARGE
