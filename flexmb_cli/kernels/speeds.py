@@ -30,6 +30,34 @@ def coordinate_rates(bodies, q, u, qd):
 
 
 @kernel
+def coordinate_accelerations(bodies, q, u, ud, qdd):
+    """Fill qdd (7 bodies + modes,) from coordinates, speeds and the rates of the speeds."""
+    coordinate_rates(bodies, q, ud, qdd)
+    for body in range(bodies):
+        k, s = 7 * body + 3, 6 * body + 3
+        quarter = 0.25 * (u[s] ** 2 + u[s + 1] ** 2 + u[s + 2] ** 2)
+        for i in range(4):
+            qdd[k + i] -= quarter * q[k + i]
+
+
+@kernel
+def speeds_of_rates(bodies, q, qd, u):
+    """Give p the length 1 and fill u from qd, ω with 2 L ṗ: the inverse of `coordinate_rates`."""
+    normalise(bodies, q)
+    for mode in range(q.shape[0] - 7 * bodies):
+        u[6 * bodies + mode] = qd[7 * bodies + mode]
+    for body in range(bodies):
+        k, s = 7 * body, 6 * body
+        for i in range(3):
+            u[s + i] = qd[k + i]
+        e0, e1, e2, e3 = q[k + 3], q[k + 4], q[k + 5], q[k + 6]
+        d0, d1, d2, d3 = qd[k + 3], qd[k + 4], qd[k + 5], qd[k + 6]
+        u[s + 3] = 2.0 * (-e1 * d0 + e0 * d1 + e3 * d2 - e2 * d3)
+        u[s + 4] = 2.0 * (-e2 * d0 - e3 * d1 + e0 * d2 + e1 * d3)
+        u[s + 5] = 2.0 * (-e3 * d0 + e2 * d1 - e1 * d2 + e0 * d3)
+
+
+@kernel
 def speed_jacobian(bodies, q, phi_q, jacobian):
     """Fill the first rows of jacobian (m, n) with phi_q (r, 14) turned from coordinates to speeds.
 

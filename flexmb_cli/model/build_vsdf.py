@@ -81,10 +81,10 @@ def _integrator(values, findings):
     if method == "GALF" and not 0 <= parameter <= 1:
         message = f"the spectral radius lies between 0 and 1; read {given.text}"
         findings.error("INTG", message, given.place)
-    if method == "RK45" and not 0 < parameter < 1:
+    if method != "GALF" and not 0 < parameter < 1:
         message = f"the tolerance lies between 0 and 1; read {given.text}"
         findings.error("INTG", message, given.place)
-    if method == "RK45" and step > 0:
-        message = f"RK45 chooses its steps by the tolerance; the step of {step:g} s is not used"
+    if method != "GALF" and step > 0:
+        message = f"{method} chooses its steps by the tolerance; the step of {step:g} s is not used"
         findings.warn("TIME", message, time.at("step").place)
     return Integrator(method, step, parameter, float(record["stabilise"]))

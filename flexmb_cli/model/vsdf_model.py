@@ -152,7 +152,7 @@ class JointSpring:
 
 @dataclass(frozen=True)
 class Integrator:
-    """Method, step (0: chosen), and its parameter: spectral radius of GALF, tolerance of RK45."""
+    """Method, step (0: chosen), and its parameter: spectral radius of GALF, tolerance of RK45 and RAD5."""
 
     method: str
     step: float

@@ -315,7 +315,11 @@ CARDS = (
         "INTG",
         "single",
         (
-            _word("method", "GALF generalised alpha, RK45 Runge-Kutta", ("GALF", "RK45")),
+            _word(
+                "method",
+                "GALF generalised alpha, RAD5 Radau, RK45 Runge-Kutta",
+                ("GALF", "RAD5", "RK45"),
+            ),
             Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
             Column("stabilise", "constraint stabilisation", "1/s", default=0.0),
         ),

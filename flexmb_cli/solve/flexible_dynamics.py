@@ -13,7 +13,7 @@ from .constrained_start import given_speeds
 from .dynamic_rows import global_axes
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
-from .steppers import ExplicitSteps, GeneralisedAlpha
+from .steppers import ExplicitSteps, GeneralisedAlpha, RadauSteps
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
@@ -22,6 +22,8 @@ def stepper_of(integrator: Integrator):
     """The stepper that a deck asks for, and its tolerance."""
     if integrator.method == "RK45":
         return ExplicitSteps(), integrator.parameter
+    if integrator.method == "RAD5":
+        return RadauSteps(), integrator.parameter
     return GeneralisedAlpha(integrator.parameter, integrator.step), TOLERANCE
 
 

@@ -1,7 +1,7 @@
 """The methods that step a constrained mechanism through time, behind one face."""
 
 from ..errors import Fault
-from ..kernels import alpha_march, constrained_march
+from ..kernels import alpha_march, constrained_march, radau_march
 
 
 class ExplicitSteps:
@@ -46,3 +46,18 @@ class GeneralisedAlpha:
             "steps were divided; take a smaller step"
         )
         return [Fault("warning", message)]
+
+
+class RadauSteps:
+    """Radau IIA of order 5: steps chosen by the tolerance, however stiff modes, springs and dampers are."""
+
+    march_rows = staticmethod(radau_march.march_rows)
+    entry = "radau_march.march_rows"
+
+    def new_march(self, work, turns: int):
+        """A march at time 0 with an empty state; see `radau_march.new_march`."""
+        return radau_march.new_march(work, turns)
+
+    def doubts(self, clock) -> list[Fault]:
+        """What is doubtful about the steps taken."""
+        return []

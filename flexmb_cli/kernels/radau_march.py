@@ -1,0 +1,356 @@
+"""Stepping of a constrained mechanism through time by Radau's method of order 5 in compiled code.
+
+Steps keep the error of a step within the tolerance; they do not depend on how the report rows are cut into
+calls.  The end of every step is brought onto positions and speeds to round-off by the shortest way in the
+measure of the matrix of the step, so that stiff motions stay at rest.  Rows inside a step come from Hermite's
+quintic through coordinates, their rates and accelerations at both ends, and are brought there as well.
+
+What a call is asked for and what it answers is told in `constrained_march`.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+
+from ._jit import kernel, part
+from .constrained_march import (
+    BEGIN,
+    CONTRADICTION,
+    PAUSED,
+    READY,
+    REPEATED_GAP,
+    ROWS_FULL,
+    SMALLEST_STEP,
+    STEP_VANISHED,
+)
+from .constrained_report import complete, coordinates_and_speeds
+from .constrained_solve import accelerations, factorise_constraints, solve
+from .constrained_system import CORRECTION, GAMMA, PHI, QD, SOLVED
+from .constraint_projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, largest_gap, rate_gap
+from .mass_matrix import mass_matrices
+from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error
+from .radau_table import STAGES, WEIGHTS
+from .screw_turns import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
+from .speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
+
+SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
+CALM = 1e-2  # error in tolerances below which it has not grown
+
+CLOCK = np.dtype(
+    [
+        ("t", np.float64),  # s
+        ("step", np.float64),  # length the next step will try, s
+        ("rejected", np.int64),  # whether the attempt before it failed
+        ("step_start", np.float64),  # the last accepted step: where it began,
+        ("step_length", np.float64),  # how long it was, 0 before the first
+        ("stop", np.float64),  # no step goes further, s
+        ("row", np.int64),  # report rows filled in this call
+        ("steps", np.int64),
+        ("evaluations", np.int64),
+        ("rejections", np.int64),
+        ("fault", np.int64),  # code of the last failed evaluation, or SOLVED
+        ("worst", np.int64),  # equation with the largest gap,
+        ("gap", np.float64),  # and that gap, scaled
+        ("rtol", np.float64),
+        ("atol", np.float64),
+        ("error", np.float64),  # of the step that is tried, in tolerances,
+        ("last_error", np.float64),  # and of the last accepted one, 0 before the first
+        ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
+        ("power", np.float64),  # of drivers and loads that store no energy, at t, W
+        ("old_power", np.float64),  # and at the start of the last step
+    ]
+)
+
+RadauMarch = namedtuple(
+    "RadauMarch",
+    "clock z old trial units turns rates speeds slopes shifts steps missing powers rest motions matrices "
+    "complex real_part complex_part newton",
+)
+RadauMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers.
+
+clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
+tried or reported, a state's unit.  turns (3, angles): see `screw_turns`.  rates (8, n): see `radau_step`.
+Of the three stages: speeds, shifts and their rates slopes, steps of an iteration (3, n), powers (3,), rest
+(3, n) in free motions, motions (3, n, n).  missing (n,).  matrices (3, n, n): see `radau_step`.  complex
+(n, n): factors.  real_part, complex_part (n,).  newton: the Work whose `reduced` is the real matrix.
+"""
+
+
+def new_march(work, turns):
+    """A march at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+    n = work.jacobian.shape[1]
+    size = 2 * n + work.mass.shape[0] + 1
+    states = [np.zeros(size) for _ in range(3)]
+    return RadauMarch(
+        np.zeros(1, CLOCK),
+        *states,
+        np.ones(size),
+        np.zeros((3, turns)),
+        np.zeros((2 * (STAGES + 1), n)),
+        *(np.zeros((STAGES, n)) for _ in range(4)),
+        np.zeros(n),
+        np.zeros(STAGES),
+        np.zeros((STAGES, n)),
+        np.zeros((STAGES, n, n)),
+        np.zeros((3, n, n)),
+        np.zeros((n, n), complex),
+        np.zeros(n),
+        np.zeros(n, complex),
+        work._replace(reduced=np.zeros_like(work.reduced)),
+    )
+
+
+@kernel
+def march_rows(task, system, work, march, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
+
+    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
+    """
+    clock = march.clock[0]
+    clock["row"] = 0
+    if task == BEGIN:
+        return _begin(system, work, march)
+    spent = clock["evaluations"] + budget
+    while clock["row"] < report.times.shape[0]:
+        t = report.times[clock["row"]]
+        if t <= clock["t"]:
+            if not _fill_row(system, work, march, t, report):
+                return STEP_VANISHED
+        elif clock["evaluations"] >= spent:
+            return PAUSED
+        else:
+            answer = _step(system, work, march)
+            if answer != READY:
+                return answer
+    return ROWS_FULL
+
+
+@part
+def _begin(system, work, march):
+    clock, rates = march.clock[0], march.rates
+    clock["step_start"], clock["left"] = clock["t"], 1.0
+    _copy(march.z, march.trial)
+    _copy(march.turns[NEW], march.turns[NEAR])
+    code, clock["power"] = _settle(system, work, march, clock["t"], rates[START])
+    if code != SOLVED:
+        clock["fault"] = code
+        return STEP_VANISHED
+    _copy(march.trial, march.z)
+    _copy(march.z, march.old)
+    for node in range(STAGES + 1):
+        _copy(rates[START], rates[LAST + node])
+    renew_matrices(system, work, march.matrices)
+    clock["step"] = _first_step(system, march)
+    return READY
+
+
+@part
+def _first_step(system, march):
+    """A hundredth of the time in which the accelerations make the speeds."""
+    clock, n = march.clock[0], system.speed_scale.shape[0]
+    u = coordinates_and_speeds(system, march.z)[1]
+    fastest = 0.0
+    for k in range(n):
+        fastest = max(fastest, abs(march.rates[START, k]) / (system.speed_scale[k] + abs(u[k])))
+    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
+
+
+@kernel
+def _copy(a, b):
+    """b = a."""
+    for i in range(a.shape[0]):
+        b[i] = a[i]
+
+
+@kernel
+def _close(system, work, march, t):
+    """Bring `trial` onto positions and speeds at t, where factors and mass matrices then are; a code."""
+    newton, bodies, turns = march.newton, system.masses.shape[0], march.turns[NEAR]
+    q, u = coordinates_and_speeds(system, march.trial)
+    zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
+    normalise(bodies, q)
+    for k in range(zero.shape[0]):
+        zero[k] = 0.0
+    code, before = factorise_constraints(system, work, q), np.inf
+    for _ in range(MOST_CORRECTIONS):
+        gap = evaluate_residual(system, work, q, t, turns)
+        if code != SOLVED or gap <= ROUND_OFF or not gap < 0.5 * before:
+            break
+        before = gap
+        for row in range(gamma.shape[0]):
+            gamma[row] = -work.rows[PHI, row]
+        solve(system, newton, zero, gamma, step)
+        move(bodies, q, step)
+    if code == SOLVED:
+        code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    for _ in range(2):
+        rate_gap(system, work, u, t)
+        solve(system, newton, zero, gamma, step)
+        for k in range(u.shape[0]):
+            u[k] += step[k]
+    return code
+
+
+@kernel
+def _settle(system, work, march, t, ud):
+    """Bring `trial` onto everything at t and fill ud (n,); returns (code, power)."""
+    _copy(march.turns[NEAR], work.turns)
+    code = factorise_constraints(system, work, coordinates_and_speeds(system, march.trial)[0])
+    if code == SOLVED:
+        # Where other speeds have become free, the matrix is of the wrong ones: any other metric will do.
+        mass_matrices(system, work, coordinates_and_speeds(system, march.trial)[0])
+        renew_matrices(system, work, march.matrices)
+        prepare(march, work.jacobian.shape[1] - work.rank[0], march.clock[0]["step_length"])
+        code = _close(system, work, march, t)
+    if code != SOLVED:
+        return code, 0.0
+    q, u = coordinates_and_speeds(system, march.trial)
+    return accelerations(system, work, q, u, t, ud)
+
+
+@kernel
+def _return_to_start(system, work, march):
+    """The matrices of the state z anew; a code."""
+    q = coordinates_and_speeds(system, march.z)[0]
+    code = factorise_constraints(system, work, q)
+    if code == SOLVED:
+        mass_matrices(system, work, q)
+        renew_matrices(system, work, march.matrices)
+    return code
+
+
+@part
+def _step(system, work, march):
+    """One accepted step; an answer."""
+    clock = march.clock[0]
+    _copy(march.turns[NEW], work.turns)
+    while True:
+        left = clock["stop"] - clock["t"]
+        h = min(clock["step"], left)
+        if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+            return STEP_VANISHED
+        factor = _try_step(system, work, march, h)
+        if factor > 0.0:
+            _accept(system, work, march, h, h >= left, factor)
+            return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+        clock["step"] = -h * factor
+        clock["rejections"] += 1
+        clock["rejected"] = 1
+        clock["left"] = 1.0
+        if _return_to_start(system, work, march) != SOLVED:
+            return STEP_VANISHED
+
+
+@part
+def _try_step(system, work, march, h):
+    """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
+    clock = march.clock[0]
+    if not solve_step(system, work, march, h):
+        return -0.25
+    clock["error"] = error = step_error(system, work, march, h)
+    factor = _factor(clock, h, error)
+    if not error < 1.0:
+        return -max(SLOWEST, factor) if error < 1e10 else -SLOWEST
+    place_trial(system, march, STAGES - 1)
+    if not expect_turns(system, work, march, h) < MOST_TURNED:
+        return -0.5
+    clock["fault"] = _close(system, work, march, clock["t"] + h)
+    if clock["fault"] != SOLVED:
+        return -0.25
+    return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
+
+
+@kernel
+def _factor(clock, h, error):
+    """Factor on the step length: by the error of this step, and by its growth since the last."""
+    if not error > 0.0:
+        return FASTEST
+    factor = SAFETY * error**-0.25
+    if clock["last_error"] > 0.0:
+        growth = max(clock["last_error"], CALM) / error
+        factor *= min(1.0, h / clock["step_length"] * growth**0.25)
+    return factor
+
+
+@part
+def _accept(system, work, march, h, last, factor):
+    """Make the end of a step the state."""
+    clock, rates, z, end = march.clock[0], march.rates, march.z, march.z.shape[0] - 1
+    _copy(z, march.old)
+    _copy(march.trial, z)
+    z[end] = march.old[end]
+    for stage in range(STAGES):
+        z[end] += h * WEIGHTS[STAGES - 1, stage] * march.powers[stage]
+    clock["old_power"], clock["power"] = clock["power"], march.powers[STAGES - 1]
+    for node in range(STAGES + 1):
+        _copy(rates[START + node], rates[LAST + node])
+    _copy(rates[LAST + STAGES], rates[START])
+    clock["step_start"], clock["step_length"] = clock["t"], h
+    clock["t"] = clock["stop"] if last else clock["t"] + h
+    clock["step"] = h * factor
+    clock["rejected"], clock["last_error"] = 0, clock["error"]
+    clock["steps"] += 1
+    clock["gap"], clock["worst"] = largest_gap(system, work)
+    note_turns(system, work, march)
+    renew_matrices(system, work, march.matrices)
+
+
+@part
+def _fill_row(system, work, march, t, report):
+    """A report row at a time up to the present one; returns whether there is one."""
+    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
+    _copy(march.z, march.trial)
+    if t < clock["t"]:
+        x = (t - clock["step_start"]) / clock["step_length"]
+        _between(system, march, x, march.trial)
+    for s in range(turns.shape[1]):
+        turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
+    code, power = _settle(system, work, march, t, report.rates[row])
+    if code != SOLVED:
+        clock["fault"] = code
+        return False
+    _copy(march.trial, report.states[row])
+    complete(system, work, march.trial, t, turns[NEAR], power, report, row)
+    clock["row"] += 1
+    return _return_to_start(system, work, march) == SOLVED
+
+
+@part
+def _between(system, march, x, point):
+    """Fill point with the state at the fraction x of the last step."""
+    clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]
+    bodies, h = system.masses.shape[0], clock["step_length"]
+    nq = n + bodies
+    rates = np.empty((5, nq))
+    coordinate_rates(bodies, old[:nq], old[nq : nq + n], rates[0])
+    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], march.rates[LAST], rates[1])
+    coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
+    coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], march.rates[START], rates[3])
+    for i in range(nq):
+        point[i], rates[4, i] = _quintic(
+            x, old[i], z[i], h * rates[0, i], h * rates[2, i], h * h * rates[1, i], h * h * rates[3, i]
+        )
+        rates[4, i] /= h
+    speeds_of_rates(bodies, point[:nq], rates[4], point[nq : nq + n])
+    last = nq + n
+    point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
+
+
+@kernel
+def _quintic(x, a, b, v, w, p, r):
+    """Value and derivative at x; a, b, v, w, p, r: values, first and second derivatives at 0 and at 1."""
+    rest, slope, bend = b - a - v - 0.5 * p, w - v - p, r - p
+    c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
+    c4 = -15.0 * rest + 7.0 * slope - bend
+    c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
+    value = a + x * (v + x * (0.5 * p + x * (c3 + x * (c4 + x * c5))))
+    return value, v + x * (p + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+
+
+@kernel
+def _cubic(x, a, b, da, db):
+    change = b - a
+    return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))
