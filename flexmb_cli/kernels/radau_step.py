@@ -65,7 +65,8 @@ def renew_matrices(system, work, matrices):
         fill_column(system, work, product, f, matrices[MASS])
         for kind in (DAMPING, STIFFNESS):
             product[:] = 0.0
-            add_stiff(system, work, float(kind == STIFFNESS), float(kind == DAMPING), column, product)
+            by_position, by_speed = (1.0, 0.0) if kind == STIFFNESS else (0.0, 1.0)
+            add_stiff(system, work, by_position, by_speed, column, product)
             fill_column(system, work, product, f, matrices[kind])
 
 
