@@ -18,6 +18,7 @@ SMOOTH = 1e-2
 SMOOTH_PART = 0.1
 TINY_WAY = 1e-9
 ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
+WHOLE = 1e-6  # the clock rounds the length of a step
 LARGEST_TURN = 1.1  # rad that a driver may turn in one step
 SMALLEST_PART = 2.0**-26  # of the last step that went well: below, the way is barred
 CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
@@ -144,7 +145,7 @@ def after_success(clock, t_new, off, sign):
     h = t_new - clock[TIME]
     if clock[STEP] == 0.0:
         clock[STEP] = np.inf
-    elif h >= clock[STEP] and off <= ROOM_TO_GROW:
+    elif h >= (1.0 - WHOLE) * clock[STEP] and off <= ROOM_TO_GROW:
         clock[STEP] = 2.0 * h
     if h > 0.0:
         clock[LAST] = h
