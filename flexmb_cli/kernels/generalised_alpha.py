@@ -91,7 +91,8 @@ def iterate(system, work, march, t, by_position, by_speed, h):
             continue
         if iteration > 0:
             contraction = size / before if before > 0.0 else 0.0
-            if not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
+            # The second correction answers to the gaps that the first one closed.
+            if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
             left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         clock["error"] = step_error(system, march, h)
