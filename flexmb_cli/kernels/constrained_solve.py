@@ -120,8 +120,9 @@ def fill_column(system, work, product, f, matrix):
     for d in range(rank):
         k = order[m + d]
         amount = scale[k] * product[k]
-        for g in range(f, n - rank):
-            matrix[g, f] += Z[k, g] * amount
+        if amount != 0.0:
+            for g in range(f, n - rank):
+                matrix[g, f] += Z[k, g] * amount
 
 
 @kernel

@@ -25,7 +25,7 @@ from .constrained_march import (
 )
 from .constrained_report import complete, coordinates_and_speeds
 from .constrained_solve import accelerations, factorise_constraints, solve
-from .constrained_system import CORRECTION, GAMMA, PHI, QD, SOLVED
+from .constrained_system import CORRECTION, GAMMA, NO_INERTIA, PHI, QD, SOLVED
 from .constraint_projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, largest_gap, rate_gap
 from .mass_matrix import mass_matrices
 from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error
@@ -35,6 +35,8 @@ from .speeds import coordinate_accelerations, coordinate_rates, move, normalise,
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
+SLOW = 0.01  # what an iteration may leave before the matrices are renewed
+NONE = 0.0  # quality of matrices that are not those of the state
 
 CLOCK = np.dtype(
     [
@@ -56,6 +58,7 @@ CLOCK = np.dtype(
         ("error", np.float64),  # of the step that is tried, in tolerances,
         ("last_error", np.float64),  # and of the last accepted one, 0 before the first
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
+        ("quality", np.float64),  # of the order of elimination that the matrices belong to
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("old_power", np.float64),  # and at the start of the last step
     ]
@@ -63,16 +66,16 @@ CLOCK = np.dtype(
 
 RadauMarch = namedtuple(
     "RadauMarch",
-    "clock z old trial units turns rates speeds slopes shifts steps missing powers rest motions matrices "
-    "complex real_part complex_part newton",
+    "clock z old trial units turns rates speeds slopes shifts steps momenta missing powers rest motions "
+    "matrices complex real_part complex_part newton",
 )
 RadauMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers.
 
 clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
 tried or reported, a state's unit.  turns (3, angles): see `screw_turns`.  rates (8, n): see `radau_step`.
-Of the three stages: speeds, shifts and their rates slopes, steps of an iteration (3, n), powers (3,), rest
-(3, n) in free motions, motions (3, n, n).  missing (n,).  matrices (3, n, n): see `radau_step`.  complex
-(n, n): factors.  real_part, complex_part (n,).  newton: the Work whose `reduced` is the real matrix.
+Of the three stages: speeds, shifts and their rates slopes, steps of an iteration, momenta M u (3, n), powers
+(3,), rest (3, n) in free motions, motions (3, n, n).  missing (n,).  matrices (3, n, n): see `radau_step`.
+complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose `reduced` is the real matrix.
 """
 
 
@@ -87,7 +90,7 @@ def new_march(work, turns):
         np.ones(size),
         np.zeros((3, turns)),
         np.zeros((2 * (STAGES + 1), n)),
-        *(np.zeros((STAGES, n)) for _ in range(4)),
+        *(np.zeros((STAGES, n)) for _ in range(5)),
         np.zeros(n),
         np.zeros(STAGES),
         np.zeros((STAGES, n)),
@@ -131,15 +134,18 @@ def _begin(system, work, march):
     clock["step_start"], clock["left"] = clock["t"], 1.0
     _copy(march.z, march.trial)
     _copy(march.turns[NEW], march.turns[NEAR])
-    code, clock["power"] = _settle(system, work, march, clock["t"], rates[START])
+    code = _renew(system, work, march)
+    if code == SOLVED and not prepare(march, work.jacobian.shape[1] - work.rank[0], 0.0):
+        code = NO_INERTIA
+    if code == SOLVED:
+        code, clock["power"] = _settle(system, work, march, clock["t"], rates[START])
+    clock["fault"] = code
     if code != SOLVED:
-        clock["fault"] = code
         return STEP_VANISHED
     _copy(march.trial, march.z)
     _copy(march.z, march.old)
     for node in range(STAGES + 1):
         _copy(rates[START], rates[LAST + node])
-    renew_matrices(system, work, march.matrices)
     clock["step"] = _first_step(system, march)
     return READY
 
@@ -164,25 +170,27 @@ def _copy(a, b):
 
 @kernel
 def _close(system, work, march, t):
-    """Bring `trial` onto positions and speeds at t, where factors and mass matrices then are; a code."""
+    """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
+
+    They then are those of the end.
+    """
     newton, bodies, turns = march.newton, system.masses.shape[0], march.turns[NEAR]
     q, u = coordinates_and_speeds(system, march.trial)
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     normalise(bodies, q)
     for k in range(zero.shape[0]):
         zero[k] = 0.0
-    code, before = factorise_constraints(system, work, q), np.inf
+    before = np.inf
     for _ in range(MOST_CORRECTIONS):
         gap = evaluate_residual(system, work, q, t, turns)
-        if code != SOLVED or gap <= ROUND_OFF or not gap < 0.5 * before:
+        if gap <= ROUND_OFF or not gap < 0.5 * before:
             break
         before = gap
         for row in range(gamma.shape[0]):
             gamma[row] = -work.rows[PHI, row]
         solve(system, newton, zero, gamma, step)
         move(bodies, q, step)
-    if code == SOLVED:
-        code = factorise_constraints(system, work, q)
+    code = factorise_constraints(system, work, q)
     if code != SOLVED:
         return code
     mass_matrices(system, work, q)
@@ -196,29 +204,28 @@ def _close(system, work, march, t):
 
 @kernel
 def _settle(system, work, march, t, ud):
-    """Bring `trial` onto everything at t and fill ud (n,); returns (code, power)."""
+    """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
+
+    The matrix of the last step serves: where other speeds have become free it is one more metric.
+    """
     _copy(march.turns[NEAR], work.turns)
-    code = factorise_constraints(system, work, coordinates_and_speeds(system, march.trial)[0])
-    if code == SOLVED:
-        # Where other speeds have become free, the matrix is of the wrong ones: any other metric will do.
-        mass_matrices(system, work, coordinates_and_speeds(system, march.trial)[0])
-        renew_matrices(system, work, march.matrices)
-        prepare(march, work.jacobian.shape[1] - work.rank[0], march.clock[0]["step_length"])
-        code = _close(system, work, march, t)
-    if code != SOLVED:
-        return code, 0.0
     q, u = coordinates_and_speeds(system, march.trial)
-    return accelerations(system, work, q, u, t, ud)
+    code = factorise_constraints(system, work, q)
+    if code == SOLVED:
+        mass_matrices(system, work, q)
+        code = _close(system, work, march, t)
+    return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
 
 
 @kernel
-def _return_to_start(system, work, march):
+def _renew(system, work, march):
     """The matrices of the state z anew; a code."""
     q = coordinates_and_speeds(system, march.z)[0]
     code = factorise_constraints(system, work, q)
     if code == SOLVED:
         mass_matrices(system, work, q)
         renew_matrices(system, work, march.matrices)
+        march.clock[0]["quality"] = work.quality[0]
     return code
 
 
@@ -228,6 +235,10 @@ def _step(system, work, march):
     clock = march.clock[0]
     _copy(march.turns[NEW], work.turns)
     while True:
+        if work.quality[0] != clock["quality"]:
+            clock["fault"] = _renew(system, work, march)
+            if clock["fault"] != SOLVED:
+                return STEP_VANISHED
         left = clock["stop"] - clock["t"]
         h = min(clock["step"], left)
         if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
@@ -239,9 +250,7 @@ def _step(system, work, march):
         clock["step"] = -h * factor
         clock["rejections"] += 1
         clock["rejected"] = 1
-        clock["left"] = 1.0
-        if _return_to_start(system, work, march) != SOLVED:
-            return STEP_VANISHED
+        clock["left"], clock["quality"] = 1.0, NONE
 
 
 @part
@@ -249,7 +258,7 @@ def _try_step(system, work, march, h):
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
     clock = march.clock[0]
     if not solve_step(system, work, march, h):
-        return -0.25
+        return -0.5
     clock["error"] = error = step_error(system, work, march, h)
     factor = _factor(clock, h, error)
     if not error < 1.0:
@@ -295,7 +304,9 @@ def _accept(system, work, march, h, last, factor):
     clock["steps"] += 1
     clock["gap"], clock["worst"] = largest_gap(system, work)
     note_turns(system, work, march)
-    renew_matrices(system, work, march.matrices)
+    if clock["left"] > SLOW or work.quality[0] != clock["quality"]:
+        renew_matrices(system, work, march.matrices)
+        clock["quality"] = work.quality[0]
 
 
 @part
@@ -308,14 +319,13 @@ def _fill_row(system, work, march, t, report):
         _between(system, march, x, march.trial)
     for s in range(turns.shape[1]):
         turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
-    code, power = _settle(system, work, march, t, report.rates[row])
-    if code != SOLVED:
-        clock["fault"] = code
+    clock["fault"], power = _settle(system, work, march, t, report.rates[row])
+    if clock["fault"] != SOLVED:
         return False
     _copy(march.trial, report.states[row])
     complete(system, work, march.trial, t, turns[NEAR], power, report, row)
     clock["row"] += 1
-    return _return_to_start(system, work, march) == SOLVED
+    return True
 
 
 @part

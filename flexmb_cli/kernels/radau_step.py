@@ -48,6 +48,7 @@ MASS, DAMPING, STIFFNESS = 0, 1, 2
 MOST_ITERATIONS = 10
 CAUTION = 0.8
 LEAST = 1e-3  # contraction that is trusted
+SECOND = 2.0  # contraction with which the second correction goes on
 FLOOR = 1e-14  # of the speeds: round-off
 SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
 SMALL_TURN = 1e-2  # rad, below which the series is exact
@@ -108,7 +109,8 @@ def solve_step(system, work, march, h):
         size = place_stages(system, march, h)
         if iteration > 0:
             contraction = size / before if before > 0.0 else 0.0
-            if not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
+            weakest = SECOND if iteration == 1 else 1.0
+            if not (contraction < weakest or size < FLOOR / clock["rtol"]):
                 return False
             left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         if left * size < max(min(0.03, clock["rtol"] ** 0.5), FLOOR / clock["rtol"]):
@@ -233,6 +235,7 @@ def _evaluate(system, work, march, stage, t):
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= missing[k] * u[k]
     march.powers[stage] = power
+    mass_times(inertia_of(system, work), u, march.momenta[stage])
     split(system, work, missing, gaps, march.steps[stage], march.rest[stage])
     for k in range(n):
         for f in range(n - rank):
@@ -258,6 +261,7 @@ def _correct(system, work, march):
         add_free(system, work, march.motions[stage], rest[stage], march.steps[stage])
         for k in range(march.steps.shape[1]):
             march.rates[1 + stage, k] += march.steps[stage, k]
+            march.powers[stage] += march.steps[stage, k] * march.momenta[stage, k]
 
 
 @part

@@ -48,6 +48,7 @@ def test_coordinate_accelerations_are_the_rates_of_coordinate_rates():
     np.testing.assert_allclose(back, u, atol=1e-14)
 
 
+@pytest.mark.long_motion
 def test_the_pendulum_comes_to_the_explicit_solution():
     """Rows lie inside the steps; DOP853 with 1e-10 is the other method."""
     exact = run("pendulum", " RK45   1.0E-10")
@@ -61,6 +62,7 @@ def test_the_pendulum_comes_to_the_explicit_solution():
     assert gaps[1] < 1e-7
 
 
+@pytest.mark.long_motion
 def test_the_free_rod_keeps_momentum_and_energy():
     found = run("freeflying", " RAD5    1.0E-8", end=0.02, rows=0.002)
     P, H = momenta(found)
@@ -68,15 +70,16 @@ def test_the_free_rod_keeps_momentum_and_energy():
         assert np.abs(values - values[0]).max() < 1e-9
 
 
+@pytest.mark.long_motion
 def test_stiff_modes_do_not_shorten_the_steps():
-    """Slider-crank with a flexible rod, whose modes reach 1.1 kHz: within 1e-7 m of DOP853 with a tenth of
+    """Slider-crank with a flexible rod, whose modes reach 1.1 kHz: within 1e-8 m of DOP853 with an eighth of
     its evaluations."""
     grid = ("       0.5     0.005", "      0.25      0.05")
     places, evaluations = [], []
-    for method in (" RK45    1.0E-9", " RAD5    1.0E-5"):
+    for method in (" RK45    1.0E-9", " RAD5    1.0E-7"):
         text = supplied("slider_crank_flex", grid, (" RK45    1.0E-7", method))
         analysis = FlexibleDynamics(flexible_mechanism(build(text), cached=False)[0])
         places.append(np.concatenate([rows.point_position for rows in analysis.rows()]))
         evaluations.append(int(analysis.clock["evaluations"][0]))
-    assert np.abs(places[1] - places[0]).max() < 1e-7
-    assert 10 * evaluations[1] < evaluations[0]
+    assert np.abs(places[1] - places[0]).max() < 1e-8
+    assert 8 * evaluations[1] < evaluations[0]
