@@ -73,7 +73,7 @@ def _begun(study, output, parts, fresh):
 
 
 def _solve(made, jobs, scheduler, quiet):
-    from ..run import study_workers
+    from ..run import study_cluster, study_workers
     from ..run.orphans import outlive_workers
 
     outlive_workers()
@@ -83,7 +83,7 @@ def _solve(made, jobs, scheduler, quiet):
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with _progress(left, quiet) as advance:
         if scheduler:
-            study_workers.solve_on_cluster(made, blocks, advance, scheduler)
+            study_cluster.solve_on_cluster(made, blocks, advance, scheduler)
         elif jobs > 1:
             study_workers.solve_in_processes(made, blocks, advance, jobs)
         else:

@@ -70,10 +70,13 @@ def _add(ranges, cases):
 
 
 def _told(missing, job):
-    shown = [f"{cases.start + 1} to {cases.stop}" for cases in missing[:MOST_RANGES]]
-    numbers = ", ".join(shown) + (", …" if len(missing) > MOST_RANGES else "")
+    numbers = ", ".join(map(_numbers, missing[:MOST_RANGES])) + (", …" if len(missing) > MOST_RANGES else "")
     return (
         f"{job.parts_folder}: {sum(map(len, missing))} of {job.study.cases} cases are missing ({numbers}): "
         "their files were removed or damaged after they were solved; no table is written, the same command "
         "solves them"
     )
+
+
+def _numbers(cases):
+    return f"{cases.start + 1} to {cases.stop}" if len(cases) > 1 else str(cases.stop)

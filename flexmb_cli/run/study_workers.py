@@ -1,10 +1,10 @@
-"""Who solves the blocks of a study: this process, processes beside it, or the workers of a Dask cluster."""
+"""Who solves the blocks of a study: this process, or processes beside it."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable
 
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
-from .sweep import MOST_DEATHS, BlockDone, Sweep, give_up_case, next_case, solve_block
+from ..errors import ANALYSIS_FAILED, FlexmbError
+from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
 
 IN_FLIGHT = 4  # blocks a worker is given ahead
 
@@ -13,12 +13,6 @@ class WorkersError(FlexmbError):
     """The processes of a study do not live long enough to solve anything (exit 1)."""
 
     exit_code = ANALYSIS_FAILED
-
-
-class ClusterError(FlexmbError):
-    """The Dask cluster cannot be used (exit 2)."""
-
-    exit_code = BAD_INPUT
 
 
 def solve_here(sweep: Sweep, blocks: Iterable[int], advance: Callable[[int], None]) -> None:
@@ -37,9 +31,9 @@ def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int],
     while waiting:
         alone = [block for block in waiting if deaths[_place(sweep.job, block)] == MOST_DEATHS - 1][:1]
         given, processes = (alone, 1) if alone else (waiting, jobs)
-        finished, struck = _pool(sweep.job, given, processes, lambda done: _keep(sweep, done, advance))
+        finished, struck = _pool(sweep.job, given, processes, lambda done: keep(sweep, done, advance))
         waiting = [block for block in waiting if block not in finished]
-        _note_deaths(sweep.job, struck, deaths)
+        note_deaths(sweep.job, struck, deaths)
         barren = 0 if finished or struck else barren + 1
         if barren == MOST_DEATHS:
             raise WorkersError(
@@ -99,14 +93,15 @@ def _solve_noted(job, block):
     return done
 
 
-def _keep(sweep, done: BlockDone, advance):
+def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
+    """Note that a block is done; `advance` is told how many cases this call brought."""
     sweep.done[done.block] = done
     # Cases of a process that died count too, but it could not tell.
     advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
 
 
-def _note_deaths(job, blocks, deaths):
-    """A death at the case that is next in each of `blocks`."""
+def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter) -> None:
+    """Count a death at the case that is next in each of `blocks`; a case with too many is given up."""
     for block in blocks:
         place = _place(job, block)
         if place[1] in job.cases(block):
@@ -117,73 +112,3 @@ def _note_deaths(job, blocks, deaths):
 
 def _place(job, block):
     return block, next_case(job, block)
-
-
-def solve_on_cluster(sweep: Sweep, blocks: list[int], advance, address: str) -> None:
-    """Solve `blocks` on the Dask cluster whose scheduler is at `address`; a few blocks a worker at a time.
-
-    Raises ClusterError when there is no Dask, no scheduler or no worker, or when workers lack flexmb.
-    """
-    try:
-        from distributed import Client
-        from distributed.comm.addressing import get_address_host_port
-    except ImportError:
-        message = "--scheduler needs Dask's `distributed`: pip install 'flexmb[cluster]'"
-        raise ClusterError(message) from None
-    try:
-        # A Client of an address that is none hangs when it is thrown away.
-        get_address_host_port(address)
-        client = Client(address, timeout=20, set_as_default=False)
-    except (OSError, ValueError) as fault:
-        raise ClusterError(f"no Dask scheduler answers at {address}: {fault}") from fault
-    with client:
-        _Cluster(client, sweep, advance, address).solve(blocks)
-
-
-class _Cluster:
-    """Blocks on their way through a Dask cluster."""
-
-    def __init__(self, client, sweep, advance, address):
-        from distributed import as_completed
-
-        self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
-        self.shared = client.scatter(sweep.job, broadcast=True)
-        self.deaths = Counter()
-        self.block_of = {}
-        self.arriving = as_completed(loop=client.loop)
-
-    def solve(self, blocks):
-        rest = iter(blocks)
-        for block in rest:
-            self._submit(block)
-            if len(self.block_of) >= self._most():
-                break
-        for future in self.arriving:
-            again = self._finish(future)
-            for block in [again] if again is not None else rest:
-                self._submit(block)
-                if len(self.block_of) >= self._most():
-                    break
-
-    def _most(self):
-        return max(1, len(self.client.nthreads())) * IN_FLIGHT
-
-    def _submit(self, block):
-        # Impure: a block that is given once more has cases that the first attempt lacked.
-        future = self.client.submit(solve_block, self.shared, block, pure=False)
-        self.block_of[future.key] = block
-        self.arriving.add(future)
-
-    def _finish(self, future):
-        """Keep what a future brings; the block to be given once more if its workers died."""
-        from distributed import KilledWorker
-
-        block = self.block_of.pop(future.key)
-        try:
-            _keep(self.sweep, future.result(), self.advance)
-        except KilledWorker:
-            _note_deaths(self.sweep.job, [block], self.deaths)
-            return block
-        except ImportError as fault:
-            raise ClusterError(f"the workers of {self.address} need flexmb installed: {fault}") from fault
-        return None

@@ -19,7 +19,7 @@ from .study_parts import Part, Parts
 from .study_solver import CaseResult, CaseSolver
 
 LARGEST_BLOCK = 200  # cases
-BLOCKS_WANTED = 50
+BLOCKS_WANTED = 100
 MOST_DEATHS = 3  # of workers at one case
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 
 from flexmb_cli.model.build_young import build_young
 from flexmb_cli.read.settings import apply_settings
+from flexmb_cli.run.study_cluster import solve_on_cluster
 from flexmb_cli.run.study_table import write_study_table
-from flexmb_cli.run.study_workers import solve_here, solve_on_cluster
+from flexmb_cli.run.study_workers import solve_here
 from flexmb_cli.run.sweep import Sweep
 from flexmb_cli.solve.kinematics import KinematicAnalysis
 

@@ -17,7 +17,7 @@ DECK = Path(__file__).resolve().parents[2] / "decks/young/IN1-3-1.dat"
 STUDY = f"""
 deck = "{DECK}"
 [parameters]
-"point.1.x" = {{ from = 0.0, to = 1.0, count = 100 }}
+"point.1.x" = {{ from = 0.0, to = 1.0, count = 200 }}
 [results]
 top = "max point.1.z"
 """
@@ -50,7 +50,7 @@ def test_a_second_sweep_of_a_folder_is_refused_and_the_first_loses_nothing(study
     solve(first)
     write_study_table("s.h5", first)
     with h5py.File("s.h5") as table:
-        assert table["case"][:].tolist() == list(range(1, 101))
+        assert table["case"][:].tolist() == list(range(1, 201))
 
 
 def test_the_lock_goes_with_who_held_it(study):
@@ -87,9 +87,9 @@ def test_a_table_is_refused_while_cases_are_missing(study):
     sweep = begun(study)
     solve(sweep)
     os.unlink("s.h5.parts/block-00000003.part")
-    last = Path("s.h5.parts/block-00000049.part")
+    last = Path("s.h5.parts/block-00000099.part")
     last.write_bytes(last.read_bytes()[:-1])
-    with pytest.raises(OutputError, match=r"3 of 100 cases are missing \(7 to 8, 100 to 100\)") as refused:
+    with pytest.raises(OutputError, match=r"3 of 200 cases are missing \(7 to 8, 200\)") as refused:
         write_study_table("s.h5", sweep)
     assert refused.value.exit_code == 1
     assert not Path("s.h5").exists()
@@ -102,7 +102,7 @@ def test_the_cases_of_another_block_do_not_count(study):
     sweep = begun(study)
     solve(sweep)
     os.replace("s.h5.parts/block-00000003.part", "s.h5.parts/block-00000004.part")
-    with pytest.raises(OutputError, match=r"4 of 100 cases are missing \(7 to 10\)"):
+    with pytest.raises(OutputError, match=r"4 of 200 cases are missing \(7 to 10\)"):
         write_study_table("s.h5", sweep)
 
 
@@ -125,4 +125,4 @@ def test_what_is_told_of_a_stopped_study_is_right_to_the_case(study):
     del sweep
     done = CliRunner().invoke(cli, ["sweep", study])
     assert done.exit_code == 0
-    assert "going on with a stopped study: 51 of 100 cases are complete" in done.output
+    assert "going on with a stopped study: 51 of 200 cases are complete" in done.output
