@@ -22,7 +22,7 @@ def draft_seeds(folder):
         work.mkdir()
         for k, answer in enumerate((b"1", b"", b"1 1", b"0")):
             typed = b"a title\n" + b"\n".join([answer] * count)
-            answered(["new", dialect, "-o", str(work / f"{k}.dat")], typed + b"\n!\n")
+            answered(["new", dialect, "--draft", "-o", str(work / f"{k}.dat")], typed + b"\n!\n")
     assert list(folder.rglob("*.draft"))
 
 
@@ -35,7 +35,7 @@ def go_on_with_draft(chance, seeds, work):
         chance.choice((*NUMBERS, *WORDS, "", "1", "1 2 3", "?", "<", ">", "< driver.1")) for _ in range(4)
     ]
     typed = "\n".join(answers).encode("utf-8", "surrogatepass")
-    return answered(["new", path.parent.name, "-o", str(work / "x.dat")], typed)
+    return answered(["new", path.parent.name, "--draft", "-o", str(work / "x.dat")], typed)
 
 
 def journal_seeds(folder):

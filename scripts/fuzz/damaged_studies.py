@@ -44,14 +44,17 @@ def study_seeds(folder):
 
 
 def prepare_study(chance, seeds, work):
+    return prepared(_damaged_study(chance, seeds, work))
+
+
+def prepared(path) -> Answer:
     """A study is prepared: read, its deck built, its names looked up."""
     from flexmb_cli.run.sweep import Sweep
 
-    path = _damaged_study(chance, seeds, work)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            Sweep.of(str(path), str(work / "parts"))
+            Sweep.of(str(path), str(path.parent / "parts")).end()
     except FlexmbError as refused:
         return Answer(refused.exit_code, "", "", unfit("x.toml", refused.faults, ()))
     except Exception:

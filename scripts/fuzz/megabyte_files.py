@@ -213,7 +213,7 @@ def _drafts(seeds):
 def _draft(dialect, raw):
     def prepare(work):
         (work / "x.dat.draft").write_bytes(raw)
-        return ["new", dialect, "-o", str(work / "x.dat")], b"1\n?\n"
+        return ["new", dialect, "--draft", "-o", str(work / "x.dat")], b"1\n?\n"
 
     return prepare
 

@@ -21,6 +21,7 @@ OP4 = "       1       1       6       2K       1P,3E23.16\n"
 MATRICES = {
     "a size of a milliard rows": ("MM", MARKET + "1000000000 1000000000 1\n1 1 2.0\n", "1 entries"),
     "a size beyond all integers": ("MM", MARKET + "1e300 1e300 1\n1 1 2.0\n", "whole numbers"),
+    "a matrix without entries": ("MM", MARKET + "1 1 0\n", "1 rows and 0 entries"),
     "an index beyond all integers": ("MM", MARKET + f"1 1 1\n{HUGE} 1 2.0\n", "whole numbers"),
     "an array of a milliard rows": (
         "MM", "%%MatrixMarket matrix array real general\n1000000000 1000000000\n1.0\n", "announces",

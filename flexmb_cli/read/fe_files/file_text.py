@@ -134,8 +134,8 @@ def _short(text):
 
 
 def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -> np.ndarray:
-    """`values` as int64; FEFileFault at the first line that has a fraction in them."""
-    wrong = np.flatnonzero(~_is_whole(values).reshape(len(values), -1).all(axis=1))
+    """`values` (k, n) as int64; FEFileFault at the first line that has a fraction in them."""
+    wrong = np.flatnonzero(~_is_whole(values).all(axis=1))
     if wrong.size:
         raise line_fault(name, numbers[int(wrong[0])], f"{meaning} must be whole numbers")
     return values.astype(np.int64)

@@ -1,0 +1,54 @@
+"""The readers of finite-element files by name, and what they may say in answer."""
+
+import struct
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from flexmb_cli.read.fe_files.calculix import read_calculix, read_freedoms
+from flexmb_cli.read.fe_files.connectivity import read_hexahedra
+from flexmb_cli.read.fe_files.formats import read_matrix
+from flexmb_cli.read.fe_files.harwell_boeing import read_harwell_boeing, read_mapping
+from flexmb_cli.read.fe_files.matrix_file import FEFileFault
+from flexmb_cli.read.fe_files.node_table import read_node_table
+
+EQUATIONS = np.array([(node, k) for node in range(1, 9) for k in (1, 2, 3)])
+FEW = EQUATIONS[:2]
+
+READERS: dict[str, Callable[[Path], object]] = {
+    **{
+        f"matrix {form}": lambda p, form=form: read_matrix(p, form, "K")
+        for form in ("MM", "ABQ", "DMIG", "OP4")
+    },
+    "matrix HB": lambda p: read_harwell_boeing(p, EQUATIONS),
+    "matrix HB of two rows": lambda p: read_harwell_boeing(p, FEW),
+    "matrix CCX": lambda p: read_calculix(p, EQUATIONS),
+    "matrix CCX of two rows": lambda p: read_calculix(p, FEW),
+    "mapping ANS": read_mapping,
+    "mapping CCX": read_freedoms,
+    **{
+        f"nodes {form}": lambda p, form=form: read_node_table(p, form)
+        for form in ("TXT", "CDB", "INP", "BDF")
+    },
+    **{f"bricks {form}": lambda p, form=form: read_hexahedra(p, form) for form in ("CDB", "INP", "BDF")},
+}
+
+
+def read_file(reader: str, path: Path) -> str:
+    """What the reader says of the file at `path`, "" when it is content; any other exception is a fault."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            READERS[reader](path)
+        except FEFileFault as refused:
+            return str(refused)
+    return ""
+
+
+def op4_record(integers, payload: bytes = b"", order: str = "<", told: int | None = None) -> bytes:
+    """A FORTRAN record between its lengths, which are `told` when they shall lie."""
+    body = struct.pack(f"{order}{len(integers)}i", *integers) + payload
+    length = struct.pack(f"{order}i", len(body) if told is None else told)
+    return length + body + length
