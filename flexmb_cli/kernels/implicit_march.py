@@ -20,6 +20,7 @@ from .profile_elimination import set_profile_times
 from .stiff_projection import project_stiffly
 from .tree_jacobian import Stiff, factorise, renew, set_mass_times, solve_stiff, stiff_work
 from .tree_motion import derivative, normalise_attitudes
+from .tree_projection import strayed
 
 STEPPED, PAUSED, VANISHED, FAULTED = 0, 1, 2, 3
 
@@ -112,12 +113,12 @@ def march_implicitly(until, budget, tree, work, coordinates, clock, z, s):
         factor = min(FASTEST, max(SLOWEST, factor)) if error < 1e10 else SLOWEST
         if not error < 1.0:
             clock["rejections"] += 1
-            clock["rejected"] = 1
+            clock["rejected"], clock["strayed"] = 1, 0
             clock["step"] = h * factor
             continue
         _accept(tree, clock, z, h, factor, s)
         if tree.closures.shape[0] > 0:
-            project_stiffly(tree, work, coordinates, z, s.stiff)
+            _close_loops(tree, work, coordinates, clock, z, h, s)
     return STEPPED
 
 
@@ -278,6 +279,22 @@ def _accept(tree, clock, z, h, factor, s):
         clock["step"] = h * factor
 
 
+@part
+def _close_loops(tree, work, coordinates, clock, z, h, s):
+    """Close the loops at the end of a step; the step is taken back where that moves it too far."""
+    _copy(z, s.trial)
+    project_stiffly(tree, work, coordinates, z, s.stiff)
+    place = strayed(s.trial, z, clock)
+    if place < 0:
+        return
+    clock["t"], clock["step"] = clock["step_start"], h / 4.0
+    clock["worst"], clock["rejected"], clock["strayed"] = place, 1, 1
+    clock["rejections"] += 1
+    _copy(s.old, z)
+    _copy(s.old_slope, s.before)
+    s.memory[0]["stale"] = 1
+
+
 @kernel
 def between(x, h, z, s, out):
     """State at the fraction x of the last step, which ended at z.
@@ -299,6 +316,13 @@ def between(x, h, z, s, out):
         c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
         out[speeds + m] = a + x * (v + x * (0.5 * p + x * (c3 + x * (c4 + x * c5))))
         out[m] = (v + x * (p + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h
+
+
+@kernel
+def _copy(a, b):
+    """b = a."""
+    for i in range(a.shape[0]):
+        b[i] = a[i]
 
 
 @kernel

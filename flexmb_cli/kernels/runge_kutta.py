@@ -90,3 +90,12 @@ def interpolate(z, dense, x, out):
         for term in range(DENSE_TERMS - 1, -1, -1):
             total = (total + dense[term, i]) * (x if term % 2 == 0 else 1.0 - x)
         out[i] = z[i] + total
+
+
+@kernel
+def scaled_norm(z, a, rtol, atol, counted):
+    """Root mean square of the first `counted` places of a, place by place against the tolerance at z."""
+    total = 0.0
+    for i in range(counted):
+        total += (a[i] / (atol + rtol * abs(z[i]))) ** 2
+    return (total / counted) ** 0.5

@@ -14,10 +14,10 @@ import numpy as np
 from ._jit import kernel, part
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .kane_tree import SOLVED
-from .runge_kutta import interpolate, next_factor, set_dense, set_stage, step_error
+from .runge_kutta import interpolate, next_factor, scaled_norm, set_dense, set_stage, step_error
 from .tree_energy import energies
 from .tree_motion import derivative, normalise_attitudes, parts
-from .tree_projection import largest_gap, largest_rate, project
+from .tree_projection import largest_gap, largest_rate, project, strayed
 
 # What a call may be asked for: close the loops of z, begin at z, go on at z with a known step, march.
 CLOSE, BEGIN, GO_ON, MARCH = 0, 1, 2, 3
@@ -43,7 +43,8 @@ CLOCK = np.dtype(
         ("spent", np.int64),  # evaluations at which this call pauses
         ("rejections", np.int64),
         ("fault", np.int64),  # coordinate without inertia at the last failed attempt, or SOLVED
-        ("worst", np.int64),  # place in z of the largest error of the last attempt
+        ("worst", np.int64),  # place in z of the largest error of the last attempt,
+        ("strayed", np.int64),  # and whether closing the loops moved it there
         ("stop", np.float64),  # end of the interval in which all laws are linear, s
         ("gap", np.float64),  # largest gap that CLOSE left, m
         ("rtol", np.float64),
@@ -135,6 +136,10 @@ def _digest(task, fault, tree, work, coordinates, clock, march, report):
         project(tree, work, coordinates, march.trial)
         if phase == ROW_OPEN:
             return _ask(clock, ROW_CLOSED, 0, ASIDE, clock["at"])
+        if task == MARCH:
+            place = strayed(march.z, march.trial, clock)
+            if place >= 0:
+                return _take_back(clock, march, place)
         clock["gap"] = largest_gap(tree.closures)
         _copy(march.trial, march.z)
         return READY if task == CLOSE else _ask(clock, STEP_CLOSED, 0, 0, clock["at"])
@@ -149,8 +154,9 @@ def _digest_first(task, clock, march):
     counted = march.z.shape[0] - 1
     if task == GO_ON:
         return READY
-    size = _scaled_norm(march.z, march.z, clock, counted)
-    slope = _scaled_norm(march.z, march.slopes[0], clock, counted)
+    rtol, atol = clock["rtol"], clock["atol"]
+    size = scaled_norm(march.z, march.z, rtol, atol, counted)
+    slope = scaled_norm(march.z, march.slopes[0], rtol, atol, counted)
     first = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6
     if clock["phase"] == FIRST:
         for i in range(march.z.shape[0]):
@@ -158,21 +164,12 @@ def _digest_first(task, clock, march):
         return _ask(clock, PROBE, 0, 1, clock["t"] + first)
     for i in range(counted):
         march.slopes[1, i] -= march.slopes[0, i]
-    steepest = max(slope, _scaled_norm(march.z, march.slopes[1], clock, counted) / first)
+    steepest = max(slope, scaled_norm(march.z, march.slopes[1], rtol, atol, counted) / first)
     second = (0.01 / steepest) ** 0.125 if steepest > 1e-15 else max(1e-6, 1e-3 * first)
     clock["step"] = min(100.0 * first, second)
     clock["step_start"], clock["step_length"] = clock["t"], clock["step"]
     clock["rejected"] = clock["step_rejected"] = 0
     return READY
-
-
-@kernel
-def _scaled_norm(z, a, clock, counted):
-    """Root mean square of a, place by place against the tolerance at z."""
-    total = 0.0
-    for i in range(counted):
-        total += (a[i] / (clock["atol"] + clock["rtol"] * abs(z[i]))) ** 2
-    return (total / counted) ** 0.5
 
 
 @kernel
@@ -238,7 +235,7 @@ def _digest_stage(fault, tree, clock, march, report):
     factor = next_factor(error, rejected) if error < 1e10 else 0.2
     if not error < 1.0:
         clock["rejections"] += 1
-        clock["rejected"] = 1
+        clock["rejected"], clock["strayed"] = 1, 0
         clock["step"] = h * factor
         return _try_step(clock, march)
     _accept(clock, march, h, rejected)
@@ -259,6 +256,18 @@ def _accept(clock, march, h, rejected):
     _copy(march.trial, march.z)
 
 
+@part
+def _take_back(clock, march, place):
+    """A shorter step from where the last one began, for closing the loops moved its end too far."""
+    clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
+    # A resumed run begins with the shorter step too.
+    clock["step_length"], clock["rejected"], clock["step_rejected"] = clock["step"], 1, 1
+    clock["worst"], clock["strayed"] = place, 1
+    clock["rejections"] += 1
+    _copy(march.old, march.z)
+    return _try_step(clock, march)
+
+
 @kernel
 def _digest_dense(tree, clock, march, report):
     """The next stage of the dense output, or its polynomial."""
@@ -273,11 +282,12 @@ def _digest_dense(tree, clock, march, report):
 @kernel
 def _close_step(tree, clock, march, report):
     """The slope at the end of a step is that at the start of the next, once the loops are closed."""
-    _copy(march.slopes[STAGES], march.slopes[0])
     if tree.closures.shape[0] == 0:
+        _copy(march.slopes[STAGES], march.slopes[0])
         return _next(tree, clock, march, report)
     _copy(march.z, march.trial)
-    return _ask(clock, STEP_OPEN, 0, 0, clock["t"])
+    # slopes[0] is needed again where the step must be taken back.
+    return _ask(clock, STEP_OPEN, 0, ASIDE, clock["t"])
 
 
 @part

@@ -4,7 +4,9 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
 from ..kernels import tree_march
+from ..kernels.tree_closures import IMMOBILE
 from ..model.tree import ROTATION, Tree
+from ..model.tree_arrays import TreeArrays
 
 CLOSED = 1e-10  # m
 MOST_ITERATIONS = 40
@@ -76,3 +78,28 @@ def _assembly_failure(tree, rows):
         f"axis {rows['axis'][worst] + 1}; check lengths, the two points and the initial coordinates"
     )
     return AnalysisError(Fault("error", message, closure.place, closure.name), t, {"gap": gap})
+
+
+def pivot_shares(arrays: TreeArrays) -> np.ndarray:
+    """Pivots of J b⁻¹ Jᵀ as shares of its largest diagonal element (R,); 0 where a row is left out."""
+    largest = np.max(arrays.closures["own"], initial=0.0)
+    pivots = np.diag(arrays.closure_matrix)
+    return np.divide(pivots, largest, out=np.zeros(pivots.size), where=largest > 0.0)
+
+
+def stray(tree: Tree, shares: np.ndarray, repeated: np.ndarray, t: float, worst: int) -> Fault:
+    """What to say of steps that closing the loops moves away, however short they are.
+
+    `shares` (R,) are those of `pivot_shares`, `repeated` (R,) tells the rows that depend on others
+    wherever the tree stands, `worst` is the place in the state of what moves most.
+    """
+    row, n = int(np.argmin(np.where(repeated, np.inf, shares))), len(tree.coordinates)
+    closure, share = closure_of_row(tree, row), shares[row]
+    condition = f"{1.0 / share:.0e}" if share > 0.0 else f"above {1.0 / IMMOBILE:.0e}"
+    motion = f"; '{tree.coordinates[worst % n].name}' moves most" if worst < 2 * n else ""
+    message = (
+        f"at t = {t:.6g} s the loop comes to a singular position (condition {condition}): another motion "
+        f"begins there, and closing the loop leads to it however short the step is{motion}; end the run "
+        "before it, or change the lengths"
+    )
+    return Fault("error", message, closure.place, closure.name)

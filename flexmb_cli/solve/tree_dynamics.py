@@ -15,7 +15,7 @@ from ..kernels.kane_tree import SOLVED
 from ..kernels.tree_work import FRAME_WORK, tree_work
 from ..model.tree import Table, Tree
 from ..model.tree_arrays import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
-from .tree_assembly import assemble_tree
+from .tree_assembly import assemble_tree, pivot_shares, stray
 from .tree_rows import TreeRows, tree_rows
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
@@ -54,6 +54,7 @@ class TreeAnalysis:
         self.clock["t"] = self.clock["step_start"] = tree.time.start
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row, self.attitude = 0, None
+        self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
         self.resumed = checkpoint is not None
         if checkpoint is not None:
             self.row, self.attitude = checkpoint.row, checkpoint.attitude
@@ -159,6 +160,8 @@ class TreeAnalysis:
         self.march.old[:] = self.march.z
         if self.call(task) == tree_march.NO_INERTIA:
             raise self.failure()
+        if self.repeated is None:
+            self.repeated = pivot_shares(self.arrays) == 0.0
 
     def _advance(self):
         """One call of the kernel: its status, and the rows it filled (None for none)."""
@@ -178,6 +181,9 @@ class TreeAnalysis:
         norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}
         if clock["fault"] != SOLVED:
             return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
+        if clock["strayed"]:
+            shares, worst = pivot_shares(self.arrays), int(clock["worst"])
+            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
