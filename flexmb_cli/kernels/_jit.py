@@ -31,13 +31,15 @@ def interpreted() -> bool:
 
 
 def _kernel_digest() -> str:
-    """Name of the text of every kernel file.
+    """Name of the text and place of every kernel file.
 
     numba notices an edit in the file it compiled, but neither in the files that file calls
-    (numba#1833) nor in imported constants: one changed kernel selects a new directory for all.
+    (numba#1833) nor in imported constants: one changed kernel selects a new directory for all.  The
+    same kernels elsewhere are others to numba.
     """
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
+    here = Path(__file__).parent
+    digest = hashlib.sha256(os.fsencode(here))
+    for path in sorted(here.rglob("*.py")):
         digest.update(path.name.encode())
         digest.update(path.read_bytes())
     # Bounds-checked code is other code under the same signature.

@@ -1,8 +1,10 @@
 """The cache of compiled kernels, damaged or lost: kernels are compiled anew, and never run as they are."""
 
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -67,3 +69,20 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, damage, ending):
 
 def test_a_cache_that_is_lost_on_the_way_stops_nothing(tmp_path):
     assert twice(tmp_path, str(tmp_path / "cache")) == "42.0 0"
+
+
+def test_a_checkout_elsewhere_has_a_folder_of_its_own(tmp_path):
+    """numba would not find its kernels in the other's, and the notice of compiling would be left out."""
+    package = Path(_jit.__file__).parents[1]
+    found = set()
+    for name in ("here", "there"):
+        shutil.copytree(package, tmp_path / name / package.name, ignore=shutil.ignore_patterns("__pycache__"))
+        command = "from flexmb_cli.kernels import _jit; print(_jit.__file__, _jit._cache_folder()[0])"
+        done = subprocess.run(
+            [sys.executable, "-c", command], cwd=tmp_path / name, capture_output=True, text=True, check=True,
+            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(tmp_path / name)},
+        )  # fmt: skip
+        source, folder = done.stdout.split()
+        assert source.startswith(str(tmp_path / name))
+        found.add(folder)
+    assert len(found) == 2
