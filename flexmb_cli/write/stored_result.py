@@ -43,18 +43,21 @@ def understood() -> Iterator[None]:
 
 def check_structure(file: h5py.File) -> None:
     """Raise `Damaged` where the file has links, types or sizes that no result of flexmb has."""
-    names: list[str] = []
+    names: list[bytes] = []
 
     def stop_at(name, link):
-        """What ends the search; h5py cannot bear an exception in here."""
+        """What ends the search.
+
+        h5py cannot bear an exception in here, and its own visits of a file look links up, which may raise.
+        """
         names.append(name)
-        if not isinstance(link, h5py.HardLink):
+        if link.type != h5py.h5l.TYPE_HARD:
             return f"/{_told(name)} is a link to elsewhere, which is not followed"
-        if name.count("/") > DEEPEST:
+        if name.count(b"/") > DEEPEST:
             return f"it has groups in groups, more than {DEEPEST} deep"
         return f"it has more than {MOST_OBJECTS} datasets" if len(names) > MOST_OBJECTS else None
 
-    fault = file.visititems_links(stop_at)
+    fault = file.id.links.visit(stop_at, info=True)
     if fault:
         raise Damaged(fault)
     declared = sum(_declared(name, file[name]) for name in names)
@@ -183,4 +186,5 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
 
 
 def _told(name):
+    name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
     return visible(name if len(name) < 100 else f"{name[:80]}…")

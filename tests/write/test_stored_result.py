@@ -174,3 +174,19 @@ def test_a_thousand_series_are_listed_in_seconds(tmp_path):
     assert time.process_time() - start < 12
     assert code == 0
     assert "body.1.x" in told
+
+
+def test_a_name_beyond_the_names_of_its_group_is_told(tmp_path):
+    """h5py's own visit of links looks each up, and ends in a SystemError where that fails."""
+    result = tmp_path / "r.h5"
+    with h5py.File(result, "w") as file:
+        file["time"], file["body/body"], file["body/name"] = [0.0, 0.1], [1, 2], ["a", "b"]
+    raw = result.read_bytes()
+    # A node of symbols: a heading of 8 bytes, then entries of 40, each beginning with the place of its name.
+    nodes = [k for k in range(len(raw) - 4) if raw[k : k + 4] == b"SNOD"]
+    assert len(nodes) == 2
+    for place in [node + 8 + 40 * entry for node in nodes for entry in (0, 1)]:
+        result.write_bytes(raw[:place] + b"\xff\xff" + raw[place + 2 :])
+        done = CliRunner().invoke(cli, ["table", str(result), "--list"])
+        assert getattr(done.exception, "exit_code", None) == 2, done.exception
+        assert "r.h5: " in done.output + str(done.exception)
