@@ -140,7 +140,7 @@ def test_ctrl_c_ctrl_d_and_a_mark_keep_a_draft_and_the_next_call_goes_on(tmp_pat
     terminal.expect(f"flexmb new: {why}; no deck is written, the answers so far are in IN-NEW.dat.draft")
     assert terminal.exit_code() == code
     assert len(json.loads((tmp_path / "IN-NEW.dat.draft").read_text())["answers"]) == 1 + 12 + 7
-    done = piped(lines=rest, cwd=tmp_path)
+    done = piped("--draft", lines=rest, cwd=tmp_path)
     assert done.returncode == 0
     assert "going on with 20 answers" in done.stderr
     assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
@@ -194,7 +194,7 @@ def test_a_title_in_another_character_code_does_not_end_the_dialogue(tmp_path):
     assert (tmp_path / "IN-NEW.dat").read_text(encoding="utf-8").startswith("{ Gef\ufffdhrt }\n")
 
 
-def test_a_wrong_answer_in_a_pipe_is_shown_where_it_stands_and_keeps_the_draft(tmp_path):
+def test_a_wrong_answer_in_a_pipe_is_shown_where_it_stands_and_leaves_nothing(tmp_path):
     lines = [line.replace("1 2 0 0 2 0 6.10", "1 9 0 0 2 0 6.10") for line in answers()]
     done = piped(lines=lines, cwd=tmp_path)
     assert done.returncode == 2
@@ -203,16 +203,37 @@ def test_a_wrong_answer_in_a_pipe_is_shown_where_it_stands_and_keeps_the_draft(t
         "    1 9 0 0 2 0 6.10 0 0.75 -0.66 2 0 6.1 1",
         "      ^",
     ]
-    assert [path.name for path in tmp_path.iterdir()] == ["IN-NEW.dat.draft"]
+    assert list(tmp_path.iterdir()) == []
 
 
-def test_answers_that_end_early_keep_the_draft(tmp_path):
+def test_answers_that_end_early_leave_nothing_and_the_next_pipe_begins_anew(tmp_path):
     done = piped(lines=answers()[:4], cwd=tmp_path)
     assert done.returncode == 1
-    assert "the answers end before the deck is complete" in done.stderr
-    again = piped("--restart", lines=answers(), cwd=tmp_path)
-    assert again.returncode == 0
+    assert "the answers end before the deck is complete; no deck is written, and no draft kept" in done.stderr
+    assert piped(lines=answers(), cwd=tmp_path).returncode == 0
     assert [path.name for path in tmp_path.iterdir()] == ["IN-NEW.dat"]
+    assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
+
+
+def test_a_pipe_leaves_the_draft_of_a_terminal_alone_and_says_so(tmp_path):
+    assert piped("--draft", lines=answers()[:4], cwd=tmp_path).returncode == 1
+    kept = (tmp_path / "IN-NEW.dat.draft").read_bytes()
+    done = piped(lines=answers(), cwd=tmp_path)
+    assert done.returncode == 0
+    assert (
+        "IN-NEW.dat.draft: note: the draft of an earlier call is left alone: answers through a pipe"
+        in done.stderr
+    )
+    assert (tmp_path / "IN-NEW.dat.draft").read_bytes() == kept
+    assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
+
+
+def test_a_pipe_goes_on_with_a_draft_where_it_is_asked_to(tmp_path):
+    assert piped("--draft", lines=answers()[:4], cwd=tmp_path).returncode == 1
+    done = piped("--draft", lines=answers()[4:], cwd=tmp_path)
+    assert done.returncode == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["IN-NEW.dat"]
+    assert numbers_of(tmp_path / "IN-NEW.dat") == numbers_of(FOUR_BAR)
 
 
 def test_a_deck_is_replaced_by_a_pipe_only_with_force(tmp_path):
@@ -227,16 +248,20 @@ def test_a_deck_is_replaced_by_a_pipe_only_with_force(tmp_path):
 
 def test_what_is_no_draft_is_refused_and_left_alone(tmp_path):
     (tmp_path / "IN-NEW.dat.draft").write_text("my own notes\n")
-    done = piped(lines=answers(), cwd=tmp_path)
+    done = piped("--draft", lines=answers(), cwd=tmp_path)
     assert done.returncode == 2
     assert "IN-NEW.dat.draft: error: this is no draft of a deck" in done.stderr
     assert (tmp_path / "IN-NEW.dat.draft").read_text() == "my own notes\n"
 
 
-def test_a_folder_that_is_missing_is_told_with_the_first_answer(tmp_path):
-    done = piped("-o", "none/IN.dat", lines=answers(), cwd=tmp_path)
+@pytest.mark.parametrize(
+    "place, reason", [("none/IN.dat", "its folder does not exist"), ("IN.dat/", "it is a folder")]
+)
+def test_a_place_that_cannot_be_written_is_told_before_the_first_question(place, reason, tmp_path):
+    done = piped("-o", place, lines=answers()[:1], cwd=tmp_path)
     assert done.returncode == 2
-    assert "none/IN.dat.draft: cannot be written: its folder does not exist" in done.stderr
+    assert f"{place}: cannot be written: {reason}" in done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):

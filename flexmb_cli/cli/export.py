@@ -11,7 +11,7 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 @click.argument("result", metavar="RESULT.h5")
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", metavar="FILE",
-              help="The file [default: the result's name with .vtkhdf, .csv or .mat].")  # fmt: skip
+              help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def export(result, form, output, quiet):
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
@@ -24,16 +24,20 @@ def export(result, form, output, quiet):
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
     from ..write.quantities import open_result, refuse_uneven, shortfall
+    from .output_file import refuse_inputs, refuse_standard_output, told
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
+    refuse_inputs(output, [result])
+    if form != "csv":
+        refuse_standard_output(output, f"a file of the form {form}")
     with open_result(result) as file:
         refuse_uneven(file)
-        told = shortfall(file)
+        lacking = shortfall(file)
         WRITERS[form](file, output)
-    if told and not quiet:
-        click.echo(f"{result}: note: {told}", err=True)
+    if lacking and not quiet:
+        click.echo(f"{result}: note: {lacking}", err=True)
     if not quiet:
-        click.echo(f"{result} → {output}", err=True)
+        click.echo(f"{result} → {told(output)}", err=True)
 
 
 def _write_vtkhdf(file, output):
@@ -54,10 +58,16 @@ def _write_csv(file, output):
     from ..write.atomic import ReplacedText
     from ..write.quantities import names
     from ..write.table import chosen_rows, table_text
+    from .output_file import STANDARD_OUTPUT
 
+    pieces = table_text(file, names(file), chosen_rows(file, None, None, 1), "csv")
+    if output == STANDARD_OUTPUT:
+        for piece in pieces:
+            click.echo(piece, nl=False)
+        return
     text = ReplacedText(output)
     try:
-        for piece in table_text(file, names(file), chosen_rows(file, None, None, 1), "csv"):
+        for piece in pieces:
             text.write(piece)
     except BaseException:
         text.discard()

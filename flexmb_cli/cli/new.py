@@ -30,11 +30,14 @@ A line may hold one number, or as many as the record has left."""
 )
 @click.option("--force", is_flag=True, help="Replace a deck that is there already.")
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
-def new(dialect, output, force, restart):
+@click.option("--draft", "with_draft", is_flag=True,
+              help="Keep a draft, and go on with one, in a pipe, too.")  # fmt: skip
+def new(dialect, output, force, restart, with_draft):
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
-    Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written.
-    Answers may also come through a pipe, a line each; there a wrong one ends the dialogue.
+    Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written, and
+    the next call goes on from there.  Answers may also come through a pipe, a line each; there a wrong one
+    ends the dialogue, and nothing is kept.
 
     \b
     Example:
@@ -42,7 +45,7 @@ def new(dialect, output, force, restart):
     """
     path = output or _NAMES[dialect]
     _ask_to_replace(path, force)
-    talk = _Talk(dialect, path, restart)
+    talk = _Talk(dialect, path, restart, with_draft)
     try:
         talk.run()
     except KeyboardInterrupt:
@@ -56,6 +59,10 @@ def new(dialect, output, force, restart):
 def _ask_to_replace(path, force):
     if os.path.isdir(path):
         raise click.UsageError(f"{path} is a folder; -o names the deck to write")
+    if path != "-":
+        from ..write.atomic import refuse_unwritable
+
+        refuse_unwritable(path)
     if force or path == "-" or not os.path.lexists(path) or not os.path.isfile(path):
         return
     if not sys.stdin.isatty():
@@ -75,10 +82,12 @@ def _form(dialect):
 class _Talk:
     """The dialogue at a terminal or through a pipe."""
 
-    def __init__(self, dialect, path, restart):
+    def __init__(self, dialect, path, restart, with_draft):
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
+        # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
+        self.keeps_draft = self.at_terminal or with_draft
         # A title in another character code is no reason to lose the answers behind it.
         sys.stdin.reconfigure(errors="replace")
         self.lines = []  # of a pipe, for the places of faults
@@ -89,6 +98,13 @@ class _Talk:
         from ..write.dialogue import Dialogue, from_draft
 
         if restart or not os.path.lexists(self.draft):
+            return Dialogue(form)
+        if not self.keeps_draft:
+            click.echo(
+                f"{self.draft}: note: the draft of an earlier call is left alone: answers through a pipe "
+                "begin anew; --draft goes on with it",
+                err=True,
+            )
             return Dialogue(form)
         try:
             dialogue = from_draft(form, read_text(self.draft).text)
@@ -220,11 +236,13 @@ class _Talk:
         else:
             write_whole(self.path, self._text().encode())
             click.echo(f"{self.path}: written; flexmb check {self.path} accepts it", err=True)
-        if os.path.lexists(self.draft):
+        if self.keeps_draft and os.path.lexists(self.draft):
             os.unlink(self.draft)
 
     def keep(self):
         """Write the draft, whole or not at all, so that a closed terminal loses nothing."""
+        if not self.keeps_draft:
+            return
         from ..write.atomic import write_whole
         from ..write.dialogue import draft_text
 
@@ -232,12 +250,12 @@ class _Talk:
 
     def say_kept(self, why):
         """Why the dialogue ends, and where its answers are."""
-        kept = os.path.lexists(self.draft)
-        where = (
-            f"the answers so far are in {self.draft}, the next call goes on"
-            if kept
-            else "nothing was answered"
-        )
+        if not self.keeps_draft:
+            where = "and no draft kept: give all answers again"
+        elif os.path.lexists(self.draft):
+            where = f"the answers so far are in {self.draft}, the next call goes on"
+        else:
+            where = "nothing was answered"
         click.echo(f"\nflexmb new: {why}; no deck is written, {where}", err=True)
 
     def stop(self, why):

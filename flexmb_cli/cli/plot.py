@@ -38,13 +38,16 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     from ..write.plots import FORMATS, picture
     from ..write.stored_result import attribute
     from .extras import needed
+    from .output_file import refuse_inputs, refuse_standard_output
 
     output = output or f"{Path(result).stem}.png"
+    refuse_standard_output(output, "a picture")
     form = Path(output).suffix[1:].lower()
     if form not in FORMATS:
         raise click.UsageError(f"{output}: pictures are written as .png, .svg or .pdf files")
     needed("matplotlib", "matplotlib", "plot")
     paths = (result, *others)
+    refuse_inputs(output, paths)
     with contextlib.ExitStack() as open_files:
         sources = [
             _source(open_files, path, label, names, across, (start, stop, every), quiet)

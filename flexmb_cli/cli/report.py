@@ -6,7 +6,7 @@ import click
 @click.command()
 @click.argument("result", metavar="RESULT.h5")
 @click.option("-o", "--output", metavar="PAGE.html",
-              help="The page [default: the result's name with .html, in the current folder].")  # fmt: skip
+              help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def report(result, output, quiet):
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
@@ -21,17 +21,25 @@ def report(result, output, quiet):
     from pathlib import Path
 
     from ..write.atomic import write_whole
-    from ..write.quantities import open_result, refuse_uneven
+    from ..write.quantities import open_result, refuse_uneven, shortfall
     from ..write.report_page import report_page
     from .extras import needed
+    from .output_file import STANDARD_OUTPUT, refuse_inputs, told
 
-    library = needed("plotly.offline", "plotly", "report").get_plotlyjs()
     output = output or f"{Path(result).stem}.html"
+    refuse_inputs(output, [result])
+    library = needed("plotly.offline", "plotly", "report").get_plotlyjs()
     with open_result(result) as file:
         refuse_uneven(file)
+        lacking = shortfall(file)
         page = report_page(file, library).encode("utf-8")
-    write_whole(output, page)
+    if output == STANDARD_OUTPUT:
+        click.echo(page, nl=False)
+    else:
+        write_whole(output, page)
+    if lacking and not quiet:
+        click.echo(f"{result}: note: {lacking}", err=True)
     if not quiet:
         size, library_size = len(page) / 1e6, len(library.encode("utf-8")) / 1e6
-        told = f"{result} → {output}, {size:.1f} MB, of them {library_size:.1f} MB plotly.js"
-        click.echo(told, err=True)
+        sizes = f"{size:.1f} MB, of them {library_size:.1f} MB plotly.js"
+        click.echo(f"{result} → {told(output)}, {sizes}", err=True)

@@ -34,7 +34,7 @@ class Replacement:
         self.temporary = self._target
         if not self.direct:
             with located(self.path):
-                _refuse_place(self._target)
+                _refuse_place(self.path, self._target)
                 _remove_orphans(self._target)
                 self.temporary, self._hold = _reserve(self._target)
 
@@ -212,8 +212,9 @@ def _is_special(target):
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
-def _refuse_place(target):
-    if os.path.isdir(target):
+def _refuse_place(path, target):
+    # `realpath` drops the stroke with which a user says that a folder is meant.
+    if os.path.isdir(target) or path.endswith("/"):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if len(os.fsencode(os.path.basename(target))) > 255:
         raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))

@@ -68,7 +68,7 @@ def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch)
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGTERM is Unix's")
 def test_other_commands_are_stopped_without_a_traceback(tmp_path):
     """A dialogue waits for an answer; its draft is kept and the message says so."""
-    command = [sys.executable, "-m", "flexmb_cli", "new", "young", "-o", tmp_path / "IN-X.dat"]
+    command = [sys.executable, "-m", "flexmb_cli", "new", "young", "--draft", "-o", tmp_path / "IN-X.dat"]
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     process.stdin.write("a crank\n")
     process.stdin.flush()

@@ -122,3 +122,17 @@ def test_vtk_reads_the_time_series(exported, tmp_path):
         assert np.allclose(moved, marks[k] - marks[0], atol=1e-15)
         assert mesh.GetLines().GetNumberOfCells() == sum(len(body.edges) for body in scene.bodies)
         assert mesh.GetVerts().GetNumberOfCells() == marks.shape[1]
+
+
+def test_csv_goes_to_standard_output_and_binary_forms_do_not(
+    tmp_path, monkeypatch, deck, mechanism, rows, exported
+):
+    path = write_bar(tmp_path / "r.h5", deck, mechanism, rows, TIMES)
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(export, [str(path), "--to", "csv", "-o", "-", "-q"])
+    assert done.stdout_bytes == exported("csv")
+    for form in ("vtkhdf", "mat"):
+        done = CliRunner().invoke(export, [str(path), "--to", form, "-o", "-"])
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert f"a file of the form {form} cannot go to standard output; -o names a file" in done.stderr
+    assert not (tmp_path / "-").exists()

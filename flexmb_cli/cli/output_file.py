@@ -1,0 +1,32 @@
+"""Where a command that reads results writes: to a file of its own, or to standard output."""
+
+import os
+
+import click
+
+STANDARD_OUTPUT = "-"
+
+
+def refuse_inputs(output: str, inputs) -> None:
+    """Raise UsageError when `output` is one of the files that the command reads."""
+    for path in inputs:
+        if _are_one(output, path):
+            raise click.UsageError(f"-o {output} would overwrite {path}, which is read; name another file")
+
+
+def refuse_standard_output(output: str, what: str) -> None:
+    """Raise UsageError when `what` is to go to standard output, where it is of no use."""
+    if output == STANDARD_OUTPUT:
+        raise click.UsageError(f"{what} cannot go to standard output; -o names a file")
+
+
+def told(output: str) -> str:
+    """The place as a sentence names it."""
+    return "standard output" if output == STANDARD_OUTPUT else output
+
+
+def _are_one(output, path):
+    try:
+        return os.path.samefile(output, path)
+    except OSError:
+        return False
