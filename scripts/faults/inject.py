@@ -43,6 +43,7 @@ KINDS = {
     stops.kill_with_workers: 8,
     stops.kill_a_worker: 4,
     cluster.kill_driver_of_cluster: 3,
+    cluster.kill_driver_and_worker_of_cluster: 1,
     stops.signals_at_deeds: 120,
     stops.signals_at_any_time: 60,
     stops.signals_to_process: 12,
@@ -89,7 +90,7 @@ def main() -> int:
     start = time.monotonic()
     stage = Stage(top, set(options.commands))
     tasks = _tasks(options)
-    told = _told(stage, tasks, options, top)
+    told = list(_told(stage, tasks, options, top))
     return _summary(told, options, top, time.monotonic() - start)
 
 
