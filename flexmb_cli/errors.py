@@ -27,7 +27,8 @@ class Fault:
 
     `severity` is "error", "warning" or "note"; `subject` the object by its deck name ("universal
     joint 1"), "" when the whole deck is meant; `message` the rule, what was read and the remedy;
-    `guide` lines to set above the deck's line (the columns that a fixed FORMAT prescribes).
+    `guide` lines to set above the deck's line (the columns that a fixed FORMAT prescribes); `about` the
+    object where the message itself names it, for records only.
     """
 
     severity: str
@@ -35,6 +36,7 @@ class Fault:
     place: Place | None = None
     subject: str = ""
     guide: tuple[str, ...] = ()
+    about: str = ""
 
     @property
     def sentence(self) -> str:
@@ -46,7 +48,7 @@ class Fault:
         line, column = self.place[:2] if self.place else (None, None)
         return {
             "severity": self.severity,
-            "object": self.subject,
+            "object": self.subject or self.about,
             "message": self.message,
             "line": line,
             "column": column,

@@ -95,6 +95,9 @@ def test_json_tells_of_a_failure_what_a_program_needs(tmp_path):
     record = json.loads(done.stdout)
     assert (record["status"], record["exit_code"], record["time"], record["rows"]) == ("failed", 1, 0.5, 5)
     assert record["faults"][0]["severity"] == "error"
+    assert record["faults"][0]["file"] == record["deck"]
+    assert record["faults"][0]["object"] in record["faults"][0]["message"]
+    assert record["faults"][0]["object"] in record["norms"]["worst"][0]
     assert record["faults"][0]["line"] in (13, 14, 15, 16)  # the gap is shared by the joints in a row
     assert 1e-4 < record["norms"]["gap"] < 1e-2
     assert record["files"] == ["./OUT4-BAR.dat", "./OUT4-BAR.h5"] or record["files"] == [

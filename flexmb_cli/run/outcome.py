@@ -103,7 +103,7 @@ class Outcome:
             "settings": list(self.settings),
             "status": self.status,
             "exit_code": self.exit_code,
-            "faults": [fault.as_dict() for fault in self.faults],
+            "faults": [{"file": self.deck} | fault.as_dict() for fault in self.faults],
             "time": self.failed_at,
             "norms": self.norms,
             "rows": self.rows,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
-from .diagnosis import CLOSED, Mobility, motion_text, nearest_position, worst_gaps
+from .diagnosis import CLOSED, Mobility, about, motion_text, nearest_position, worst_gaps
 from .position import Evaluator
 
 POLISHED = 1e-13
@@ -52,9 +52,8 @@ def assembly_failure(evaluator: Evaluator, gap, t) -> AnalysisError:
         f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
         f"constraints: {left}; check these joints' points and the body estimates"
     )
-    place = worst[0].equation.place if worst else None
     norms = {"gap": float(np.max(np.abs(gap))), "worst": [one.equation.name for one in worst]}
-    return AnalysisError(Fault("error", message, place), t, norms)
+    return AnalysisError(about("error", message, *(one.equation for one in worst)), t, norms)
 
 
 def free_motion_error(evaluator: Evaluator, q, found: Mobility, motion, t) -> ModelError:
@@ -65,18 +64,18 @@ def free_motion_error(evaluator: Evaluator, q, found: Mobility, motion, t) -> Mo
         "constrain it (a simplified constraint or a driver) in place of an equation that repeats others: "
         f"{doubled}"
     )
-    return ModelError([Fault("error", message, _first_place(found))])
+    return ModelError([about("error", message, *_placed(found))])
 
 
 def redundancy_warning(found: Mobility) -> Fault:
     """Some equations repeat others, yet every motion is determined."""
     groups = "; ".join(_group(group) for group in found.redundant)
     message = f"redundant equations, consistent with the others: {groups}"
-    return Fault("warning", message, _first_place(found))
+    return about("warning", message, *_placed(found))
 
 
-def _first_place(found):
-    return next((e.place for group in found.redundant for e in group if e.place), None)
+def _placed(found):
+    return [e for group in found.redundant for e in group if e.place]
 
 
 def _group(equations, most: int = 6):

@@ -12,7 +12,7 @@ from ..model.mechanism import TimeGrid
 from ..model.system_arrays import SystemArrays
 from .constrained_start import inertia_failure, order_of_elimination, start_speeds
 from .constrained_system import blank_report, constrained_system, new_work
-from .diagnosis import Gap, Mobility
+from .diagnosis import Gap, Mobility, about
 from .passed_positions import SINGULAR, PassedPositions, at_line, has_gained_rank, weakest_of_speeds
 from .steppers import ExplicitSteps
 
@@ -111,7 +111,7 @@ class ConstrainedMotion:
                 else "a driver or a joint asks for a motion that the others forbid"
             )
             message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
-            return AnalysisError(Fault("error", message, worst.place), t, norms)
+            return AnalysisError(about("error", message, worst), t, norms)
         if clock["fault"] == NO_INERTIA:
             return inertia_failure(self, t)
         condition, owners = weakest_of_speeds(self)
@@ -122,21 +122,20 @@ class ConstrainedMotion:
         if condition > SINGULAR:
             reason = f"a singular position of {joints} ({size}), a dead centre or a branching, is reached"
         message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
-        place = owners[0].place if owners and condition > SINGULAR else None
-        return AnalysisError(Fault("error", message, place), t, norms)
+        return AnalysisError(about("error", message, *owners[: condition > SINGULAR]), t, norms)
 
 
 def _repetition_warning(found):
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
     owners = list(dict.fromkeys(equation.owner for group in found.redundant for equation in group))
-    place = next((e.place for group in found.redundant for e in group if e.place), None)
+    placed = [e for group in found.redundant for e in group if e.place]
     count = len(found.redundant)
     shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
     message = (
         f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
         "motion is unique, reactions are those of least norm"
     )
-    return Fault("warning", message, place)
+    return about("warning", message, *placed)
 
 
 def _first(report, filled):

@@ -9,7 +9,7 @@ from ..kernels.constraint_projection import fill_nu, project_position
 from ..kernels.mass_matrix import inertia_of, mass_times
 from ..kernels.speeds import move, normalise
 from .assembly import assemble_by_search, assembly_failure
-from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
+from .diagnosis import CLOSED, NAMED, Mobility, about, involved, sparse_basis
 from .dynamic_rows import body_axes, global_axes
 
 SINGULAR_VALUE = 1e-9  # of the largest
@@ -127,7 +127,7 @@ def _refuse_contradiction(analysis, rest, t):
             f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
             "remove a driver or free a joint"
         )
-        raise ModelError([Fault("error", message, worst.place)])
+        raise ModelError([about("error", message, worst)])
 
 
 def _doubt_change(analysis, u, wanted, given):

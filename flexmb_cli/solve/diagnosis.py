@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import Fault
 from ..model.equations import Equation
 from ..model.joint_types import JOINT_TYPES
 from .levenberg_marquardt import least_squares
@@ -30,6 +31,13 @@ class Gap:
         unit = " m" if self.equation.is_length else ""
         line = f", line {self.equation.place.line}" if self.equation.place else ""
         return f"{self.equation.owner} ({self.equation.part}{line}): {abs(self.value):.1e}{unit}"
+
+
+def about(severity: str, message: str, *owners: Equation) -> Fault:
+    """A fault whose message names equations itself, at the place of the first; without any, at none."""
+    if not owners:
+        return Fault(severity, message)
+    return Fault(severity, message, owners[0].place, about=owners[0].owner)
 
 
 def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap]:

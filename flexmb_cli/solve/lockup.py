@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..errors import AnalysisError, Fault
-from .diagnosis import CLOSED, nearest_position, worst_gaps
+from ..errors import AnalysisError
+from .diagnosis import CLOSED, about, nearest_position, worst_gaps
 from .weakness import weakest_owners, weakness, weakness_text
 
 ASIDE = 0.05  # of the length scale, and of Euler parameters
@@ -31,7 +31,7 @@ def step_failure(analysis, t: float) -> AnalysisError:
             f"at t = {t:.6g} s the constraints cannot be met (motion reached t = {reached:.6g} s); what is "
             f"left of the worst ones: {left}; the mechanism locks, or a driver asks for more than it can do"
         )
-        return AnalysisError(Fault("error", message, worst[0].equation.place), t, norms)
+        return AnalysisError(about("error", message, worst[0].equation), t, norms)
     return AnalysisError(_singular(analysis, reached, t), t, norms)
 
 
@@ -62,7 +62,7 @@ def _singular(analysis, reached, t):
         f"at t = {t:.6g} s the mechanism is at or next to a singular position"
         f"{weakness_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
     )
-    return Fault("error", message, _place(evaluator, weak))
+    return about("error", message, *weakest_owners(evaluator, weak))
 
 
 def singular_start(analysis, q, t) -> AnalysisError:
@@ -73,9 +73,5 @@ def singular_start(analysis, q, t) -> AnalysisError:
         f"at t = {t:.6g} s the mechanism starts at a singular position{weakness_text(evaluator, q, weak)}: a "
         "dead centre, or a place where motions branch; begin a little earlier or later"
     )
-    return AnalysisError(Fault("error", message, _place(evaluator, weak)), t, {"condition": weak.condition})
-
-
-def _place(evaluator, weak):
-    owners = weakest_owners(evaluator, weak)
-    return owners[0].place if owners else None
+    fault = about("error", message, *weakest_owners(evaluator, weak))
+    return AnalysisError(fault, t, {"condition": weak.condition})

@@ -7,8 +7,8 @@ sign of det Φ_q has changed, are walked again step by step.
 
 import numpy as np
 
-from ..errors import Fault
 from ..kernels.kinematic_march import BUDGET, SIGN, TIME
+from .diagnosis import about
 from .weakness import weakest_owners, weakness, weakness_text
 
 # Iterations of a row that are many where others take few, and many anywhere.  A crossing takes ten or more.
@@ -98,8 +98,7 @@ class Passages:
         more = "; two motions cross there, and the smooth one is followed" if crossing else ""
         last = "; later ones are not looked for" if self.told == MOST_TOLD else ""
         message = f"at t = {t:.6g} s the motion passes {what}{weakness_text(evaluator, q, weak)}{more}{last}"
-        owners = weakest_owners(evaluator, weak)
-        self.analysis.warnings.append(Fault("note", message, owners[0].place if owners else None))
+        self.analysis.warnings.append(about("note", message, *weakest_owners(evaluator, weak)))
 
 
 def _busy_runs(iterations, changed):

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..errors import Fault
 from ..kernels.constrained_solve import evaluate_jacobian
 from ..kernels.speeds import move
 from .constrained_system import new_work
+from .diagnosis import about
 from .flexible_start import PositionGaps
 
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
@@ -128,7 +128,7 @@ class PassedPositions:
             f"near t = {t:.4g} s the motion passes a singular position of {joints} (condition {size}), where "
             f"it could branch; it goes on smoothly{last}"
         )
-        self.analysis.warnings.append(Fault("note", message, owners[0].place if owners else None))
+        self.analysis.warnings.append(about("note", message, *owners))
 
 
 def _owners(equations, size):

@@ -66,7 +66,8 @@ def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
         if tilt.max() > UPRIGHT:
             k = int(np.argmax(tilt > UPRIGHT))
             message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, tilt[k])}"
-            raise AnalysisError(Fault("error", message, driver.place), float(rows.time[k]))
+            fault = Fault("error", message, driver.place, about=driver.name)
+            raise AnalysisError(fault, float(rows.time[k]))
     return rows
 
 

@@ -43,3 +43,9 @@ def test_a_fault_as_a_record_has_line_and_column_or_none():
         "column": 3,
     }
     assert Fault("note", "m").as_dict()["line"] is None
+
+
+def test_an_object_that_the_message_names_is_in_the_record_only():
+    fault = Fault("error", "at t = 1 s joint 1 is open", about="joint 1")
+    assert fault.sentence == "at t = 1 s joint 1 is open"
+    assert fault.as_dict()["object"] == "joint 1"
