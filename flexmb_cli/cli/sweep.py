@@ -41,18 +41,19 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
         failures = _first_failures(made)
         _write(made, output)
     except (KeyboardInterrupt, Terminated) as stop:
-        _say(f"{study}: interrupted; {_kept(made, output, parts)}", False)
+        more = " so far; its workers end what they have begun" if scheduler else ""
+        _say(f"{study}: interrupted; {_kept(made, output, parts, more)}", False)
         # Workers that are still solving end with this process; whole cases are kept.
         os._exit(INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED)
     _report(study, output, made, failures, as_json, quiet)
     sys.exit(ANALYSIS_FAILED if made.failed else DONE)
 
 
-def _kept(made, output, parts):
+def _kept(made, output, parts, more):
     if not os.path.isdir(parts):
         return f"{output} is complete"
     kept = sum(1 for _ in made.results())
-    return f"{kept} of {made.job.study.cases} cases are kept in {parts}, the same command goes on"
+    return f"{kept} of {made.job.study.cases} cases are kept in {parts}{more}; the same command goes on"
 
 
 def _begun(study, output, parts, fresh):

@@ -20,7 +20,8 @@ def write_study_table(path: str, sweep: Sweep) -> None:
     with Stop.later():
         write_table(path, _head(sweep), _rows(sweep))
     Stop.heed()
-    sweep.end()
+    with Stop.later():
+        sweep.end()
 
 
 def _head(sweep):

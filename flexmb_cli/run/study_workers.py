@@ -49,7 +49,7 @@ def _pool(job, blocks, jobs, keep):
     """
     from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
     rest, running, finished = iter(blocks), set(), set()
     spawn = get_context("spawn")
@@ -69,6 +69,12 @@ def _pool(job, blocks, jobs, keep):
                 keep(done)
     except BrokenProcessPool:
         return finished, {block for block, mark in enumerate(begun) if mark} - finished
+    except BaseException:
+        # What is then told to be kept shall not grow any more.
+        for child in active_children():
+            child.kill()
+            child.join()
+        raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 

@@ -156,6 +156,22 @@ def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_on
     assert (whole / "study.h5").read_bytes() == (killed / "study.h5").read_bytes()
 
 
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, jobs):
+    study, parts = written(tmp_path, SAMPLED, count=400), tmp_path / "study.h5.parts"
+    command = [*FLEXMB, "sweep", str(study), "-j", jobs]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as sweep:
+        while bytes_of(parts) < 3000:
+            time.sleep(0.002)
+        sweep.send_signal(signal.SIGINT)
+        told = sweep.communicate()[1]
+    kept = kept_in(parts, 400, 4)
+    assert sweep.returncode == 130 and 0 < kept < 400
+    assert f"interrupted; {kept} of 400 cases are kept in study.h5.parts; the same" in told
+    done = flexmb("sweep", study, cwd=tmp_path)
+    assert f"going on with a stopped study: {kept} of 400 cases are complete" in done.stderr
+
+
 def test_a_worker_that_is_killed_is_replaced(tmp_path):
     """Its blocks go on with the case that was being solved."""
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
