@@ -4,24 +4,33 @@ import sys
 
 import click
 
-ABOVE_ZERO = click.FloatRange(0, min_open=True)
+from .finite import Finite
+
+# Powers and quotients of these are still numbers.
+ABOVE_ZERO = Finite(1e-50, 1e50)
 
 
 @click.command()
 @click.option("--length", type=ABOVE_ZERO, required=True, help="Length, m.")
-@click.option("--nodes", type=click.IntRange(1), required=True, help="Elements, each with a node at its end.")
+@click.option(
+    "--nodes", type=click.IntRange(1, 1000), required=True, help="Elements, each with a node at its end."
+)
 @click.option(
     "--ei", type=ABOVE_ZERO, required=True, help="Bending stiffness for deflection along axis 3, N m^2."
 )
 @click.option("--rho", type=ABOVE_ZERO, required=True, help="Mass per length, kg/m.")
 @click.option(
-    "--offset", type=float, default=0.0, show_default=True, help="Clamped end from O_k along axis 2, m."
+    "--offset",
+    type=Finite(-1e50, 1e50),
+    default=0.0,
+    show_default=True,
+    help="Clamped end from O_k along axis 2, m.",
 )
 @click.option("--ea", type=ABOVE_ZERO, help="Axial stiffness, N; adds displacement along axis 2.")
 @click.option(
     "--ei1", type=ABOVE_ZERO, help="Bending stiffness for deflection along axis 1, N m^2; needs --ea."
 )
-@click.option("--tip-mass", type=click.FloatRange(0), default=0.0, help="Mass added to the last node, kg.")
+@click.option("--tip-mass", type=Finite(0, 1e50), default=0.0, help="Mass added to the last node, kg.")
 @click.option("--ndm", type=click.Choice(["2", "3"]), help="NDM of the deck; by default as the axes need.")
 @click.option(
     "--deck", "whole", is_flag=True, help="A whole deck: the beam turning about axis 1 of its root."

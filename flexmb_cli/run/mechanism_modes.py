@@ -4,10 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..errors import Fault, ModelError
 from ..model.build_young_dynamics import build_young_dynamics
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.tree import Tree
 from ..read.deck import Deck
+from .check import FARTHEST_STEPS
 from .compiling import tell_of_compiling
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
@@ -88,6 +90,12 @@ def young_modes(
 def _prepare(speeds, wish: Wish, grid, listener, entry="constrained_march.march_rows"):
     """Small mechanisms that need not move first are looked at by uncompiled kernels."""
     from ..kernels import _jit
+
+    if wish.time is not None and wish.time - grid.start > FARTHEST_STEPS * grid.step:
+        message = (
+            f"--at {wish.time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
+        )
+        raise ModelError([Fault("error", message)])
 
     if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
         _jit.interpret()

@@ -44,7 +44,7 @@ def compare(
     cannot be read, or when the two are of different kinds.
     """
     tolerances = tolerances or Tolerances()
-    kinds = [_is_hdf5(path) for path in (path_a, path_b)]
+    kinds = [is_hdf5(path) for path in (path_a, path_b)]
     if all(kinds):
         from .diff_hdf5 import compare_hdf5
 
@@ -52,10 +52,10 @@ def compare(
     if any(kinds):
         other = path_b if kinds[0] else path_a
         if None in kinds:
-            _read_listing(other)  # it words why the file cannot be opened
+            read_listing(other)  # it words why the file cannot be opened
         message = "this is no HDF5 result, the other file is; compare two tables, or two HDF5 results"
         raise TableError(str(other), [Fault("error", message)])
-    a, b = (_read_listing(path) for path in (path_a, path_b))
+    a, b = (read_listing(path) for path in (path_a, path_b))
     if a.form != b.form:
         raise TableError(
             b.name, [Fault("error", f"it is of another kind ({b.form}) than {a.name} ({a.form})")]
@@ -84,8 +84,8 @@ def compare_listings(
     return report
 
 
-def _is_hdf5(path):
-    """None: the file cannot be opened."""
+def is_hdf5(path) -> bool | None:
+    """Whether the file at `path` is HDF5; None when it cannot be opened."""
     if str(path) == "-":
         return False
     try:
@@ -96,7 +96,8 @@ def _is_hdf5(path):
         return None
 
 
-def _read_listing(path):
+def read_listing(path) -> Listing:
+    """The listing or series at `path`; raises `TableError` when it is none."""
     name = str(path)
     content = read_bytes(path)
     text = plain_text(content)

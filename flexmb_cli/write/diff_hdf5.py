@@ -51,6 +51,9 @@ SIGNED = ("body/euler_parameters", "body/euler_parameter_rates", "body/euler_par
 # The text of decks and studies may differ where the results do not: a comment, the order of the spaces.
 NOT_COMPARED = ("deck", "study")
 COMPARED_ATTRIBUTES = ("analysis", "status")
+# What the attribute Conventions begins with, and the dataset that has a number for every row.
+KIND_OF_FILE = {"flexmb-study": "the table of a study", "flexmb": "a result"}
+TOLD_BY = {"flexmb-study": "case", "flexmb": "time"}
 
 
 def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False) -> Report:
@@ -58,12 +61,25 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
     report = Report(path_a, path_b)
     with _opened(path_a) as a, _opened(path_b) as b:
-        for path, file in ((path_a, a), (path_b, b)):
-            with _intact(path):
-                check_structure(file)
+        kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
+        if kinds[0] != kinds[1]:
+            message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of a kind"
+            raise TableError(path_b, [Fault("error", message)])
         with _intact(f"{path_a} or {path_b}"):
             _compare_files(report, a, b, tolerances, same_attitude)
     return report
+
+
+def _kind_of_file(path, file):
+    """What the file is, in words; raises TableError when it is damaged or nothing that flexmb writes."""
+    with _intact(path):
+        check_structure(file)
+        conventions = attribute(file, "Conventions")
+    for begins, what in KIND_OF_FILE.items():
+        if conventions.startswith(begins) and TOLD_BY[begins] in file:
+            return what
+    message = "this HDF5 file is no result of flexmb: it lacks the attribute Conventions of one, or its rows"
+    raise TableError(path, [Fault("error", message)])
 
 
 @contextmanager

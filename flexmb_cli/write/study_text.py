@@ -120,7 +120,8 @@ def study_text(
     heads = [head for column in columns for head in column.heads]
     if style != "jsonl":
         yield _lines(heads, [heads], style)
-    cases = range(0, len(table[CASE]), every)
+    count = len(table[CASE])
+    cases = range(0, count, min(every, max(count, 1)))  # HDF5 counts strides in 64 bits
     length = max(1, BLOCK_NUMBERS // len(heads))
     for first in range(0, len(cases), length):
         block = cases[first : first + length]

@@ -26,6 +26,7 @@ TEXT_NUMBER, TEXT_WIDTH = "{:.9g}", 15
 def chosen_rows(result: h5py.File, start: float | None, stop: float | None, every: int) -> range:
     """Every `every`-th row from the first with a time >= `start` to the last with a time <= `stop`, s."""
     count = len(result[TIME])
+    every = min(every, max(count, 1))  # HDF5 counts strides in 64 bits
     if (start is None and stop is None) or not count:
         return range(0, count, every)
     span = abs(time_at(result, -1) - time_at(result, 0))
