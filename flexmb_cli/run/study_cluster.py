@@ -9,6 +9,7 @@ from collections import Counter, deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError
 
+from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from .study_workers import keep, note_deaths
 from .sweep import BlockDone, Job, Sweep, next_case, solve_block
@@ -17,6 +18,7 @@ IN_FLIGHT = 2  # shares a thread of a worker is given: one that it solves and th
 SHARES = 3  # so many as one that is handed out shall still be there for every thread
 LONGEST_SHARE = 1.0  # s; who looks on, and who stops the study, shall not wait for much more
 PATIENCE = 20  # s for a scheduler that does not answer, also on the way
+MUSTER = 60  # s for a first worker
 CENSUS = 1.0  # s between two looks for new workers, each a message
 
 
@@ -31,7 +33,8 @@ class ClusterError(FlexmbError):
 def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], address: str) -> None:
     """Solve `blocks` on the Dask cluster whose scheduler is at `address`, a few at a time.
 
-    Raises ClusterError when there is no Dask or no scheduler, or not for long, or when workers lack flexmb.
+    Raises ClusterError when there is no Dask, no scheduler or no worker, when the scheduler is lost, or when
+    workers lack flexmb or have another version.
     """
     try:
         from distributed import Client
@@ -49,14 +52,18 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], N
         try:
             _Cluster(client, sweep, advance, address).solve(blocks)
         except (CancelledError, OSError) as fault:
-            message = (
-                f"the Dask scheduler at {address} was lost: {fault}; the same command goes on with the study"
-            )
+            message = f"the Dask scheduler at {address} was lost: {fault}; the same command goes on"
             raise ClusterError(message, ANALYSIS_FAILED) from fault
 
 
 def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
-    """Solve some blocks of a study; what became of them, and the seconds it took."""
+    """Solve some blocks of a study; what became of them, and the seconds it took.
+
+    Raises ClusterError in a worker of another version.
+    """
+    version = dict(job.identity)["version"]
+    if version != __version__:
+        raise ClusterError(f"a worker has flexmb {__version__}, this study is solved by {version}")
     start = time.perf_counter()
     done = [solve_block(job, block) for block in blocks]
     return done, time.perf_counter() - start
@@ -86,11 +93,20 @@ class _Cluster:
         self.arriving = as_completed(loop=client.loop)
 
     def solve(self, blocks):
+        self._await_workers()
         self.rest.extend(blocks)
         self._hand_out()
         for future in self.arriving:
             self._finish(future)
             self._hand_out()
+
+    def _await_workers(self):
+        try:
+            # A cluster that grows as it is needed has been given its first task.
+            self.client.wait_for_workers(1, timeout=MUSTER)
+        except TimeoutError as fault:
+            message = f"no worker has joined the Dask scheduler at {self.address} within {MUSTER} s"
+            raise ClusterError(message) from fault
 
     def _hand_out(self):
         if self.struck:

@@ -50,6 +50,27 @@ def test_a_scheduler_that_ends_on_the_way_is_told(tmp_path, monkeypatch):
     assert 0 < len(list(sweep.results())) < 300
 
 
+def test_a_cluster_without_workers_is_not_waited_for_without_end(tmp_path, monkeypatch):
+    from distributed import LocalCluster
+
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=3)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_cluster, "MUSTER", 1)
+    with (
+        LocalCluster(n_workers=0, dashboard_address=None) as cluster,
+        pytest.raises(study_cluster.ClusterError, match="no worker has joined") as refused,
+    ):
+        study_cluster.solve_on_cluster(sweep, [0], lambda cases: None, cluster.scheduler_address)
+    assert refused.value.exit_code == 2
+
+
+def test_a_worker_of_another_version_solves_nothing(tmp_path, monkeypatch):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=3)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_cluster, "__version__", "9.9.9")
+    with pytest.raises(study_cluster.ClusterError, match=r"a worker has flexmb 9\.9\.9, this study"):
+        study_cluster.solve_share(sweep.job, [0])
+    assert not list(sweep.results())
+
+
 def share_ends_at_case_77(job, blocks):
     """In place of `solve_share`, in a worker: case 77 ends it."""
     for block in blocks:
