@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from ..errors import visible
+from .heap_check import fault_of_heaps
 
 # Filters of the library itself; another one would have it load a plugin from the disk.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
@@ -43,6 +44,9 @@ def understood() -> Iterator[None]:
 
 def check_structure(file: h5py.File) -> None:
     """Raise `Damaged` where the file has links, types or sizes that no result of flexmb has."""
+    heaps = fault_of_heaps(file)
+    if heaps:
+        raise Damaged(heaps)
     names: list[bytes] = []
 
     def stop_at(name, link):

@@ -190,3 +190,31 @@ def test_a_name_beyond_the_names_of_its_group_is_told(tmp_path):
         done = CliRunner().invoke(cli, ["table", str(result), "--list"])
         assert getattr(done.exception, "exit_code", None) == 2, done.exception
         assert "r.h5: " in done.output + str(done.exception)
+
+
+@pytest.mark.parametrize("length", [0, 8, 2**63, 10**6])
+def test_a_heap_whose_free_space_has_no_size_is_told(tmp_path, length):
+    """HDF5 1.14 goes round in it for ever: texts and references cannot be read."""
+    result = tmp_path / "r.h5"
+    with h5py.File(result, "w") as file:
+        file["time"], file["body/name"] = [0.0, 0.1], ["a", "b"]
+    raw = result.read_bytes()
+    # Heading of 16 bytes; "a" and "b" in parts of a heading and 8 bytes each; free space, its length at +8.
+    start = raw.index(b"GCOL")
+    free = start + 16 + 2 * 24
+    assert raw[free : free + 2] == b"\0\0"
+    assert int.from_bytes(raw[free + 8 : free + 16], "little") == 4096 - 64
+    result.write_bytes(raw[: free + 8] + length.to_bytes(8, "little") + raw[free + 16 :])
+    done = CliRunner().invoke(cli, ["table", str(result), "--list"])
+    assert getattr(done.exception, "exit_code", None) == 2, done.exception
+    assert f"the heap at byte {start} has a part of {length} bytes" in str(done.exception)
+
+
+def test_a_heap_in_a_heap_is_told(tmp_path):
+    """Else each of a hundred thousand would be walked through to the end of the file."""
+    result = write_result(tmp_path / "r.h5", 5)
+    with h5py.File(result, "r+") as file:
+        file["more"] = "GCOL\x01" + 100 * "GCOL"
+    done = CliRunner().invoke(cli, ["table", str(result), "--list"])
+    assert getattr(done.exception, "exit_code", None) == 2, done.exception
+    assert "holds another one" in str(done.exception)
