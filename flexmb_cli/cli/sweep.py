@@ -9,6 +9,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
+from .output_file import refuse_inputs
 from .run import stop_on_signals
 
 
@@ -62,6 +63,7 @@ def _begun(study, output, parts, fresh):
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
+    refuse_inputs(output, [study])
     # The cases are kept beside the table: without this their folder would be made with all its parents.
     refuse_unwritable(output)
     try:

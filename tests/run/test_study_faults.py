@@ -79,6 +79,13 @@ def test_a_binary_file_and_a_folder_are_called_what_they_should_be(tmp_path):
         assert done.returncode == 2 and done.stderr.startswith(message), done.stderr
 
 
+def test_a_table_does_not_take_the_place_of_its_study(tmp_path):
+    (tmp_path / "study.h5").write_text(STUDY)
+    done = flexmb("sweep", "study.h5", cwd=tmp_path)
+    assert done.returncode == 2 and "-o study.h5 would overwrite study.h5" in done.stderr
+    assert (tmp_path / "study.h5").read_text() == STUDY
+
+
 def test_a_study_on_standard_input_has_carets_and_a_table(tmp_path):
     wrong = flexmb("sweep", "-", cwd=tmp_path, input=STUDY.replace("driver.1.B", "driver.9.B"))
     assert wrong.returncode == 2
