@@ -1,6 +1,6 @@
 """Give flexmb files of a megabyte that are made to take long, and measure how soon it answers each.
 
-Example: .venv/bin/python scripts/fuzz/megabytes.py
+Example: scripts/fuzz/run megabytes
 Prints processor time, memory and exit code of each; exit 1 when one takes more than 2 s or 256 MB, or is
 not answered.  With words as arguments: only files whose kind or filling holds one of them.
 """

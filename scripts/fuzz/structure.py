@@ -19,6 +19,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from limits import limit_memory, outcome
 from structure_kinds import STRUCTURES
 
+PHASES = (Phase.generate, Phase.shrink)
 EVERY = 250  # files of one call of hypothesis, which keeps all of them in mind
 
 
@@ -91,7 +92,7 @@ class Trial:
             database=None,
             deadline=None,
             suppress_health_check=list(HealthCheck),
-            phases=(Phase.generate, Phase.shrink),
+            phases=PHASES,
             print_blob=False,
         )
         @given(self.kind.strategy)
