@@ -1,11 +1,18 @@
 """What a stranger may have named or typed does not command the terminal that shows the message."""
 
+import io
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from flexmb_cli.cli.terminal import TerminalText
+
 pytestmark = pytest.mark.processes
+
+DECKS = Path(__file__).resolve().parents[1] / "decks" / "vsdf"
 
 ESCAPES = "\x1b[2J\x9b1m\u202e\x07"
 CASES = {
@@ -25,3 +32,66 @@ def test_control_characters_are_shown_as_marks(tmp_path, case):
     assert done.returncode == 2
     assert "�" in message
     assert not set(ESCAPES) - set("[2J1m") & set(message)
+
+
+def at_a_terminal(*arguments, cwd):
+    """What a terminal gets of standard output."""
+    import pty
+
+    master, slave = pty.openpty()
+    command = [sys.executable, "-m", "flexmb_cli", *arguments]
+    with subprocess.Popen(command, cwd=cwd, stdout=slave, stderr=subprocess.DEVNULL) as process:
+        os.close(slave)
+        shown = b""
+        try:
+            while piece := os.read(master, 65536):
+                shown += piece
+        except OSError:
+            pass  # Linux tells the end of a terminal so
+        assert process.wait(timeout=120) == 0
+    os.close(master)
+    return shown.decode("utf-8")
+
+
+BEAM = [
+    "beam",
+    "--length",
+    "1",
+    "--nodes",
+    "1",
+    "--ei",
+    "1",
+    "--rho",
+    "1",
+    "--deck",
+    "--title",
+    "A \x1b[2J BEAM",
+]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")
+def test_a_title_does_not_steer_the_terminal_and_passes_a_pipe_untouched(tmp_path):
+    assert "A �[2J BEAM" in at_a_terminal(*BEAM, cwd=tmp_path)
+    piped = subprocess.run(
+        [sys.executable, "-m", "flexmb_cli", *BEAM], cwd=tmp_path, capture_output=True, timeout=120
+    )
+    assert b"A \x1b[2J BEAM" in piped.stdout
+
+
+def test_lines_of_a_listing_stay_lines():
+    page = io.StringIO()
+    TerminalText(page).write("one\ntw\x1b[31mo\rx\n")
+    assert page.getvalue() == "one\ntw�[31mo�x\n"
+
+
+def test_the_echo_of_a_deck_shows_marks(tmp_path):
+    text = (DECKS / "spinup.vsdf").read_text().replace("SPIN-UP", "SPIN\x1b[31m-UP", 1)
+    (tmp_path / "x.vsdf").write_text(text)
+    (tmp_path / "fe").symlink_to(DECKS / "fe")
+    done = subprocess.run(
+        [sys.executable, "-m", "flexmb_cli", "check", "--echo", "x.vsdf"],
+        cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert "SPIN�[31m-UP" in done.stdout
+    assert "\x1b" not in done.stdout + done.stderr

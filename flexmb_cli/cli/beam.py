@@ -5,6 +5,7 @@ import sys
 import click
 
 from .finite import Finite
+from .terminal import standard_output
 
 # Powers and quotients of these are still numbers.
 ABOVE_ZERO = Finite(1e-50, 1e50)
@@ -52,7 +53,7 @@ def beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass, ndm, whole, title, i
 
     _check_choice(whole, into, body)
     made = Beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass)
-    click.echo(_text(made, ndm, whole, title, into, body), nl=False)
+    standard_output().write(_text(made, ndm, whole, title, into, body))
     click.echo(f"beam: its share of MASS {made.mass:.9g} kg, of INER {made.inertia:.9g} kg m^2", err=True)
 
 

@@ -10,6 +10,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..run.outcome import Terminated
+from .terminal import standard_output
 
 _NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
@@ -232,7 +233,7 @@ class _Talk:
         from ..write.atomic import write_whole
 
         if self.path == "-":
-            click.echo(self._text(), nl=False)
+            standard_output().write(self._text())
         else:
             write_whole(self.path, self._text().encode())
             click.echo(f"{self.path}: written; flexmb check {self.path} accepts it", err=True)

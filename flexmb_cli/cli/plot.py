@@ -25,7 +25,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
     NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
-    driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and energies.
+    driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and how energies change.
     Needs matplotlib: pip install 'flexmb[plot]'.
 
     \b
@@ -68,21 +68,22 @@ def _source(open_files, path, label, names, across, window, quiet):
     from ..write.table import chosen_rows
 
     file = open_files.enter_context(open_result(path))
-    abscissa = resolve(file, [across])
+    abscissa = resolve(file, [across], f"{path}: --x ")
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
-    quantities = resolve(file, names) if names else default_quantities(file)
+    quantities = resolve(file, names, f"{path}: ") if names else default_quantities(file)
     quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
-    rows = chosen_rows(file, *window)
-    if not rows or not quantities:
-        raise ResultError(
-            f"{path}: nothing to draw: no {'quantities' if rows else 'rows in this window of time'}"
-        )
-    told = shortfall(file)
+    rows, told = chosen_rows(file, *window), shortfall(file)
+    if not quantities:
+        raise ResultError(f"{path}: nothing to draw over {abscissa[0].name}: name another quantity")
+    if not rows:
+        reason = "no rows in this window of time" if len(file["time"]) else told or "it has no rows"
+        raise ResultError(f"{path}: nothing to draw: {reason}")
     if told and not quiet:
         click.echo(f"{path}: note: {told}", err=True)
-    return Source(label, file, slice(rows.start, rows.stop, rows.step), abscissa[0], quantities)
+    window = slice(rows.start, rows.stop, rows.step)
+    return Source(label, file, window, abscissa[0], quantities, energies_change=not names)
 
 
 def _labels(paths):

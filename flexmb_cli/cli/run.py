@@ -10,6 +10,7 @@ from ..errors import ANALYSIS_FAILED, DONE, FlexmbError
 from ..run.outcome import Terminated
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
+from .terminal import standard_output
 
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
@@ -99,7 +100,7 @@ def _outcomes(decks, options, jobs, quiet):
         Stop.heed()
         # The bar ends its line before anything is said of the outcome.
         with _Progress(quiet) as progress:
-            outcome = run_deck(deck, options, progress.listener, sys.stdout)
+            outcome = run_deck(deck, options, progress.listener, standard_output())
         yield outcome
 
 

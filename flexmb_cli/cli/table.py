@@ -45,10 +45,12 @@ def table(result, names, listing, start, stop, every, style, quiet):
     from ..write.stored_result import settings_of
     from ..write.table import chosen_rows, list_text, table_text
 
+    if listing and (start is not None or stop is not None or every > 1):
+        raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
     if not names and not listing:
         raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
     with open_result(result) as file:
-        quantities = resolve(file, names) if names else all_names(file)
+        quantities = resolve(file, names, f"{result}: ") if names else all_names(file)
         if listing:
             _remark_settings(result, settings_of(file), quiet)
             click.echo(list_text(quantities, style or "text"), nl=False)
@@ -66,7 +68,7 @@ def _print_study(path, names, listing, every, style, quiet):
     with open_study(path) as file:
         columns = study_columns(file)
         if names or not listing:
-            columns = chosen_columns(columns, names)
+            columns = chosen_columns(columns, names, f"{path}: ")
         if listing:
             click.echo(list_text(columns, style or "text"), nl=False)
             return

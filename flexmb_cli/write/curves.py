@@ -15,7 +15,8 @@ TELLING = {
     "dafms": ("coordinate/q",),
     "vsdf": ("point/position", "body/position"),
 }
-ALWAYS = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work", "energy/total")
+ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
+TOTAL = "energy/total"
 # More curves than these in a panel cannot be told apart.
 MOST_CURVES = 12
 # A coordinate that moves less than this part of the farthest moving one tells nothing.
@@ -38,29 +39,40 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Curves of one `unit` on common axes over what `x_label` says; `same_unit`: x has the unit, too."""
+    """Curves of one `unit` on common axes over what `x_label` says.
+
+    `same_unit`: x has the unit, too; `of_changes`: the curves are changes since their first values.
+    """
 
     x_label: str
     unit: str
     curves: tuple[Curve, ...]
     same_unit: bool = False
+    of_changes: bool = False
 
     @property
     def y_label(self) -> str:
         """The one quantity with its unit, or just the unit of many."""
         names = {curve.label for curve in self.curves}
-        return f"{self.curves[0].label} [{self.unit}]" if len(names) == 1 else f"[{self.unit}]"
+        if len(names) > 1:
+            return f"{'change ' if self.of_changes else ''}[{self.unit}]"
+        return f"{'change of ' if self.of_changes else ''}{self.curves[0].label} [{self.unit}]"
 
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """An open `result` with its `label` ("" when it is the only one) and `rows`, and what to draw of it."""
+    """An open `result` with its `label` ("" when it is the only one) and `rows`, and what to draw of it.
+
+    `energies_change`: energies are drawn as their changes since the first row, that of their sum by itself:
+    the zero of the potential, which means nothing, would flatten what moves.
+    """
 
     label: str
     result: h5py.File
     rows: slice
     abscissa: Quantity
     quantities: Sequence[Quantity]
+    energies_change: bool = False
 
 
 def default_quantities(result: h5py.File) -> list[Quantity]:
@@ -73,22 +85,27 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
             chosen += _crowd(moving)
-    return chosen + [quantity for quantity in known if quantity.dataset in ALWAYS]
+    return chosen + [quantity for quantity in known if quantity.dataset in (*ENERGIES, TOTAL)]
 
 
 def panels(sources: Sequence[Source]) -> list[Panel]:
-    """One panel for every unit, in the order in which the units come first."""
-    found: dict[str, list[Curve]] = {}
+    """One panel for every unit, in the order in which the units come first, and more for energies."""
+    found: dict[tuple[str, bool, bool], list[Curve]] = {}
     for number, source in enumerate(sources):
         values = read(source.result, [source.abscissa, *source.quantities], source.rows)
-        count: dict[str, int] = {}
+        count: dict[tuple[str, bool, bool], int] = {}
         for column, quantity in enumerate(source.quantities, start=1):
-            rank = count[quantity.unit] = count.get(quantity.unit, -1) + 1
+            changes = source.energies_change and quantity.dataset in (*ENERGIES, TOTAL)
+            key = quantity.unit, changes, changes and quantity.dataset == TOTAL
+            rank = count[key] = count.get(key, -1) + 1
             name = f"{source.label}: {quantity.name}" if source.label else quantity.name
-            curve = Curve(name, values[:, 0], values[:, column], rank, number)
-            found.setdefault(quantity.unit, []).append(curve)
+            y = values[:, column] - (values[0, column] if changes else 0.0)
+            found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number))
     x = sources[0].abscissa
-    return [Panel(x.header, unit, tuple(curves), unit == x.unit) for unit, curves in found.items()]
+    return [
+        Panel(x.header, unit, tuple(curves), unit == x.unit, changes)
+        for (unit, changes, _), curves in found.items()
+    ]
 
 
 def _moving(result, quantities):

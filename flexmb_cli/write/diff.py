@@ -20,7 +20,7 @@ from .listing import (
     read_bytes,
 )
 from .out_table import parse_listing
-from .tolerances import Tolerances
+from .tolerances import ToleranceError, Tolerances
 from .vsdf_listing import parse_vsdf
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -48,6 +48,9 @@ def compare(
     if all(kinds):
         from .diff_hdf5 import compare_hdf5
 
+        if tolerances.last_digit:
+            message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
+            raise ToleranceError(message)
         return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
     if any(kinds):
         other = path_b if kinds[0] else path_a

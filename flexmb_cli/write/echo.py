@@ -1,5 +1,6 @@
 """The echo of a deck: every number as it was understood, for `--echo`."""
 
+from ..errors import visible
 from ..read.deck import Deck
 from ..read.dialects import DIALECTS
 
@@ -19,12 +20,13 @@ def echo(deck: Deck) -> str:
 
 def _title(deck):
     begins = DIALECTS[deck.dialect].begins
-    return f"{deck.source.name}: read as a {deck.dialect.upper()} deck, which begins with {begins}"
+    return f"{visible(deck.source.name)}: read as a {deck.dialect.upper()} deck, which begins with {begins}"
 
 
 def _row(name, number):
     line = str(number.place.line) if number.place else "--set"
-    return line, name, number.text or str(number.value), number.unit or "-", number.meaning
+    cells = name, number.text or str(number.value), number.unit or "-", number.meaning
+    return line, *map(visible, cells)
 
 
 def _aligned(row, widths):

@@ -9,7 +9,7 @@ may end early: `body.1.velocity` is all three components.
 import fnmatch
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import product
 
@@ -21,6 +21,7 @@ from .nearest_names import nearest
 from .quantity_names import TIME, families, folded
 from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
 
+NOTHING = "an empty name"
 SHOWS_ALL = "; --list shows all"
 
 
@@ -60,7 +61,7 @@ def open_result(path) -> Iterator[h5py.File]:
     except IsADirectoryError:
         raise ResultError(f"{path}: it is a folder") from None
     except OSError as error:
-        raise ResultError(f"{path}: this is no HDF5 result that can be read: {error}") from error
+        raise ResultError(f"{path}: {_other_kind(path, error)}") from error
     try:
         with file, understood():
             check_structure(file)
@@ -76,6 +77,16 @@ def open_result(path) -> Iterator[h5py.File]:
         raise ResultError(f"{path}: a damaged result: {fault}") from fault
 
 
+def _other_kind(path, error):
+    """What the file is that HDF5 cannot open."""
+    begins = b""
+    with suppress(OSError), open(path, "rb") as file:
+        begins = file.read(4)
+    if begins == b"PAR1":
+        return "this is a Parquet table, which pandas and polars read; flexmb table prints those in HDF5"
+    return f"this is no HDF5 result that can be read: {error}"
+
+
 def names(result: h5py.File) -> list[Quantity]:
     """Every quantity that the result has for every report row, the time first."""
     return [
@@ -85,13 +96,13 @@ def names(result: h5py.File) -> list[Quantity]:
     ]
 
 
-def resolve(result: h5py.File, patterns: Iterable[str]) -> list[Quantity]:
+def resolve(result: h5py.File, patterns: Iterable[str], where: str = "") -> list[Quantity]:
     """The quantities that `patterns` name, in their order and each once.
 
     A pattern that is the whole name of something means just that (`coordinate.2` is the coordinate, not
     also its speed); else it means all whose names it begins: `*` is everything.  Capitals do not matter, and
     a blank may be written as an underscore.  Raises `ResultError`, with near names for every pattern that
-    fits nothing.
+    fits nothing; `where` ("r.h5: ") begins its sentences.
     """
     known = families(result)
     found: dict[Quantity, None] = {}
@@ -100,7 +111,7 @@ def resolve(result: h5py.File, patterns: Iterable[str]) -> list[Quantity]:
         matched = _matched(known, pattern)
         found.update(dict.fromkeys(matched))
         if not matched:
-            unknown.append(_unknown(known, pattern))
+            unknown.append(f"{where}{_unknown(known, pattern)}")
     if unknown:
         raise ResultError(unknown[0], tuple(Fault("error", sentence) for sentence in unknown))
     return list(found)
@@ -198,4 +209,4 @@ def _unknown(known, pattern):
     forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
     close = nearest(pattern.split("."), forms)
     hint = f"; near it are {', '.join(close)}" if close else ""
-    return f"{pattern}: the result has no such quantity{hint}{SHOWS_ALL}"
+    return f"{pattern or NOTHING}: the result has no such quantity{hint}{SHOWS_ALL}"

@@ -147,7 +147,7 @@ def _curves(result):
         return []
     every = slice(0, rows, -(-rows // MOST_CURVE_ROWS))
     time = next(quantity for quantity in names(result) if quantity.name == "time")
-    return [_figure(panel) for panel in panels([Source("", result, every, time, quantities)])]
+    return [_figure(panel) for panel in panels([Source("", result, every, time, quantities, True)])]
 
 
 def _figure(panel: Panel):

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from ..errors import visible
-from .quantities import ResultError
+from .quantities import NOTHING, ResultError
 from .quantity_names import folded
 from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from .study_table import BLOCK_NUMBERS, CONVENTIONS
@@ -89,10 +89,12 @@ def _column(table, path):
     return StudyColumn(path, unit, long_name, dataset.shape[1] if dataset.ndim > 1 else 0)
 
 
-def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str]) -> list[StudyColumn]:
+def chosen_columns(
+    columns: Sequence[StudyColumn], patterns: Iterable[str], where: str = ""
+) -> list[StudyColumn]:
     """The columns that `patterns` name, the case first; without any, all but series, rows and messages.
 
-    Raises ResultError for a pattern that names none.
+    Raises ResultError for a pattern that names none; `where` ("study.h5: ") begins its sentence.
     """
     patterns = list(patterns)
     if not patterns:
@@ -101,7 +103,7 @@ def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str]) -> l
     for pattern in patterns:
         named = [column for column in columns if column.is_called(pattern)]
         if not named:
-            raise ResultError(_unknown(columns, pattern))
+            raise ResultError(f"{where}{_unknown(columns, pattern)}")
         found.update(dict.fromkeys(named))
     return list(found)
 
@@ -110,7 +112,7 @@ def _unknown(columns, pattern):
     known = {column.path.rpartition("/")[2]: column.name for column in columns}
     close = [known[word] for word in get_close_matches(pattern, known, cutoff=0.4)]
     hint = f"; near it are {', '.join(close)}" if close else ""
-    return f"{pattern}: the study has no such parameter or result{hint}; --list shows all"
+    return f"{pattern or NOTHING}: the study has no such parameter or result{hint}; --list shows all"
 
 
 def study_text(

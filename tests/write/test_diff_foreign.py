@@ -74,3 +74,9 @@ def test_a_failed_run_with_rows_can_be_a_reference(tmp_path):
     done = compared(tmp_path / "new.h5", failed, "--update")
     assert done.exit_code == 0
     assert (tmp_path / "new.h5").read_bytes() == failed.read_bytes()
+
+
+def test_units_of_the_last_digit_are_refused_where_no_digit_is_printed(good):
+    done = compared(good, good, "--last-digit", "1")
+    assert done.exception.exit_code == 2
+    assert "--last-digit: HDF5 results have no printed digits" in str(done.exception)

@@ -3,9 +3,11 @@
 import sys
 import time
 
+import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from results import write_result
 from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.plot import plot
@@ -41,6 +43,29 @@ def test_every_unit_has_its_panel(bar):
     assert [(panel.unit, len(panel.curves)) for panel in drawn] == [("m", 2), ("rad/s", 1)]
     assert [panel.y_label for panel in drawn] == ["[m]", "body.2.omega.y [rad/s]"]
     assert drawn[0].curves[1].y == pytest.approx(tip(TIMES)[:, 2], abs=1e-14)
+
+
+def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_path):
+    """The potential's 1e6 J mean nothing; between two rows 3 J go from it to the motion, 1e-6 J are lost."""
+    energies = {"kinetic": [2.0, 5.0], "potential": [1e6, 1e6 - 3.0], "total": [1e6 + 2.0, 1e6 + 2.0 - 1e-6]}
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file["time"] = [0.0, 1.0]
+        file["time"].make_scale("time")
+        for name, values in energies.items():
+            file[f"energy/{name}"] = values
+            file[f"energy/{name}"].attrs["units"] = "J"
+            file[f"energy/{name}"].dims[0].attach_scale(file["time"])
+    with open_result(tmp_path / "r.h5") as file:
+        wanted, time = default_quantities(file), resolve(file, ["time"])[0]
+        changes, drift = panels([Source("", file, slice(None), time, wanted, energies_change=True)])
+        (together,) = panels([Source("", file, slice(None), time, wanted)])
+    assert {curve.label: curve.y.tolist() for curve in changes.curves} == {
+        "energy.kinetic": [0.0, 3.0],
+        "energy.potential": [0.0, -3.0],
+    }
+    assert (changes.y_label, drift.y_label) == ("change [J]", "change of energy.total [J]")
+    assert drift.curves[0].y == pytest.approx([0.0, -1e-6], rel=1e-3)
+    assert [curve.y[0] for curve in together.curves] == [2.0, 1e6, 1e6 + 2.0]
 
 
 def test_a_path_has_equal_axes(bar):
@@ -89,6 +114,9 @@ def test_the_title_is_the_decks_name_and_no_mathematics(draw, tmp_path):
         (["point.1.nothing", "-o", "p.png"], "no such quantity"),
         (["--x", "point.1.velocity", "-o", "p.png"], "means 3 quantities"),
         (["--from", "100", "-o", "p.png"], "no rows in this window of time"),
+        (["point.1.x", "--x", "point.1.x", "-o", "p.png"], "nothing to draw over point.1.x: name another"),
+        (["point.1.nothing", "-o", "p.png"], "r.h5: point.1.nothing: the result has"),
+        (["point.1.x", "--x", "nothing", "-o", "p.png"], "r.h5: --x nothing: the result has"),
     ],
 )
 def test_what_cannot_be_drawn_is_said_and_leaves_no_file(draw, tmp_path, monkeypatch, arguments, told):
@@ -105,3 +133,10 @@ def test_a_missing_library_is_named_with_its_remedy(draw, monkeypatch):
     done = draw("-o", "p.png")
     assert done.exit_code == 2
     assert "pip install 'flexmb[plot]'" in done.output
+
+
+def test_a_run_that_failed_before_its_first_row_is_told_as_the_reason(tmp_path):
+    pytest.importorskip("matplotlib")
+    path = write_result(tmp_path / "none.h5", 0, "failed", "locks at once")
+    done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
+    assert "nothing to draw: the run is not complete, it has no rows: locks at once" in str(done.exception)

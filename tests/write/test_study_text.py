@@ -118,3 +118,9 @@ def test_diff_names_the_case_of_the_worst_place_and_passes_over_the_text_of_the_
     assert done.exit_code == 1
     assert "/result/path, case 3, 2: 5.0 against 5.5" in done.output
     assert "0 things are missing" in done.output
+
+
+def test_a_parquet_table_is_told_from_a_damaged_one(tmp_path):
+    (tmp_path / "s.parquet").write_bytes(b"PAR1....PAR1")
+    done = CliRunner().invoke(table, [str(tmp_path / "s.parquet"), "top"])
+    assert "s.parquet: this is a Parquet table, which pandas and polars read" in str(done.exception)

@@ -1,0 +1,31 @@
+"""Standard output, on which strangers' texts do not command a terminal; files and pipes get every byte."""
+
+import sys
+
+from ..errors import visible
+
+
+class TerminalText:
+    """A text stream that marks what would steer the terminal behind `stream`."""
+
+    def __init__(self, stream):
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write `text` with marks."""
+        self._stream.write(lines_visible(text))
+        return len(text)
+
+    def flush(self) -> None:
+        """Hand what is buffered to the terminal."""
+        self._stream.flush()
+
+
+def standard_output():
+    """Standard output; where it is a terminal, with marks."""
+    return TerminalText(sys.stdout) if sys.stdout.isatty() else sys.stdout
+
+
+def lines_visible(text: str) -> str:
+    """`visible` of every line."""
+    return "\n".join(map(visible, text.split("\n")))
