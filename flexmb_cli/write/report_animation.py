@@ -22,7 +22,7 @@ MOST_BODIES = 40
 # Shortest and longest time of the whole animation, s; between them it plays in its own time.
 SHORTEST, LONGEST = 3.0, 15.0
 # Longest side of a plane's box, diagonal of a box in space, and distance of the eye, that fill the picture.
-FLAT, DEEP, DISTANCE = 1.7, 1.65, 1.9
+FLAT, DEEP, DISTANCE = 1.7, 1.5, 1.9
 
 
 def frame_rows(rows: int, places: int = 1) -> slice:
@@ -221,7 +221,7 @@ def _box(places, view):
     extent = float((high - low).max()) or 1.0
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, 0.1 * extent) + 0.05 * extent
     box = {
-        f"{axis}axis": {"range": [middle[k] - half[k], middle[k] + half[k]], "title": {"text": f"{axis} [m]"}}
+        f"{axis}axis": {"range": [middle[k] - half[k], middle[k] + half[k]]} | _name(axis, view.planar)
         for k, axis in enumerate("xyz")
     }
     if view.planar and max(map(abs, view.eye)) == 1.0:
@@ -229,6 +229,14 @@ def _box(places, view):
         box["xyz"[int(np.argmax(np.abs(view.eye)))] + "axis"]["visible"] = False
     ratio = FLAT * half / half.max() if view.planar else DEEP * half / np.linalg.norm(half)
     return box | {"aspectmode": "manual", "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True))}
+
+
+def _name(axis, planar):
+    """Name and unit of an axis: its title; seen flat, where a title lies on the numbers, its last number."""
+    if not planar:
+        return {"title": {"text": f"{axis} [m]"}}
+    words = {"tickprefix": f"{axis} = ", "ticksuffix": " m"}
+    return {"title": {"text": ""}, "showtickprefix": "last", "showticksuffix": "last"} | words
 
 
 def _camera(view):

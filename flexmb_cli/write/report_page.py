@@ -61,6 +61,7 @@ body { max-width: 1100px; margin: 1.5em auto; padding: 0 1em; }
 h1 { font-size: 1.5em; } h2 { font-size: 1.15em; margin-top: 2em; border-bottom: 1px solid #ccc; }
 table { border-collapse: collapse; }
 td, th { padding: .15em 1em .15em 0; text-align: left; vertical-align: top; }
+th { white-space: nowrap; }
 td.number { font-family: ui-monospace, monospace; }
 pre { background: #f6f6f6; padding: 1em; overflow: auto; max-height: 40em; }
 summary { cursor: pointer; }

@@ -17,10 +17,12 @@ from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.report import report
+from flexmb_cli.write import report_animation
 from flexmb_cli.write.quantities import ResultError, open_result
 from flexmb_cli.write.report_animation import MOST_FRAMES, animation, frame_rows
 from flexmb_cli.write.report_page import report_page
 from flexmb_cli.write.scene import read_scene
+from flexmb_cli.write.view import view_of
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 TIMES = np.arange(7.0)
@@ -324,3 +326,17 @@ def test_positions_that_are_no_numbers_are_not_drawn(tmp_path):
         file["body/position"][3, 1] = np.nan
     with pytest.raises(ResultError, match="not finite"):
         page_on(path)
+
+
+def test_axes_seen_flat_are_named_by_their_last_number():
+    """A square in yz, seen along x: a title would lie on the numbers of its axis."""
+    square = np.array([(0, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 1)], float)
+    box = report_animation._box(square, view_of(square, np.zeros(3)))
+    assert box["xaxis"]["visible"] is False
+    for name in "yz":
+        axis = box[f"{name}axis"]
+        assert (axis["title"]["text"], axis["tickprefix"], axis["ticksuffix"]) == ("", f"{name} = ", " m")
+        assert axis["showtickprefix"] == axis["showticksuffix"] == "last"
+    corner = np.vstack([square, [(1, 0, 0)]])
+    in_space = report_animation._box(corner, view_of(corner, np.zeros(3)))
+    assert in_space["yaxis"]["title"]["text"] == "y [m]"
