@@ -36,10 +36,15 @@ def check_matrices(given: FlexibleInput, S, K, findings: Findings) -> Figures:
 def _check_exchanged(given, S, K, findings):
     """Only a stiffness lets the body translate freely, so the two matrices cannot be mistaken."""
     translations = np.tile(np.eye(3), (len(given.numbers), 1))
-    of_mass, of_stiffness = (np.abs(A @ translations).max() / abs(A).max() for A in (S, K))
+    of_mass, of_stiffness = (np.abs(A @ translations).max() / _largest(A) for A in (S, K))
     if of_mass <= RIGID_ERROR < of_stiffness:
         message = "it gives no force in a translation, and the stiffness does: are the files exchanged?"
         findings.error(given.name, f"this mass matrix looks like a stiffness; {message}", given.mass.place)
+
+
+def _largest(matrix):
+    """The largest entry, by which others are measured; 1 where all are 0, which is told of each freedom."""
+    return abs(matrix).max() or 1.0
 
 
 def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, findings: Findings) -> None:
@@ -62,7 +67,7 @@ def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
     """S^ij must be multiples of E (24): the largest deviation, relative to the largest entry of S."""
     scalar = scalar_mass(S)
     difference = abs(S - in_three_directions(scalar))
-    deviation = float(difference.max() / abs(S).max())
+    deviation = float(difference.max() / _largest(S))
     if deviation > ISOTROPIC_DOUBT:
         row = int(difference.argmax()) // difference.shape[1]
         severe = deviation > ISOTROPIC_ERROR
@@ -103,7 +108,7 @@ def check_rigid_motions(given: FlexibleInput, K, findings: Findings) -> float:
     """K must not resist rigid motion: the largest |K R| relative to the largest entry of K."""
     centred = given.positions - given.positions.mean(axis=0)
     size = np.abs(centred).max() or 1.0
-    forces = np.abs(K @ rigid_motions(centred / size)) / abs(K).max()
+    forces = np.abs(K @ rigid_motions(centred / size)) / _largest(K)
     translation, rotation = forces[:, :3].max(), forces[:, 3:].max()
     residual = float(max(translation, rotation))
     if residual > RIGID_DOUBT:

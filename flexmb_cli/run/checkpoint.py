@@ -9,6 +9,7 @@ import io
 import json
 import os
 import struct
+import zipfile
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -171,6 +172,9 @@ def _entries(file):
             return
         entry = file.read(length)
         if len(entry) < length or zlib.crc32(entry) != checksum:
+            return
+        # Zeros, as behind a loss of power, are an entry of no length and its checksum.
+        if not zipfile.is_zipfile(io.BytesIO(entry)):
             return
         yield entry
 

@@ -60,7 +60,9 @@ def _measured(case: Case, work: Path) -> bool:
     took, grown, code, fault = told.split(" ", 3)
     name = f"{case.kind:15} {case.filling:24}"
     print(f"{name} {float(took):6.2f} s {int(grown) / 1024:5.0f} MB  exit {code}  {fault}", flush=True)
-    return float(took) > SLOW or int(grown) > MOST_MEMORY or bool(fault)
+    # `diff` gets two of them.
+    slow = 2 * SLOW if arguments[0] == "diff" else SLOW
+    return float(took) > slow or int(grown) > MOST_MEMORY or bool(fault)
 
 
 def _peak():

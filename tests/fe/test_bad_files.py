@@ -382,6 +382,18 @@ def test_clamped_nodes_on_one_line_leave_a_rotation(tmp_path):
     )
 
 
+@pytest.mark.parametrize("name, what", [("M.mtx", "mass"), ("K.mtx", "stiffness")])
+@pytest.mark.filterwarnings("error")
+def test_a_matrix_of_zeros_is_told_of_its_freedoms(tmp_path, name, what):
+    """The largest entry, 0, was divided by; found by fuzzing."""
+    r, _, M, K = truss(1)
+    given = files_input(tmp_path, r, M, K)
+    head, size, *lines = (tmp_path / name).read_text().splitlines()
+    zeros = [f"{line.rpartition(' ')[0]} 0.0" for line in lines]
+    (tmp_path / name).write_text("\n".join([head, size, *zeros]) + "\n")
+    assert any(f"error: the {what} of node" in message for message in messages(given))
+
+
 def test_mass_and_stiffness_exchanged_are_called_so(tmp_path):
     def change(_r, M, K):
         M[:], K[:] = K.copy(), M.copy()

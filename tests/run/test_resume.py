@@ -3,9 +3,11 @@
 import os
 import random
 import signal
+import struct
 import subprocess
 import sys
 import time
+import zlib
 
 import h5py
 import numpy as np
@@ -207,6 +209,17 @@ def test_a_damaged_entry_is_told_with_its_place(tmp_path):
     path.write_bytes(content + b"torn")
     said = f"torn or damaged at byte {len(content)}; the 4 bytes there are not used"
     assert doubts_of(path) == [("note", said)]
+
+
+@pytest.mark.parametrize("entry", [b"", b"no archive"])
+def test_an_entry_that_is_no_archive_is_told(tmp_path, entry):
+    """Zeros, as behind a loss of power, are entries without content, and their checksum, 0, is right."""
+    path = tmp_path / "x.resume"
+    kept(path)
+    content = path.read_bytes()
+    path.write_bytes(content + struct.pack("<QI", len(entry), zlib.crc32(entry)) + entry)
+    said = f"torn or damaged at byte {len(content)}; the {12 + len(entry)} bytes there are not used"
+    assert [sentence for _, sentence in doubts_of(path)] == [said]
 
 
 @pytest.mark.parametrize("length", [2**31, 2**40, 2**63, 2**64 - 1])
