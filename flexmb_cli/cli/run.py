@@ -47,11 +47,11 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     Example:
         flexmb run decks/young/IN4-BAR.dat -o results
     """
-    from ..run.outcome import RunOptions
+    from ..run.outcome import SOLVER_OPTIONS, RunOptions
 
     _refuse_mixed_output(as_json, options)
     _refuse_foreign_resume(options)
-    solver = _given(options, tolerance="feps", smallest_pivot="epslu", most_iterations="nrmax")
+    solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     choices = RunOptions(changes=changes, solver=solver, integration=integration, echo=echo, **options)
     _refuse_shared_files(decks, choices)

@@ -84,7 +84,8 @@ class Deck:
     """A deck that was read without error: its records in reading order, and what was doubtful.
 
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
-    proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each.
+    proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each,
+    `options` what the run was told of how to solve it, "rtol=1e-06" for instance.
     """
 
     dialect: str
@@ -93,6 +94,7 @@ class Deck:
     warnings: tuple[Fault, ...] = field(default=())
     slips: tuple[Fault, ...] = field(default=())
     settings: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
 
     def section(self, name: str) -> list[Record]:
         """All records of one section, in the deck's order."""

@@ -10,7 +10,17 @@ from ..read.text import read_text
 from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
-from .outcome import ABSOLUTE, INTERRUPTED, TERMINATED, Listener, Outcome, RunOptions, Stop, Terminated
+from .outcome import (
+    ABSOLUTE,
+    INTERRUPTED,
+    SOLVER_OPTIONS,
+    TERMINATED,
+    Listener,
+    Outcome,
+    RunOptions,
+    Stop,
+    Terminated,
+)
 from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
 
@@ -53,7 +63,16 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
         raise DeckError([Fault("error", message)])
-    return deck
+    return replace(deck, options=_told_options(deck.dialect, options))
+
+
+def _told_options(dialect, options):
+    """The options of this run on which its numbers depend, as the command has them."""
+    given = options.solver if dialect == "young" else options.integration if dialect == "dafms" else {}
+    told = [f"{SOLVER_OPTIONS.get(key, key)}={value}" for key, value in given.items()]
+    if dialect == "dafms" and options.formulation == ABSOLUTE:
+        told.append(f"formulation={ABSOLUTE}")
+    return tuple(told)
 
 
 def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:

@@ -44,6 +44,10 @@ class Stop:
             raise cls.asked
 
 
+# Fields of `KinematicSettings` by the options that set them.
+SOLVER_OPTIONS = {"tolerance": "feps", "smallest_pivot": "epslu", "most_iterations": "nrmax"}
+
+
 @dataclass(frozen=True)
 class RunOptions:
     """The options of `flexmb run` that concern one deck.

@@ -205,6 +205,7 @@ def _run(result):
     attributes = ("deck_name", "deck_sha256", "dialect", "analysis", "status", "message", "flexmb_version")
     found = [(name.replace("_", " "), attribute(result, name)) for name in attributes]
     found.append(("set by --set", ", ".join(settings_of(result))))
+    found.append(("solved with", ", ".join(settings_of(result, "options"))))
     found += [
         (f"{kind}s", f"{len(result[kind + '/name'])}: " + ", ".join(texts(result[kind + "/name"])[:40]))
         for kind in ("body", "joint", "driver", "point", "coordinate") if f"{kind}/name" in result

@@ -182,8 +182,9 @@ class ResultFile:
             ("message", CUT_SHORT),
         ):
             self._file.attrs[name] = value
-        if deck.settings:
-            self._file.attrs["settings"] = "\n".join(deck.settings)
+        for name, lines in (("settings", deck.settings), ("options", deck.options)):
+            if lines:
+                self._file.attrs[name] = "\n".join(lines)
         _describe(
             self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT), "1", "text of the deck"
         )

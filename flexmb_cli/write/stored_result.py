@@ -157,9 +157,9 @@ def attribute(owner, name: str, default: str = "") -> str:
     return visible(_text(owner, name)) if name in owner.attrs else default
 
 
-def settings_of(result: h5py.File) -> list[str]:
-    """What `--set` changed of the deck for this run, "NAME=VALUE" each."""
-    text = _text(result, "settings") if "settings" in result.attrs else ""
+def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
+    """What `--set` changed of the deck for this run, "NAME=VALUE" each; `options`: how it was to be solved."""
+    text = _text(result, name) if name in result.attrs else ""
     return [visible(line) for line in text.splitlines()]
 
 

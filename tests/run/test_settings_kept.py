@@ -64,6 +64,21 @@ def test_the_report_shows_them_and_echoes_what_was_run(folder):
 
 
 @pytest.mark.parametrize(
+    "deck, given, kept",
+    [
+        ("young/IN1-3-1.dat", ["--feps", "1e-5", "--nrmax", "30"], "feps=1e-05\nnrmax=30"),
+        ("dafms/pendulum.DAT", ["--rtol", "1e-6", "--method", "radau"], "rtol=1e-06\nmethod=radau"),
+        ("dafms/pendulum.DAT", ["--formulation", "absolute"], "formulation=absolute"),
+        ("young/IN1-3-1.dat", ["--rtol", "1e-6"], None),
+    ],
+)
+def test_options_on_which_numbers_depend_are_kept_where_they_have_an_effect(tmp_path, deck, given, kept):
+    flexmb("run", DECKS / deck, *given, "-q", "--no-out", "--h5", "r.h5", cwd=tmp_path)
+    with h5py.File(tmp_path / "r.h5") as result:
+        assert result.attrs.get("options") == kept
+
+
+@pytest.mark.parametrize(
     "deck, change", [("dafms/pendulum", "time.IT=2"), ("vsdf/pendulum", "time.end=0.001")]
 )
 def test_the_other_dialects_keep_them_too(tmp_path, deck, change):
