@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 from ..errors import visible
+from .heap_check import fault_of_heaps
 from .quantities import NOTHING, ResultError
 from .quantity_names import folded
 from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
@@ -56,7 +57,7 @@ def is_study(path) -> bool:
     """Whether the file at `path` can be opened and is the table of a study."""
     try:
         with h5py.File(path, "r") as file, understood():
-            return attribute(file, "Conventions") == CONVENTIONS
+            return not fault_of_heaps(file) and attribute(file, "Conventions") == CONVENTIONS
     except (OSError, Damaged):
         return False
 
