@@ -158,7 +158,7 @@ def attribute(owner, name: str, default: str = "") -> str:
 
 
 def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
-    """What `--set` changed of the deck for this run, "NAME=VALUE" each; `options`: how it was to be solved."""
+    """What `--set` changed of the deck, "NAME=VALUE" each; with `name` "options" how it was to be solved."""
     text = _text(result, name) if name in result.attrs else ""
     return [visible(line) for line in text.splitlines()]
 

@@ -134,8 +134,8 @@ def others(results: dict[str, Command]) -> list[Command]:
         *(Command(f"export {to}", ("export", "d.h5", "--to", to, "-o", f"e.{to}"), (f"e.{to}",), inputs)
           for to in ("vtkhdf", "csv", "mat")),
         Command("diff --update", diff, ("kept.dat",), inputs, old={"kept.dat": changed}),
-        Command("new", ("new", "young", "-o", "IN-C.dat", "--force", "--draft"), ("IN-C.dat",), resumable=True,
-                stdin=answers),
+        Command("new", ("new", "young", "-o", "IN-C.dat", "--force", "--draft"), ("IN-C.dat",),
+                resumable=True, stdin=answers),
     ]  # fmt: skip
 
 
