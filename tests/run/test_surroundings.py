@@ -45,7 +45,9 @@ def outputs(tmp_path, monkeypatch):
     ):
         assert CliRunner().invoke(cli, command).exit_code == 0, command
     answers = "a title\n1 1 1\n!\n"
-    assert CliRunner().invoke(cli, ["new", "young", "--draft", "-o", "IN-X.dat"], input=answers).exit_code == 1
+    assert (
+        CliRunner().invoke(cli, ["new", "young", "--draft", "-o", "IN-X.dat"], input=answers).exit_code == 1
+    )
     return tmp_path / "out"
 
 
