@@ -202,6 +202,13 @@ def test_the_labelled_jacobian_is_that_of_table_6_1(tmp_path):
     assert "driver 1, e0" in rows[19]
 
 
+@pytest.mark.parametrize("time", ["1_000", "\uff13", "nan", "soon", ""])
+def test_a_time_of_the_jacobian_is_spelled_as_in_decks(tmp_path, time):
+    done = flexmb("check", FOUR_BAR, "--jacobian", time, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "is neither a time in s nor 'estimate'" in done.stderr
+
+
 def test_a_jacobian_of_a_time_that_is_hours_of_computing_away_is_refused(tmp_path):
     done = flexmb("check", FOUR_BAR, "--jacobian", "1e8", cwd=tmp_path)
     assert done.returncode == 2

@@ -41,7 +41,8 @@ def _check_jacobian_option(jacobian):
     if jacobian in (None, "estimate"):
         return
     try:
-        good = isfinite(float(jacobian))
+        # Python also reads 1_000, and digits of other scripts.
+        good = isfinite(float(jacobian)) and jacobian.isascii() and "_" not in jacobian
     except ValueError:
         good = False
     if not good:

@@ -17,6 +17,7 @@ from damaged_leftovers import (
     resume_from_journal,
 )
 from damaged_results import (
+    argument_seeds,
     compare_listing,
     name_quantities,
     result_seeds,
@@ -49,7 +50,7 @@ def kinds() -> Iterator[Kind]:
     yield Kind("listing", result_seeds, compare_listing)
     yield Kind("hdf5-bytes", result_seeds, show_damaged_bytes)
     yield Kind("hdf5-structure", result_seeds, show_damaged_structure)
-    yield Kind("argument", result_seeds, name_quantities)
+    yield Kind("argument", argument_seeds, name_quantities)
     # Here the mechanism is assembled, by kernels that are interpreted.
     yield Kind("checked-deck", no_seeds, check_deck, slow=5.0)
     yield Kind("draft", draft_seeds, go_on_with_draft)
