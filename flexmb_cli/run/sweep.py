@@ -98,7 +98,11 @@ class Sweep:
         with told_at(path, text.lines):
             solver = solver_of(job)
         lock = job.parts.lock(path)
-        restored = job.parts.begin(fresh)
+        try:
+            restored = job.parts.begin(fresh)
+        except BaseException:
+            lock.leave()
+            raise
         return cls(job, text, solver.deck, solver, lock, restored)
 
     def pending(self) -> list[int]:

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.errors import OutputError
+from flexmb_cli.errors import DeckError, OutputError
 from flexmb_cli.run.study_table import write_study_table
 from flexmb_cli.run.study_workers import solve_here
 from flexmb_cli.run.sweep import Sweep, solve_block
@@ -126,3 +126,15 @@ def test_what_is_told_of_a_stopped_study_is_right_to_the_case(study):
     done = CliRunner().invoke(cli, ["sweep", study])
     assert done.exit_code == 0
     assert "going on with a stopped study: 51 of 200 cases are complete" in done.output
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_study_that_is_refused_leaves_no_lock(study):
+    """The lock was held until Python threw it away; found by fuzzing."""
+    first = begun(study)
+    solve_block(first.job, 0)
+    first.lock.leave()
+    Path(study).write_text(STUDY.replace("1.0", "2.0"))
+    with pytest.raises(DeckError, match="differs in study"):
+        begun(study)
+    assert not Path("s.h5.parts/lock").exists()
