@@ -74,7 +74,7 @@ def _declared(name, item):
     """Bytes of memory that reading an object takes."""
     if isinstance(item, h5py.Group):
         return 0
-    if not isinstance(item, h5py.Dataset) or not (is_text(item) or is_number(item)):
+    if not isinstance(item, h5py.Dataset) or not _has_known_type(item):
         raise Damaged(f"/{_told(name)} holds neither numbers nor text")
     if item.shape is None:
         raise Damaged(f"/{_told(name)} is empty")
@@ -85,6 +85,14 @@ def _declared(name, item):
         raise Damaged(f"/{_told(name)} is packed by a filter that is not of HDF5 itself")
     places = max(_product(item.shape), _product(item.chunks or (0,)))
     return places * item.dtype.itemsize
+
+
+def _has_known_type(dataset):
+    try:
+        return is_text(dataset) or is_number(dataset)
+    except (ValueError, TypeError):
+        # A number of more digits than numpy has, for one.
+        return False
 
 
 def _product(lengths):

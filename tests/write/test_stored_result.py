@@ -218,3 +218,16 @@ def test_a_heap_in_a_heap_is_told(tmp_path):
     done = CliRunner().invoke(cli, ["table", str(result), "--list"])
     assert getattr(done.exception, "exit_code", None) == 2, done.exception
     assert "holds another one" in str(done.exception)
+
+
+def test_numbers_of_a_kind_that_numpy_lacks_are_told(tmp_path):
+    """A float with a bias of its own, which h5py refuses by a ValueError; found by fuzzing."""
+
+    def damage(file):
+        kind = h5py.h5t.IEEE_F64LE.copy()
+        kind.set_ebias(99_999)
+        h5py.h5d.create(file.id, b"more", kind, h5py.h5s.create_simple((2,)))
+
+    code, told = said(tmp_path, "table", damage)
+    assert code == 2
+    assert "/more holds neither numbers nor text" in told
