@@ -44,6 +44,14 @@ def understood() -> Iterator[None]:
 
 def check_structure(file: h5py.File) -> None:
     """Raise `Damaged` where the file has links, types or sizes that no result of flexmb has."""
+    try:
+        _look_through(file)
+    except (ValueError, TypeError, SystemError) as error:
+        # h5py, where a name is no text or a message of HDF5 quotes one.
+        raise Damaged(f"its structure cannot be read: {visible(str(error))}") from error
+
+
+def _look_through(file):
     heaps = fault_of_heaps(file)
     if heaps:
         raise Damaged(heaps)

@@ -231,3 +231,17 @@ def test_numbers_of_a_kind_that_numpy_lacks_are_told(tmp_path):
     code, told = said(tmp_path, "table", damage)
     assert code == 2
     assert "/more holds neither numbers nor text" in told
+
+
+@pytest.mark.parametrize("error", [ValueError, TypeError, SystemError, UnicodeError])
+def test_what_h5py_raises_of_a_damaged_structure_is_told(tmp_path, monkeypatch, error):
+    """It reads HDF5's messages as UTF-8, also where they quote a name that is none; found by fuzzing."""
+
+    def visit(*_, **__):
+        raise error("quoted \x1b[2J")
+
+    monkeypatch.setattr(stored_result, "fault_of_heaps", visit)
+    code, told = said(tmp_path, "table", lambda file: None)
+    assert code == 2
+    assert "its structure cannot be read: quoted " in told
+    assert "\x1b" not in told
