@@ -117,9 +117,14 @@ def _predict(system, work, march, h):
         last = rates[LAST, k]
         rates[NEW, k] = last
         if length > 0.0:
-            rates[NEW, k] += (last - rates[BEFORE, k]) * h / length
-            # The mean belongs to a time that is a fixed part of a step away.
-            rates[MEAN, k] = last + (rates[MEAN, k] - last) * h / clock["mean_length"]
+            ahead = (last - rates[BEFORE, k]) * h / length
+            rates[NEW, k] += ahead
+            if h == clock["mean_length"]:
+                rates[MEAN, k] = last + (rates[MEAN, k] - last)
+            else:
+                # The mean belongs to a time that is a fixed part of a step away.  One that is carried over
+                # would alternate, by more and more where steps grow.
+                rates[MEAN, k] = last + (alpha_m - alpha_f) * ahead
         mean = rates[MEAN, k]
         new = ((1.0 - alpha_f) * rates[NEW, k] + alpha_f * last - alpha_m * mean) / (1.0 - alpha_m)
         step[k] = h * (u[k] + h * ((0.5 - beta) * mean + beta * new))

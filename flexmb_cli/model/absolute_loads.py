@@ -6,8 +6,8 @@ from .absolute_hinges import coordinate_measure
 from .absolute_limits import has_shared_axis
 from .absolute_tree import Frames, shape_of
 from .measure_table import MeasureTable
-from .motion_law import POLYNOMIAL, MotionLaw
-from .system_records import FORCE, HELD_TABLE, LOAD, NONE, RELATIVE, TORQUE, blank_load, law_record
+from .motion_law import HELD_TABLE, POLYNOMIAL, MotionLaw
+from .system_records import FORCE, LOAD, NONE, RELATIVE, TORQUE, blank_load, law_record
 from .tree import ROTATION, Table, Tree
 from .vectors import rotation_matrix
 

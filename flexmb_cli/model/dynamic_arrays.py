@@ -12,12 +12,12 @@ import numpy as np
 from .arrays import KinematicArrays, kinematic_arrays
 from .dynamics import DynamicModel, Table
 from .joint_types import NORMALISATION
+from .motion_law import HELD_TABLE
 from .system_arrays import SystemArrays
 from .system_records import (
     FLEXIBLE,
     FORCE,
     GROUP,
-    HELD_TABLE,
     LAW,
     LINE,
     LOAD,

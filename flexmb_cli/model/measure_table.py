@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import Place
 from .equations import Equation
 from .flexible_mechanism import FloatingBody, NodePoint
-from .motion_law import TABLE, MotionLaw
+from .motion_law import HELD_TABLE, TABLE, MotionLaw
 from .system_records import GROUP, LAW, MEASURE, NONE, ArmTable, blank_measure, law_record
 from .vectors import rotation_matrix
 
@@ -89,7 +89,7 @@ class MeasureTable:
     def law(self, law: MotionLaw) -> int:
         """Number of a law."""
         first = sum(map(len, self.knots))
-        if law.kind == TABLE:
+        if law.kind in (TABLE, HELD_TABLE):
             self.knots.append(np.column_stack([law.times, law.values, law.curvature]))
             self.laws.append(law_record(law.kind, first=first, last=first + len(law.times) - 1))
         else:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import Place
 
-POLYNOMIAL, SPIN_UP, SINE, TABLE = 1, 2, 3, 4
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE = 1, 2, 3, 4, 5
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,8 @@ class MotionLaw:
 
     1: c0 + c1 t + c2 t² + c3 t³.  2: (w/T) (t²/2 + (T/2 pi)² (cos(2 pi t/T) - 1)) up to T = c1, then
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
-    (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.
+    (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.  5: the same,
+    which keeps its first and last value outside.
     """
 
     kind: int
@@ -30,8 +31,16 @@ class MotionLaw:
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Value and its first and second derivative at time `t`, s."""
-        laws = {POLYNOMIAL: _polynomial, SPIN_UP: _spin_up, SINE: _sine, TABLE: _spline}
+        laws = {POLYNOMIAL: _polynomial, SPIN_UP: _spin_up, SINE: _sine, TABLE: _spline, HELD_TABLE: _held}
         return laws[self.kind](self, t)
+
+    @property
+    def of_factor(self) -> "MotionLaw":
+        """A table as the factor of a load: linear between its points, constant outside.
+
+        A spline would swing beyond the values given, and pull before a pulse begins.
+        """
+        return MotionLaw(HELD_TABLE, self.c, self.times, self.values, (0.0,) * len(self.times))
 
 
 def table_law(times, values) -> MotionLaw:
@@ -92,6 +101,12 @@ def _spline(law, t):
     if inside != t:
         return value + rate * (t - inside), rate, 0.0
     return value, rate, a * g[k] + b * g[k + 1]
+
+
+def _held(law, t):
+    if law.times[0] <= t <= law.times[-1]:
+        return _spline(law, t)
+    return law.values[0 if t < law.times[0] else -1], 0.0, 0.0
 
 
 @dataclass(frozen=True)

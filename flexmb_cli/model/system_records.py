@@ -8,8 +8,6 @@ speeds v and ω, six each; behind them stand the modal coordinates of the flexib
 import numpy as np
 
 FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
-# The kinds of laws: 1 to 4 as in `motion_law`; 5 is a table that keeps its first and last value outside.
-HELD_TABLE = 5
 NONE = -1
 
 MASS = np.dtype(

@@ -32,7 +32,8 @@ def _follows(record, findings):
 
 def _factor(record, tables, findings):
     number = record.at("table")
-    return find_table(record, number, tables, findings) if number.value else None
+    table = find_table(record, number, tables, findings) if number.value else None
+    return table and table.of_factor
 
 
 def build_torques(values: DeckValues, bodies, tables, findings: Findings) -> tuple[BodyTorque, ...]:

@@ -9,6 +9,7 @@ from ..kernels import constrained_march
 from ..kernels.constrained_system import NO_INERTIA
 from ..kernels.screw_turns import NEAR, NEW, OLD, angles_at
 from ..model.mechanism import TimeGrid
+from ..model.motion_law import HELD_TABLE, TABLE
 from ..model.system_arrays import SystemArrays
 from .constrained_start import inertia_failure, order_of_elimination, start_speeds
 from .constrained_system import blank_report, constrained_system, new_work
@@ -55,19 +56,43 @@ class ConstrainedMotion:
         before have been yielded.
         """
         self.start()
-        grid, row, passed = self.grid, 0, PassedPositions(self)
-        while row < grid.rows:
-            end = min(row + LARGEST_BLOCK, grid.rows)
-            report = blank_report(self.arrays, np.array([grid.time(k) for k in range(row, end)]))
+        times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
+        passed, end = PassedPositions(self), times[-1]
+        for stop in [*self._breakpoints(end), end]:
+            self.clock["stop"] = stop
+            due, times = times[times <= stop], times[times > stop]
+            for report in self._reports(due):
+                passed.look(report.times, report.states)
+                yield self.block(report)
+            # To the very breakpoint, where there is no row.
+            for _ in self._reports(np.array([stop])):
+                pass
+        self.warnings += self.stepper.doubts(self.clock[0])
+
+    def _reports(self, times):
+        """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
+        while times.size:
+            report = blank_report(self.arrays, times[:LARGEST_BLOCK])
             answer = self._call(constrained_march.MARCH, report)
             filled = int(self.clock["row"][0])
+            times = times[filled:]
             if filled:
-                passed.look(report.times[:filled], report.states[:filled])
-                yield self.block(report._replace(**_first(report, filled)))
-            row += filled
+                yield report._replace(**_first(report, filled))
             if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
                 raise self._failure(answer)
-        self.warnings += self.stepper.doubts(self.clock[0])
+
+    def _breakpoints(self, end) -> list[float]:
+        """Points of tables before `end`, s, at which steps end.
+
+        What a table does between two steps of any length would be stepped over, and no method keeps its
+        order across a bend.
+        """
+        if not self.stepper.chosen:
+            return []
+        system, start = self.system, self.grid.start
+        tables = [law for law in system.laws if law["kind"] in (TABLE, HELD_TABLE)]
+        points = {t for law in tables for t in system.knots[law["first"] : law["last"] + 1, 0].tolist()}
+        return sorted(t for t in points if start < t < end)
 
     def start(self) -> Mobility:
         """Assemble positions and speeds at the first time and choose the first step.

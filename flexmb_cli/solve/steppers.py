@@ -9,6 +9,7 @@ class ExplicitSteps:
 
     march_rows = staticmethod(constrained_march.march_rows)
     entry = "constrained_march.march_rows"  # the kernel that is compiled
+    chosen = True  # whether the lengths of its steps are its own choice
 
     def new_march(self, work, turns: int):
         """A march at time 0 with an empty state for a mechanism with this work and so many angles."""
@@ -30,6 +31,11 @@ class GeneralisedAlpha:
 
     def __init__(self, radius: float = 0.9, length: float = 0.0):
         self.radius, self.length = radius, length
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the lengths of its steps are its own choice."""
+        return self.length == 0.0
 
     def new_march(self, work, turns: int):
         """A march at time 0 with an empty state; see `alpha_march.new_march`."""
@@ -53,6 +59,7 @@ class RadauSteps:
 
     march_rows = staticmethod(radau_march.march_rows)
     entry = "radau_march.march_rows"
+    chosen = True
 
     def new_march(self, work, turns: int):
         """A march at time 0 with an empty state; see `radau_march.new_march`."""

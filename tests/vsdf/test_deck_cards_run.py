@@ -54,11 +54,28 @@ def with_cards(cards, text=SLIDER):
     return changed(("TIME\n", cards + "TIME\n"), text=text)
 
 
-def test_a_force_by_a_table_accelerates_by_its_spline():
-    """Natural cubic spline through 0, 3, 12 at 0, 1, 2: 1.5 t + 1.5 t³ on the first second; z = ∬ F f/m."""
-    rows, _, _ = run(with_cards(PULSE + "FORC\n    1    1       0.0       0.0       4.0    0    1\n"))
+def test_a_force_by_a_table_accelerates_by_its_straight_pieces():
+    """A triangle of 3 over the first half second, 0 behind it; z = ∬ F f/m with F/m = 2, piece by piece."""
+    cards = "TABL\n    1       0.0       0.0\n    1      0.25       3.0\n    1       0.5       0.0\n"
+    rows, _, _ = run(with_cards(cards + "FORC\n    1    1       0.0       0.0       4.0    0    1\n"))
     t = rows("time")
-    assert rows("position")[:, 0, 2] == pytest.approx(2.0 * (0.25 * t**3 + 0.075 * t**5), abs=1e-9)
+    s = t - 0.25
+    down = 0.0625 + 0.75 * s + 3.0 * s**2 - 4.0 * s**3
+    expected = np.where(t <= 0.25, 4.0 * t**3, np.where(t <= 0.5, down, 0.375 + 1.5 * (t - 0.5)))
+    assert rows("position")[:, 0, 2] == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("steps", "error"), [("RK45   1.0E-10", 1e-8), ("RAD5   1.0E-10", 1e-8), ("GALF", 5e-5)]
+)
+def test_no_method_steps_over_a_pulse_of_a_table(steps, error):
+    """4 N s within 2 ms at the mass of 2 kg, which rested: 2 m/s from then on, however steps grow behind it."""
+    cards = "".join(f"    1 {t:9.4f} {f:9.1f}\n" for t, f in ((0, 0), (0.7, 0), (0.701, 1000), (0.702, 0)))
+    cards = f"TABL\n{cards}FORC\n    1    1       0.0       0.0       4.0    0    1\n"
+    rows, _, _ = run(with_cards(cards).replace("RK45   1.0E-10", steps))
+    t, z = rows("time"), rows("position")[:, 0, 2]
+    assert z[t < 0.7] == pytest.approx(0.0, abs=1e-9)
+    assert z[t > 0.71] == pytest.approx(2.0 * (t[t > 0.71] - 0.701), abs=error)
 
 
 def test_a_motion_by_a_table_follows_its_spline():
