@@ -34,6 +34,7 @@ def _faults(raw) -> Iterator[str]:
     while start >= 0:
         end = start + _number(raw, start + 8)
         yield _fault_of_heap(raw, start, end)
+        # A text within a heap may well hold the signature.
         start = raw.find(SIGNATURE, end)
 
 
@@ -41,8 +42,6 @@ def _fault_of_heap(raw, start, end):
     """A heap is its heading and its parts, each behind the other up to its end; part 0 is free space."""
     if end < start + _HEADING or (end > len(raw) and len(raw) < SEARCHED):
         return f"the heap at byte {start} is longer than the file, or has no length"
-    if raw.find(SIGNATURE, start + 1, end) >= 0:
-        return f"the heap at byte {start} holds another one"
     at = start + _HEADING
     while at + _PART <= min(end, len(raw)):
         length = _number(raw, at + 8)
