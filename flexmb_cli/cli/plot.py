@@ -75,11 +75,11 @@ def _source(open_files, path, label, names, across, window, quiet):
     quantities = resolve(file, names, f"{path}: ") if names else default_quantities(file)
     quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
     rows, told = chosen_rows(file, *window), shortfall(file)
-    if not quantities:
-        raise ResultError(f"{path}: nothing to draw over {abscissa[0].name}: name another quantity")
     if not rows:
         reason = "no rows in this window of time" if len(file["time"]) else told or "it has no rows"
         raise ResultError(f"{path}: nothing to draw: {reason}")
+    if not quantities:
+        raise ResultError(f"{path}: nothing to draw over {abscissa[0].name}: name another quantity")
     if told and not quiet:
         click.echo(f"{path}: note: {told}", err=True)
     window = slice(rows.start, rows.stop, rows.step)

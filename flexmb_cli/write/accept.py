@@ -16,11 +16,15 @@ def accept(reference, result) -> None:
     """Put a copy of `result` in the place of `reference`; a reader sees the old file or the new one.
 
     Both were compared.  Raises `OutputError` when the reference cannot be written, `TableError` when the
-    result cannot be read, or shows nothing: its run failed before the first row.
+    result cannot be read, shows nothing since its run failed before the first row, or is of a run that
+    failed later, unless the reference is so too: a mechanism that locks has no other.
     """
-    if _shows_nothing(result):
-        message = "its run failed before the first row: that is no reference, and nothing was accepted"
-        raise TableError(str(result), [Fault("error", message)])
+    failed, rows = _ending(result)
+    if failed and not rows:
+        _refuse(result, "its run failed before the first row: that is no reference, and nothing was accepted")
+    if failed and (is_missing(reference) or not _ending(reference)[0]):
+        message = "its run did not complete: only a reference that did not either is replaced by it, and"
+        _refuse(result, f"{message} nothing was accepted; copy the file if it shall be one")
     try:
         source = open(result, "rb")  # noqa: SIM115
     except OSError as error:
@@ -36,13 +40,19 @@ def accept(reference, result) -> None:
         place.commit()
 
 
-def _shows_nothing(result):
-    if is_hdf5(result):
-        with h5py.File(result, "r") as file:
-            return attribute(file, "status", "complete") != "complete" and not len(file["time"])
-    listing = read_listing(result)
+def _refuse(result, message):
+    raise TableError(str(result), [Fault("error", message)])
+
+
+def _ending(path):
+    """Whether the run of a result did not complete, and whether it has any rows."""
+    if is_hdf5(path):
+        with h5py.File(path, "r") as file:
+            failed = attribute(file, "status", "complete") != "complete"  # the table of a study has none
+            return failed, "time" in file and len(file["time"]) > 0
+    listing = read_listing(path)
     # The echo of a tree has no rows in any case; they are in its series.
-    return listing.failed and not len(listing.time) and listing.form != DAFMS_ECHO
+    return listing.failed, len(listing.time) > 0 or listing.form == DAFMS_ECHO
 
 
 def is_missing(reference) -> bool:

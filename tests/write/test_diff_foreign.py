@@ -69,11 +69,32 @@ def test_a_run_that_shows_nothing_is_no_reference(nothing, tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-def test_a_failed_run_with_rows_can_be_a_reference(tmp_path):
+def test_a_failed_run_takes_the_place_of_a_failed_one_only(good, tmp_path):
     failed = write_result(tmp_path / "failed.h5", 2, "failed", "locks")
-    done = compared(tmp_path / "new.h5", failed, "--update")
-    assert done.exit_code == 0
-    assert (tmp_path / "new.h5").read_bytes() == failed.read_bytes()
+    before = good.read_bytes()
+    for reference in (good, tmp_path / "new.h5"):
+        done = compared(reference, failed, "--update")
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert f"{failed}: error: its run did not complete" in done.stderr
+    assert good.read_bytes() == before and not (tmp_path / "new.h5").exists()
+    other = write_result(tmp_path / "other.h5", 1, "failed", "locks")
+    assert compared(other, failed, "--update").exit_code == 0
+    assert other.read_bytes() == failed.read_bytes()
+
+
+def test_a_table_that_ends_in_the_mark_of_failure_is_no_reference(tmp_path, deck, rows):
+    paths = tmp_path / "good.OUT", tmp_path / "failed.OUT"
+    for path in paths:
+        with path.open("w") as stream:
+            table = OutTable(stream, deck, "safe")
+            table.begin()
+            table.rows(rows([0.0, 0.1]))
+            if path == paths[1]:
+                table.failed()
+    before = paths[0].read_text()
+    done = compared(*paths, "--update")
+    assert done.exit_code == 2 and "its run did not complete" in done.stderr
+    assert paths[0].read_text() == before
 
 
 def test_units_of_the_last_digit_are_refused_where_no_digit_is_printed(good):

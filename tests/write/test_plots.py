@@ -135,8 +135,9 @@ def test_a_missing_library_is_named_with_its_remedy(draw, monkeypatch):
     assert "pip install 'flexmb[plot]'" in done.output
 
 
-def test_a_run_that_failed_before_its_first_row_is_told_as_the_reason(tmp_path):
+@pytest.mark.parametrize("names", [[], ["time"]])
+def test_a_run_that_failed_before_its_first_row_is_told_as_the_reason(tmp_path, names):
     pytest.importorskip("matplotlib")
     path = write_result(tmp_path / "none.h5", 0, "failed", "locks at once")
-    done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
+    done = CliRunner().invoke(plot, [str(path), *names, "-o", str(tmp_path / "p.png")])
     assert "nothing to draw: the run is not complete, it has no rows: locks at once" in str(done.exception)
