@@ -27,11 +27,11 @@ from .constrained_march import (
 from .constrained_report import complete, coordinates_and_speeds
 from .constrained_system import A
 from .constraint_projection import largest_gap
-from .generalised_alpha import BEFORE, LAST, MEAN, NEW, NEW_MEAN, iterate, solve_step
+from .generalised_alpha import BEFORE, LAST, MEAN, NEW, NEW_MEAN, iterate, solve_step, turn_exactly
 from .rotation import rotation_matrices
 from .screw_turns import NEAR, OLD, note_turns
 from .screw_turns import NEW as TURNED
-from .speeds import coordinate_rates, normalise
+from .step_turns import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 
 SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
 SAME = 1e-9  # of a step: times this near to each other are one
@@ -58,7 +58,8 @@ CLOCK = np.dtype(
         ("gap", np.float64),  # and that gap, scaled
         ("rtol", np.float64),
         ("atol", np.float64),
-        ("error", np.float64),  # of the step that is tried, in tolerances
+        ("error", np.float64),  # of the step that is tried, in tolerances,
+        ("turned", np.float64),  # and how far a body turns in it, of the longest turn
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("new_power", np.float64),  # and at the end of the step that is tried
@@ -164,11 +165,20 @@ def _step(system, work, march):
             return STEP_VANISHED
         if not solve_step(system, work, march, h):
             _retreat(clock, h / 4.0)
-        elif clock["fixed"] == 0.0 and not clock["error"] < 1.0:
+        elif clock["fixed"] == 0.0 and not _holds(system, march, h):
             _retreat(clock, h * (_factor(clock) if clock["error"] < 1e10 else SLOWEST))
         else:
             _accept(system, work, march, h)
             return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+
+
+@kernel
+def _holds(system, march, h):
+    """Whether a step of length h is within the tolerance, and turns no body too far."""
+    clock, bodies, first = march.clock[0], system.masses.shape[0], march.z.shape[0] - 1 - march.rates.shape[1]
+    fastest = max(largest_turn(bodies, march.z[first:-1]), largest_turn(bodies, march.trial[first:-1]))
+    clock["turned"] = h * fastest / LONGEST_TURN
+    return clock["error"] < 1.0 and clock["turned"] < 1.0
 
 
 @part
@@ -192,6 +202,8 @@ def _retreat(clock, h):
 @kernel
 def _factor(clock):
     factor = SAFETY * clock["error"] ** (-1.0 / 3.0) if clock["error"] > 0.0 else FASTEST
+    if clock["turned"] > 0.0:
+        factor = min(factor, SAFETY / clock["turned"])
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 
 
@@ -259,17 +271,25 @@ def _between(system, march, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]
     nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
-    before, after = np.empty(nq), np.empty(nq)
-    coordinate_rates(bodies, old[:nq], old[nq : nq + n], before)
-    coordinate_rates(bodies, z[:nq], z[nq : nq + n], after)
+    shift, before, after, mean = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    for k in range(n):
+        before[k] = old[nq + k]
+        mean[k] = 0.5 * h * (old[nq + k] + z[nq + k])
+    shift_between(bodies, old[:nq], z[:nq], mean, shift)
+    set_slope(bodies, shift, z[nq : nq + n], after)
+    for body in range(bodies if largest_turn(bodies, shift) > FAR_TURN else 0):
+        for k in range(6 * body + 3, 6 * body + 6):
+            before[k] = after[k] = shift[k] / h
+    for k in range(n):
+        shift[k] = _cubic(x, 0.0, shift[k], h * before[k], h * after[k])
     for i in range(nq):
-        point[i] = _cubic(x, old[i], z[i], h * before[i], h * after[i])
+        point[i] = old[i]
+    turn_exactly(bodies, point[:nq], shift)
     for k in range(n):
         i = nq + k
         point[i] = _cubic(x, old[i], z[i], h * march.rates[BEFORE, k], h * march.rates[LAST, k])
     last = nq + n
     point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
-    normalise(bodies, point[:nq])
 
 
 @kernel

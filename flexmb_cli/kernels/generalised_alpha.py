@@ -16,6 +16,8 @@ free motions is that of the first.
 
 import math
 
+import numpy as np
+
 from ._jit import kernel, part
 from .constrained_report import coordinates_and_speeds
 from .constrained_solve import factorise_constraints, fill_column, fill_forces, fill_gamma, solve
@@ -74,7 +76,7 @@ def iterate(system, work, march, t, by_position, by_speed, h):
     """
     clock = march.clock[0]
     # The first correction is trusted somewhat less than the last of the step before was.
-    quality, left, before = 0.0, clock["left"] ** CAUTION, 0.0
+    quality, left, before, gap_before = 0.0, clock["left"] ** CAUTION, 0.0, np.inf
     for iteration in range(MOST_ITERATIONS):
         clock["evaluations"] += 1
         clock["fault"] = _evaluate(system, work, march, t)
@@ -86,8 +88,10 @@ def iterate(system, work, march, t, by_position, by_speed, h):
         quality = work.quality[0]
         size, gap = _correct(system, work, march, by_position, by_speed)
         if h == 0.0:
-            if iteration == STILL_ITERATIONS - 1:
+            # A row from afar needs more of them; equations that repeat others never close better.
+            if iteration >= STILL_ITERATIONS - 1 and (gap < CLOSED or not gap < 0.5 * gap_before):
                 return True
+            gap_before = gap
             continue
         if iteration > 0:
             contraction = size / before if before > 0.0 else 0.0

@@ -16,6 +16,7 @@ from ._jit import kernel, part
 from .constrained_march import (
     BEGIN,
     CONTRADICTION,
+    MOST_MOVED,
     PAUSED,
     READY,
     REPEATED_GAP,
@@ -28,14 +29,16 @@ from .constrained_solve import accelerations, factorise_constraints, solve
 from .constrained_system import CORRECTION, GAMMA, NO_INERTIA, PHI, QD, SOLVED
 from .constraint_projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, largest_gap, rate_gap
 from .mass_matrix import mass_matrices
-from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error
+from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error, work_error
 from .radau_table import STAGES, WEIGHTS
 from .screw_turns import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
 from .speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
+from .step_turns import LONGEST_TURN, largest_turn
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
 SLOW = 0.01  # what an iteration may leave before the matrices are renewed
+STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 NONE = 0.0  # quality of matrices that are not those of the state
 
 CLOCK = np.dtype(
@@ -259,17 +262,42 @@ def _try_step(system, work, march, h):
     clock = march.clock[0]
     if not solve_step(system, work, march, h):
         return -0.5
-    clock["error"] = error = step_error(system, work, march, h)
-    factor = _factor(clock, h, error)
-    if not error < 1.0:
+    clock["error"] = error = max(step_error(system, work, march, h), work_error(march, h))
+    turns = _turns_left(system, march)
+    factor = min(_factor(clock, h, error), SAFETY * turns)
+    if not (error < 1.0 and turns > 1.0):
         return -max(SLOWEST, factor) if error < 1e10 else -SLOWEST
     place_trial(system, march, STAGES - 1)
     if not expect_turns(system, work, march, h) < MOST_TURNED:
         return -0.5
+    found = march.trial.copy()
     clock["fault"] = _close(system, work, march, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
+    if not _moved(march, found) < MOST_MOVED:
+        return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
+
+
+@kernel
+def _moved(march, found):
+    """By how many tolerances `trial` was moved from the state found."""
+    clock, z, total, counted = march.clock[0], march.trial, 0.0, found.shape[0] - 1
+    for i in range(counted):
+        scale = clock["atol"] * march.units[i] + clock["rtol"] * abs(z[i])
+        total += ((z[i] - found[i]) / scale) ** 2
+    return (total / counted) ** 0.5
+
+
+@kernel
+def _turns_left(system, march):
+    """How many steps like this one a body may turn in one, for rows between its ends.
+
+    A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
+    """
+    turn = largest_turn(system.masses.shape[0], march.shifts[STAGES - 1])
+    longest = min(LONGEST_TURN, 2.0 * (720.0 / STEEPEST * march.clock[0]["rtol"]) ** 0.2)
+    return longest / turn if turn > 0.0 else np.inf
 
 
 @kernel

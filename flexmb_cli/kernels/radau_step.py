@@ -14,10 +14,7 @@ which the eigenvectors of A part into a real matrix and a complex one.  What els
 is left to the iteration.
 """
 
-import math
-
 from ._jit import kernel, part
-from .arms import cross
 from .complex_elimination import factorise_symmetric, solve_symmetric
 from .constrained_report import coordinates_and_speeds
 from .constrained_solve import add_free, factorise_constraints, fill_column, fill_forces, fill_gamma, split
@@ -37,6 +34,7 @@ from .radau_table import (
     TIMES,
     WEIGHTS,
 )
+from .step_turns import set_slope
 from .stiff_tangent import add_stiff
 
 # Rows of the accelerations kept (8, n): of the start and the stages of a step, the one that is tried and
@@ -51,7 +49,6 @@ LEAST = 1e-3  # contraction that is trusted
 SECOND = 2.0  # contraction with which the second correction goes on
 FLOOR = 1e-14  # of the speeds: round-off
 SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
-SMALL_TURN = 1e-2  # rad, below which the series is exact
 
 
 @kernel
@@ -168,7 +165,7 @@ def place_stages(system, march, h):
             speeds[stage, k] += change
             scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
             total += (change / scale) ** 2
-        _set_slope(system.masses.shape[0], shifts[stage], speeds[stage], slopes[stage])
+        set_slope(system.masses.shape[0], shifts[stage], speeds[stage], slopes[stage])
     for stage in range(STAGES):
         for k in range(n):
             change = 0.0
@@ -178,25 +175,6 @@ def place_stages(system, march, h):
             shifts[stage, k] += change
             total += (change / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
     return (total / (2.0 * STAGES * n)) ** 0.5
-
-
-@kernel
-def _set_slope(bodies, shift, u, slope):
-    """The rates of a shift."""
-    for k in range(u.shape[0]):
-        slope[k] = u[k]
-    for body in range(bodies):
-        k = 6 * body + 3
-        turn, w = (shift[k], shift[k + 1], shift[k + 2]), (u[k], u[k + 1], u[k + 2])
-        square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]
-        share = 1.0 / 12.0 + square / 720.0
-        if square > SMALL_TURN * SMALL_TURN:
-            angle = math.sqrt(square)
-            share = 1.0 / square - 0.5 / (angle * math.tan(0.5 * angle))
-        once = cross(turn, w)
-        twice = cross(turn, once)
-        for i in range(3):
-            slope[k + i] += 0.5 * once[i] + share * twice[i]
 
 
 @kernel
@@ -300,3 +278,18 @@ def step_error(system, work, march, h):
         total += (speeds[k] / scale) ** 2
         total += (shifts[k] / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
     return (total / (2.0 * n)) ** 0.5
+
+
+@part
+def work_error(march, h):
+    """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
+    clock, u, last = march.clock[0], march.speeds[STAGES - 1], march.z.shape[0] - 1
+    error, first = REAL * h * clock["power"], last - u.shape[0]
+    for stage in range(STAGES):
+        for j in range(STAGES):
+            error += h * ERROR[stage] * WEIGHTS[stage, j] * march.powers[j]
+    scale = clock["atol"] * march.units[last] + clock["rtol"] * abs(march.z[last])
+    for k in range(u.shape[0]):
+        tolerance = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
+        scale += abs(march.momenta[STAGES - 1, k]) * tolerance
+    return abs(error) / scale
