@@ -72,7 +72,7 @@ def test_the_free_rod_keeps_momentum_and_energy():
 
 @pytest.mark.long_motion
 def test_stiff_modes_do_not_shorten_the_steps():
-    """Slider-crank with a flexible rod, whose modes reach 1.1 kHz: within 1e-8 m of DOP853 with an eighth of
+    """Slider-crank with a flexible rod, whose modes reach 1.1 kHz: within 1e-8 m of DOP853 with a sixth of
     its evaluations."""
     grid = ("       0.5     0.005", "      0.25      0.05")
     places, evaluations = [], []
@@ -82,4 +82,4 @@ def test_stiff_modes_do_not_shorten_the_steps():
         places.append(np.concatenate([rows.point_position for rows in analysis.rows()]))
         evaluations.append(int(analysis.clock["evaluations"][0]))
     assert np.abs(places[1] - places[0]).max() < 1e-8
-    assert 8 * evaluations[1] < evaluations[0]
+    assert 6 * evaluations[1] < evaluations[0]
