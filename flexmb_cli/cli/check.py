@@ -28,6 +28,8 @@ def check(decks, changes, echo, as_json, quiet, jacobian, **options):
         report = check_deck(path, RunOptions(changes=changes, **options), jacobian)
         show_faults(report.outcome, quiet)
         if as_json:
+            if echo and report.deck and not quiet:
+                _print_echo(report, err=True)
             click.echo(json.dumps(report.as_dict()))
         elif report.deck and not quiet:
             _print_check(report, echo)
@@ -55,12 +57,17 @@ def _print_check(report, with_echo):
     from ..write.check_text import check_text, jacobian_text
     from ..write.check_tree_text import check_tree_text
     from ..write.check_vsdf_text import check_vsdf_text
-    from ..write.echo import echo
 
     if with_echo:
-        click.echo(echo(report.deck), nl=False)
+        _print_echo(report)
     if report.counts:
         texts = {"dafms": check_tree_text, "vsdf": check_vsdf_text}
         click.echo(texts.get(report.deck.dialect, check_text)(report), nl=False)
     if report.jacobian:
         click.echo(jacobian_text(report.jacobian), nl=False)
+
+
+def _print_echo(report, err=False):
+    from ..write.echo import echo
+
+    click.echo(echo(report.deck), nl=False, err=err)

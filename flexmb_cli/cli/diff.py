@@ -7,6 +7,7 @@ import click
 
 from ..errors import DONE, compiler_style
 from .finite import Finite
+from .json_faults import faults_in_json
 
 
 @click.command()
@@ -41,16 +42,17 @@ def diff(a, b, update, as_json, quiet, **options):
         raise click.UsageError("--update copies files; standard input is none")
     new = update and is_missing(a)
     try:
-        # A result that can be compared with itself can be read.
-        report = _compared(b if new else a, b, **options)
-        updated = update and (new or not report.equal)
-        if updated:
-            accept(a, b)
+        with faults_in_json(as_json, {"a": a, "b": b, "updated": False}, b):
+            # A result that can be compared with itself can be read.
+            report = _compared(b if new else a, b, **options)
+            updated = update and (new or not report.equal)
+            if updated:
+                accept(a, b)
     except TableError as failure:
         click.echo(compiler_style(failure.name, failure.faults, failure.lines), err=True)
         sys.exit(failure.exit_code)
     if as_json:
-        click.echo(json.dumps(report.as_dict() | {"updated": updated}))
+        click.echo(json.dumps(report.as_dict() | {"a": a, "updated": updated}))
     elif not quiet:
         click.echo("" if new else report.text(), nl=False)
         if update:

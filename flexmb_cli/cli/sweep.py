@@ -9,6 +9,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
+from .json_faults import faults_in_json
 from .output_file import refuse_inputs
 from .run import stop_on_signals
 
@@ -35,12 +36,13 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     """
     output = output or f"{'flexmb' if study == '-' else PurePath(study).stem}.h5"
     parts = parts or f"{output}.parts"
-    made = _begun(study, output, parts, fresh)
+    made = _begun(study, output, parts, fresh, as_json)
     stop_on_signals()
     try:
-        _solve(made, jobs, scheduler, quiet)
-        failures = _first_failures(made)
-        _write(made, output)
+        with faults_in_json(as_json, {"study": study}, study):
+            _solve(made, jobs, scheduler, quiet)
+            failures = _first_failures(made)
+            _write(made, output)
     except (KeyboardInterrupt, Terminated) as stop:
         more = " so far; its workers end what they have begun" if scheduler else ""
         _say(f"{study}: interrupted; {_kept(made, output, parts, more)}", False)
@@ -57,17 +59,19 @@ def _kept(made, output, parts, more):
     return f"{kept} of {made.job.study.cases} cases are kept in {parts}{more}; the same command goes on"
 
 
-def _begun(study, output, parts, fresh):
+def _begun(study, output, parts, fresh, as_json):
     from ..run.sweep import StudyError, Sweep
     from ..write.atomic import refuse_unwritable
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
     refuse_inputs(output, [study])
-    # The cases are kept beside the table: without this their folder would be made with all its parents.
-    refuse_unwritable(output)
     try:
-        return Sweep.of(study, parts, fresh)
+        with faults_in_json(as_json, {"study": study}, study):
+            # The cases are kept beside the table: without this their folder would be made with all its
+            # parents.
+            refuse_unwritable(output)
+            return Sweep.of(study, parts, fresh)
     except StudyError as failure:
         click.echo(compiler_style(failure.path, failure.faults, failure.lines), err=True)
     except DeckError as failure:
@@ -82,7 +86,7 @@ def _solve(made, jobs, scheduler, quiet):
     outlive_workers()
     blocks = made.pending()
     cases, left = made.job.study.cases, made.left
-    if made.restored:
+    if left < cases:
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with _progress(left, quiet) as advance:
         if scheduler:

@@ -54,6 +54,8 @@ class CheckReport:
             return record | self.tree.as_dict()
         if self.bodies is not None:
             record["bodies"] = self.bodies
+        if self.jacobian is not None:
+            record["jacobian"] = self.jacobian.as_dict()
         names = ("owner", "estimate", "assembled", "unit")
         return record | {
             "rank": self.rank,
@@ -72,6 +74,10 @@ class LabelledJacobian:
     rows: tuple[str, ...]
     bodies: tuple[str, ...]
     matrix: np.ndarray
+
+    def as_dict(self) -> dict:
+        """The record that `--json` prints; `matrix` has seven columns a body, x y z e0 e1 e2 e3."""
+        return {"time": self.time, "rows": self.rows, "bodies": self.bodies, "matrix": self.matrix.tolist()}
 
 
 def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> CheckReport:

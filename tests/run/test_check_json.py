@@ -35,3 +35,21 @@ def test_what_is_free_is_named():
     assert "free motions 15, such as those of: body 1 vx; body 1 vy; body 1 vz" in check(
         "vsdf/freeflying.vsdf"
     )
+
+
+def test_echo_and_jacobian_are_not_dropped():
+    """Seven coordinates for each of four bodies; the row of a ground's x has that alone."""
+    from click.testing import CliRunner
+
+    from flexmb_cli.cli.check import check as command
+
+    done = CliRunner().invoke(
+        command, [str(DECKS / "young/IN4-BAR.dat"), "--json", "--echo", "--jacobian", "0"]
+    )
+    jacobian = json.loads(done.stdout)["jacobian"]
+    assert "counts.NBODY" in done.stderr
+    assert (jacobian["time"], len(jacobian["bodies"])) == (0.0, 4)
+    assert sorted(jacobian["matrix"][jacobian["rows"].index("ground 1, x")]) == [0.0] * 27 + [1.0]
+    assert {len(row) for row in jacobian["matrix"]} == {28}
+    plain = CliRunner().invoke(command, [str(DECKS / "young/IN4-BAR.dat"), "--json"])
+    assert "jacobian" not in json.loads(plain.stdout) and not plain.stderr

@@ -1,5 +1,6 @@
 """Two sweeps of one study, and cases that vanish: nothing is lost without a word."""
 
+import json
 import os
 from pathlib import Path
 
@@ -126,6 +127,23 @@ def test_what_is_told_of_a_stopped_study_is_right_to_the_case(study):
     done = CliRunner().invoke(cli, ["sweep", study])
     assert done.exit_code == 0
     assert "going on with a stopped study: 51 of 200 cases are complete" in done.output
+
+
+def test_a_study_of_which_nothing_is_kept_is_not_gone_on_with(study):
+    """As it is left where no scheduler answers."""
+    sweep = begun(study)
+    assert os.path.isdir("s.h5.parts")
+    del sweep
+    done = CliRunner().invoke(cli, ["sweep", study])
+    assert done.exit_code == 0 and "going on" not in done.output
+
+
+def test_a_study_that_cannot_be_read_is_told_in_json(study):
+    Path("bad.toml").write_text('deck = "nowhere.dat"\n')
+    done = CliRunner().invoke(cli, ["sweep", "bad.toml", "--json"])
+    told = json.loads(done.stdout)
+    assert (done.exit_code, told["study"], told["status"]) == (2, "bad.toml", "bad input")
+    assert {fault["file"] for fault in told["faults"]} == {"bad.toml"}
 
 
 @pytest.mark.filterwarnings("error")

@@ -1,5 +1,7 @@
 """What `flexmb diff` and `--update` refuse: files of others, and runs that show nothing."""
 
+import json
+
 import h5py
 import pytest
 from click.testing import CliRunner
@@ -101,3 +103,20 @@ def test_units_of_the_last_digit_are_refused_where_no_digit_is_printed(good):
     done = compared(good, good, "--last-digit", "1")
     assert done.exception.exit_code == 2
     assert "--last-digit: HDF5 results have no printed digits" in str(done.exception)
+
+
+def test_a_fault_is_told_in_json(good, tmp_path):
+    done = compared(good, tmp_path / "none", "--json")
+    told = json.loads(done.stdout)
+    assert (done.exit_code, told["exit_code"], told["status"]) == (2, 2, "bad input")
+    assert told["faults"][0]["file"] == str(tmp_path / "none")
+    assert told["faults"][0]["message"] == "no such file"
+    # A fault that is no file's.
+    done = compared(good, good, "--last-digit", "1", "--json")
+    assert "printed digits" in json.loads(done.stdout)["faults"][0]["message"]
+
+
+def test_a_new_reference_is_named_in_json(good, tmp_path):
+    new = str(tmp_path / "new.h5")
+    told = json.loads(compared(new, good, "--update", "--json").stdout)
+    assert (told["a"], told["b"], told["updated"]) == (new, str(good), True)
