@@ -74,6 +74,9 @@ def _refuse_mixed_output(as_json, options):
         raise click.UsageError("--out - and --json both take standard output; give --out a file")
     if options["h5"] == "-":
         raise click.UsageError("--h5 needs a file: an HDF5 result cannot go to standard output")
+    for name in ("out", "h5"):
+        if options[name] is not None and options[f"no_{name}"]:
+            raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
 
 
 def _refuse_foreign_resume(options):

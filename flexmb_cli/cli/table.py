@@ -47,9 +47,9 @@ def table(result, names, listing, start, stop, every, style, quiet):
 
     if listing and (start is not None or stop is not None or every > 1):
         raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
-    if not names and not listing:
-        raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
     with open_result(result) as file:
+        if not names and not listing:
+            raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
         quantities = resolve(file, names, f"{result}: ") if names else all_names(file)
         if listing:
             _remark_settings(result, settings_of(file), quiet)

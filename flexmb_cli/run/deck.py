@@ -59,6 +59,7 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     outcome.source = read_text(path)
     deck = apply_settings(read_deck(outcome.source, options.dialect), list(options.changes))
     outcome.faults += deck.warnings
+    outcome.faults += _doubly_set(options.changes)
     outcome.settings = deck.settings
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
@@ -78,13 +79,28 @@ def _told_options(dialect, options):
 def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:
     """Options that mean nothing to the deck's dialect are said to be without effect."""
     foreign = []
-    if deck.dialect != "young" and options.solver:
-        foreign.append("--feps, --epslu and --nrmax are for YOUNG decks and have")
-    if deck.dialect != "dafms" and options.formulation == ABSOLUTE:
-        foreign.append("--formulation is for DAFMS decks and has")
-    if deck.dialect != "dafms" and (options.integration or options.resume):
-        foreign.append("--rtol, --atol, --method and --resume are for DAFMS decks and have")
-    outcome.faults += [Fault("warning", f"{sentence} no effect here") for sentence in foreign]
+    if deck.dialect != "young":
+        foreign.append(("YOUNG", [SOLVER_OPTIONS[key] for key in options.solver]))
+    if deck.dialect != "dafms":
+        given = [*options.integration, *["formulation"] * (options.formulation == ABSOLUTE)]
+        foreign.append(("DAFMS", given + ["resume"] * options.resume))
+    for dialect, names in foreign:
+        if names:
+            *others, last = [f"--{name}" for name in names]
+            told = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+            message = f"{told} for {dialect} decks and {'have' if others else 'has'} no effect here"
+            outcome.faults.append(Fault("warning", message))
+
+
+def _doubly_set(changes):
+    """Notes on numbers that `--set` names more than once."""
+    words = {}
+    for change in changes:
+        name, _, word = (part.strip() for part in change.partition("="))
+        words.setdefault(name, []).append(word)
+    for name, given in words.items():
+        if len(given) > 1:
+            yield Fault("note", f"--set names {name} {len(given)} times: the last counts, {name}={given[-1]}")
 
 
 def paths_of(deck: Deck, options: RunOptions):

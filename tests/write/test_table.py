@@ -169,6 +169,7 @@ def test_wrong_use_is_refused(path):
         ([path, "--list", "--from", "0"], "--list shows names, not rows: --from, --to and --every do not go"),
         ([path, "--list", "--every", "2"], "--list shows names, not rows"),
         (["none.h5", "time"], "none.h5: no such file"),
+        (["none.h5"], "none.h5: no such file"),
         ([path, "time", "--every", "0"], "--every"),
         ([path, "time", "--from", "nan"], "nan is no finite number"),
     ):
