@@ -3,7 +3,6 @@
 import os
 import re
 import sys
-import tempfile
 from dataclasses import replace
 
 import click
@@ -200,13 +199,11 @@ class _Talk:
         from ..run.check import check_deck
         from ..run.outcome import RunOptions
 
-        # Beside its place, because a deck names matrices and node tables relative to itself.
-        folder = "." if self.path == "-" else os.path.dirname(self.path) or "."
-        place = {"dir": folder, "prefix": ".flexmb-", "suffix": ".tmp"}
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", **place) as stream:
-            stream.write(self._text())
-            stream.flush()
-            outcome = check_deck(stream.name, RunOptions(dialect=self.dialogue.form.dialect)).outcome
+        trial = self._trial()
+        try:
+            outcome = check_deck(trial.temporary, RunOptions(dialect=self.dialogue.form.dialect)).outcome
+        finally:
+            trial.discard()
         outcome.deck = self.path
         lines = outcome.source.lines if outcome.source else ()
         if outcome.faults:
@@ -218,6 +215,17 @@ class _Talk:
             sys.exit(outcome.exit_code)
         self._return_to(next((f for f in outcome.faults if f.severity == "error" and f.place), None))
         return False
+
+    def _trial(self):
+        """The deck in a file to be removed; where this call is killed, the next one does it."""
+        from ..write.atomic import ReplacedText
+
+        # Beside its place, because a deck names matrices and node tables relative to itself.
+        folder, name = os.path.split("deck" if self.path == "-" else self.path)
+        trial = ReplacedText(os.path.join(folder, f"{name}.trial"))
+        trial.write(self._text())
+        trial.flush()
+        return trial
 
     def _return_to(self, fault):
         """To the record that `check` names, else to the first; Enter keeps what is right."""
