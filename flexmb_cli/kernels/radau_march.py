@@ -25,14 +25,15 @@ from .constrained_march import (
     STEP_VANISHED,
 )
 from .constrained_report import complete, coordinates_and_speeds
-from .constrained_solve import accelerations, factorise_constraints, solve
-from .constrained_system import CORRECTION, GAMMA, NO_INERTIA, PHI, QD, SOLVED
-from .constraint_projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, largest_gap, rate_gap
+from .constrained_solve import factorise_constraints
+from .constrained_system import NO_INERTIA, SOLVED
+from .constraint_projection import largest_gap
 from .mass_matrix import mass_matrices
+from .radau_closing import close_gaps, settle
+from .radau_rows import between
 from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error, work_error
 from .radau_table import STAGES, WEIGHTS
 from .screw_turns import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
-from .speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
 from .step_turns import LONGEST_TURN, largest_turn
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
@@ -141,7 +142,7 @@ def _begin(system, work, march):
     if code == SOLVED and not prepare(march, work.jacobian.shape[1] - work.rank[0], 0.0):
         code = NO_INERTIA
     if code == SOLVED:
-        code, clock["power"] = _settle(system, work, march, clock["t"], rates[START])
+        code, clock["power"] = settle(system, work, march, clock["t"], rates[START])
     clock["fault"] = code
     if code != SOLVED:
         return STEP_VANISHED
@@ -169,55 +170,6 @@ def _copy(a, b):
     """b = a."""
     for i in range(a.shape[0]):
         b[i] = a[i]
-
-
-@kernel
-def _close(system, work, march, t):
-    """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
-
-    They then are those of the end.
-    """
-    newton, bodies, turns = march.newton, system.masses.shape[0], march.turns[NEAR]
-    q, u = coordinates_and_speeds(system, march.trial)
-    zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
-    normalise(bodies, q)
-    for k in range(zero.shape[0]):
-        zero[k] = 0.0
-    before = np.inf
-    for _ in range(MOST_CORRECTIONS):
-        gap = evaluate_residual(system, work, q, t, turns)
-        if gap <= ROUND_OFF or not gap < 0.5 * before:
-            break
-        before = gap
-        for row in range(gamma.shape[0]):
-            gamma[row] = -work.rows[PHI, row]
-        solve(system, newton, zero, gamma, step)
-        move(bodies, q, step)
-    code = factorise_constraints(system, work, q)
-    if code != SOLVED:
-        return code
-    mass_matrices(system, work, q)
-    for _ in range(2):
-        rate_gap(system, work, u, t)
-        solve(system, newton, zero, gamma, step)
-        for k in range(u.shape[0]):
-            u[k] += step[k]
-    return code
-
-
-@kernel
-def _settle(system, work, march, t, ud):
-    """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
-
-    The matrix of the last step serves: where other speeds have become free it is one more metric.
-    """
-    _copy(march.turns[NEAR], work.turns)
-    q, u = coordinates_and_speeds(system, march.trial)
-    code = factorise_constraints(system, work, q)
-    if code == SOLVED:
-        mass_matrices(system, work, q)
-        code = _close(system, work, march, t)
-    return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
 
 
 @kernel
@@ -271,7 +223,7 @@ def _try_step(system, work, march, h):
     if not expect_turns(system, work, march, h) < MOST_TURNED:
         return -0.5
     found = march.trial.copy()
-    clock["fault"] = _close(system, work, march, clock["t"] + h)
+    clock["fault"] = close_gaps(system, work, march, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
     if not _moved(march, found) < MOST_MOVED:
@@ -344,51 +296,13 @@ def _fill_row(system, work, march, t, report):
     _copy(march.z, march.trial)
     if t < clock["t"]:
         x = (t - clock["step_start"]) / clock["step_length"]
-        _between(system, march, x, march.trial)
+        between(system, march, x, march.trial)
     for s in range(turns.shape[1]):
         turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
-    clock["fault"], power = _settle(system, work, march, t, report.rates[row])
+    clock["fault"], power = settle(system, work, march, t, report.rates[row])
     if clock["fault"] != SOLVED:
         return False
     _copy(march.trial, report.states[row])
     complete(system, work, march.trial, t, turns[NEAR], power, report, row)
     clock["row"] += 1
     return True
-
-
-@part
-def _between(system, march, x, point):
-    """Fill point with the state at the fraction x of the last step."""
-    clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]
-    bodies, h = system.masses.shape[0], clock["step_length"]
-    nq = n + bodies
-    rates = np.empty((5, nq))
-    coordinate_rates(bodies, old[:nq], old[nq : nq + n], rates[0])
-    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], march.rates[LAST], rates[1])
-    coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
-    coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], march.rates[START], rates[3])
-    for i in range(nq):
-        point[i], rates[4, i] = _quintic(
-            x, old[i], z[i], h * rates[0, i], h * rates[2, i], h * h * rates[1, i], h * h * rates[3, i]
-        )
-        rates[4, i] /= h
-    speeds_of_rates(bodies, point[:nq], rates[4], point[nq : nq + n])
-    last = nq + n
-    point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
-
-
-@kernel
-def _quintic(x, a, b, v, w, p, r):
-    """Value and derivative at x; a, b, v, w, p, r: values, first and second derivatives at 0 and at 1."""
-    rest, slope, bend = b - a - v - 0.5 * p, w - v - p, r - p
-    c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
-    c4 = -15.0 * rest + 7.0 * slope - bend
-    c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
-    value = a + x * (v + x * (0.5 * p + x * (c3 + x * (c4 + x * c5))))
-    return value, v + x * (p + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
-
-
-@kernel
-def _cubic(x, a, b, da, db):
-    change = b - a
-    return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))
