@@ -1,4 +1,4 @@
-"""What a study asks for and its deck lacks: told at its line, numbers first, then quantities, nothing made."""
+"""What a study asks for and its deck lacks: told at its line, numbers first, then quantities."""
 
 import subprocess
 import sys
