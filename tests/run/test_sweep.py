@@ -160,7 +160,9 @@ def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_on
 def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, jobs):
     study, parts = written(tmp_path, SAMPLED, count=400), tmp_path / "study.h5.parts"
     command = [*FLEXMB, "sweep", str(study), "-j", jobs]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as sweep:
+    # A suite that runs in the background of a shell ignores SIGINT, and so would its children.
+    heeding = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, **heeding) as sweep:
         while bytes_of(parts) < 3000:
             time.sleep(0.002)
         sweep.send_signal(signal.SIGINT)
