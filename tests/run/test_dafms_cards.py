@@ -142,6 +142,7 @@ def marched(rate, times, state, method, tolerance):
     return solved.y.T
 
 
+@pytest.mark.long_motion
 def test_a_forearm_sprung_against_the_slope_of_a_flexible_arm(moved):
     time, q, u = moved("arm_nrot")
     x, masses = np.array([0.4, 0.8]), [0.2, 0.4]

@@ -63,6 +63,7 @@ def test_free_tree_keeps_momentum_moment_of_momentum_and_energy(seed, tilted):
     assert np.ptp(energy) <= 1e-8 * np.max(np.abs(energy))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("seed", range(4))
 def test_tree_under_gravity_with_springs_keeps_its_energy(seed):
     rows = run(settled(seed))
