@@ -19,6 +19,7 @@ from .steppers import ExplicitSteps
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
+SAME = 1e-9  # of a run: times this near to each other are one
 SHOWN_OWNERS = 6
 
 
@@ -89,10 +90,30 @@ class ConstrainedMotion:
         """
         if not self.stepper.chosen:
             return []
-        system, start = self.system, self.grid.start
-        tables = [law for law in system.laws if law["kind"] in (TABLE, HELD_TABLE)]
-        points = {t for law in tables for t in system.knots[law["first"] : law["last"] + 1, 0].tolist()}
-        return sorted(t for t in points if start < t < end)
+        start, found = self.grid.start, []
+        apart = SAME * max(abs(start), abs(end))
+        for t in sorted({t for law in self._tables for t in law.tolist()}):
+            # A step between two numbers for one time would be shorter than any can be.
+            if (found[-1] if found else start) + apart < t < end - apart:
+                found.append(t)
+        return found
+
+    @property
+    def _tables(self) -> list[np.ndarray]:
+        """The times of every table, s."""
+        system = self.system
+        laws = [law for law in system.laws if law["kind"] in (TABLE, HELD_TABLE)]
+        return [system.knots[law["first"] : law["last"] + 1, 0] for law in laws]
+
+    def _warn_of_fine_tables(self):
+        """Steps of given length end where they end, whatever a table does between."""
+        finest = min((float(np.diff(times).min()) for times in self._tables), default=np.inf)
+        if not self.stepper.chosen and finest < self.stepper.length:
+            message = (
+                f"a table has points {finest:.3g} s apart, and steps of {self.stepper.length:g} s may pass "
+                "over them: take a step below that, or 0 for steps that end at them"
+            )
+            self.warnings.append(Fault("warning", message))
 
     def start(self) -> Mobility:
         """Assemble positions and speeds at the first time and choose the first step.
@@ -109,6 +130,7 @@ class ConstrainedMotion:
         march.z[q.size : -1] = start_speeds(self, q, grid.start)
         if found.redundant:
             self.warnings.append(_repetition_warning(found))
+        self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
         answer = self._call(constrained_march.BEGIN, blank_report(self.arrays, np.zeros(0)))

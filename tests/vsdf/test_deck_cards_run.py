@@ -78,6 +78,26 @@ def test_no_method_steps_over_a_pulse_of_a_table(steps, error):
     assert z[t > 0.71] == pytest.approx(2.0 * (t[t > 0.71] - 0.701), abs=error)
 
 
+@pytest.mark.parametrize("steps", ["RK45   1.0E-10", "RAD5   1.0E-10", "GALF"])
+@pytest.mark.parametrize("last", ["0.7", "0.70000000000000007", "0.69999999999999996"])
+def test_points_of_a_table_at_the_times_of_rows_but_for_round_off_do_no_harm(steps, last):
+    """A force of 4 N at 2 kg all the time: z = t².  Seven times 0.1 is no 0.7."""
+    cards = f"TABL\n 1,0.0,1.0\n 1,0.3,1.0\n 1,0.30000000000000004,1.0\n 1,{last},1.0\n"
+    text = with_cards(cards + "FORC\n    1    1       0.0       0.0       4.0    0    1\n")
+    rows, _, _ = run(changed(("       1.0      0.05\n", " 0.7,0.1\n"), ("RK45   1.0E-10", steps), text=text))
+    t = rows("time")
+    assert len(t) == 8
+    assert rows("position")[:, 0, 2] == pytest.approx(t**2, abs=1e-4 if steps == "GALF" else 1e-8)
+
+
+def test_a_step_of_given_length_that_passes_over_points_of_a_table_is_warned_of():
+    cards = "TABL\n 1,0.0,0.0\n 1,0.001,3.0\nFORC\n    1    1       0.0       0.0       4.0    0    1\n"
+    steps = ("       1.0      0.05\n", " 1.0,0.05,0.01\n"), ("RK45   1.0E-10", "GALF")
+    _, _, analysis = run(changed(*steps, text=with_cards(cards)))
+    (warning,) = [fault.message for fault in analysis.warnings if fault.severity == "warning"]
+    assert warning.startswith("a table has points 0.001 s apart, and steps of 0.01 s may pass over them")
+
+
 def test_a_motion_by_a_table_follows_its_spline():
     rows, _, analysis = run(with_cards(PULSE + "MOTN\n    1 STRK    1    4       1.0\n"))
     t = rows("time")
