@@ -59,14 +59,15 @@ class ConstrainedMotion:
         self.start()
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
         passed, end = PassedPositions(self), times[-1]
-        for stop in [*self._breakpoints(end), end]:
+        stops = self._breakpoints(end)
+        parts = np.split(times, np.searchsorted(times, stops, "right"))
+        for stop, due in zip([*stops, end], parts, strict=True):
             self.clock["stop"] = stop
-            due, times = times[times <= stop], times[times > stop]
             for report in self._reports(due):
                 passed.look(report.times, report.states)
                 yield self.block(report)
-            # To the very breakpoint, where there is no row.
-            for _ in self._reports(np.array([stop])):
+            # To the very breakpoint, where there need not be a row.
+            for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
         self.warnings += self.stepper.doubts(self.clock[0])
 
