@@ -3,6 +3,7 @@
 import os
 import struct
 import tracemalloc
+from pathlib import Path
 
 import pytest
 
@@ -156,3 +157,13 @@ def test_a_file_larger_than_the_bound_is_refused_before_it_is_read(tmp_path):
 )
 def test_numbers_are_read_as_fortran_writes_them(spelt, value):
     assert file_text.real(spelt) == value
+
+
+@pytest.mark.skipif(not Path("/proc/self/pagemap").is_file(), reason="no /proc here")
+@pytest.mark.parametrize("name", ["/proc/self/pagemap", "/proc/kmsg", "/proc/self/status"])
+def test_a_file_without_a_length_is_empty(name):
+    """Linux, proc(5): length 0 is told; pagemap goes on for 2^36 bytes and more, kmsg blocks without news."""
+    try:
+        assert file_text.bytes_of(Path(name)) == b""
+    except FEFileFault as fault:
+        assert "cannot be read: " in str(fault)  # by others than root

@@ -28,8 +28,10 @@ def bytes_of(path: Path) -> bytes:
     try:
         # A pipe without a writer would be waited for.
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
-            _check_kind(path.name, os.fstat(stream.fileno()))
-            return stream.read()
+            found = os.fstat(stream.fileno())
+            _check_kind(path.name, found)
+            # Some files of /proc have no length and no end, or nothing to give just now.
+            return stream.read(found.st_size) or b""
     except FileNotFoundError:
         raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}") from None
     except (OSError, ValueError) as fault:
