@@ -23,6 +23,9 @@ _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
 _UNFINISHED = "unfinished"
 _LONGEST_HEAD = 2**20
+_BEGINNING = b'{"'
+# In a stranger's folder a link could lead to any file of the user's.
+_NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 
 
 class Journal:
@@ -122,12 +125,15 @@ class Journal:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}") from error
 
     def _open(self):
+        if os.path.islink(self.path):
+            raise OutputError(f"{self.path}: it is a link, which is not followed; remove it")
         # Unbuffered: what a full disk refused must not be tried again when the file is closed.
-        number = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
+        number = os.open(self.path, os.O_RDWR | os.O_CREAT | _NO_LINK, 0o666)
         file = os.fdopen(number, "r+b", buffering=0)
-        if hold(number) is False:
+        obstacle = _obstacle(file)
+        if obstacle:
             file.close()
-            raise OutputError(f"{self.path}: another run is writing it; wait until it ends")
+            raise OutputError(f"{self.path}: {obstacle}")
         self._file = file
         file.truncate(self._end)
         file.seek(self._end)
@@ -160,6 +166,15 @@ class Journal:
             f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
         )
         return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
+
+
+def _obstacle(file):
+    """Why the open file may not be written as a journal; "" where it may."""
+    if hold(file) is False:
+        return "another run is writing it; wait until it ends"
+    if not os.path.isfile(file.name) or not _BEGINNING.startswith(file.read(len(_BEGINNING))):
+        return "it is not the file of a stopped run, whose place it has; remove or rename it"
+    return ""
 
 
 def _entries(file):

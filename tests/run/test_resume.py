@@ -119,6 +119,26 @@ def test_a_run_without_resume_starts_anew(tmp_path):
     assert not (tmp_path / "pendulum.resume").exists()
 
 
+def test_no_file_but_a_journal_is_written_over_and_no_link_to_one_is_followed(tmp_path):
+    """In a folder that a stranger has packed, the journal's name could lead to any file of the user's."""
+    other, journal = tmp_path / "other", tmp_path / "pendulum.resume"
+    other.write_text('{"kept": 1}')
+    journal.symlink_to(other)
+    outcome = run("pendulum", tmp_path)
+    assert outcome.exit_code == 2
+    assert outcome.faults[-1].message == f"{journal}: it is a link, which is not followed; remove it"
+    assert other.read_text() == '{"kept": 1}'
+    journal.unlink()
+    journal.write_text("a life in short")
+    outcome = run("pendulum", tmp_path)
+    assert outcome.exit_code == 2
+    assert outcome.faults[-1].message == (
+        f"{journal}: it is not the file of a stopped run, whose place it has; remove or rename it"
+    )
+    assert journal.read_text() == "a life in short"
+    assert {path.name for path in tmp_path.iterdir()} == {"other", "pendulum.resume"}
+
+
 BLOCKS = [({"time": np.arange(3.0) + k}, {"row": np.array(3 * k)}) for k in range(4)]
 
 
