@@ -12,6 +12,7 @@ from .vsdf_bodies import build_bodies, build_ground
 from .vsdf_joints import build_joints, build_motions, build_pins, build_tables
 from .vsdf_loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
 from .vsdf_model import Integrator, VsdfModel
+from .vsdf_unread import doubt_tables, refuse_unread
 
 MOST_ROWS = 10_000_000
 SPECTRAL_RADIUS, TOLERANCE = 0.9, 1e-8
@@ -24,12 +25,14 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     faults found, the deck's own warnings among them.
     """
     values, findings = DeckValues(deck), Findings()
+    refuse_unread(values, findings)
     bodies = build_bodies(values, folder, findings)
     ground = build_ground(values, findings)
     time = _time(values, findings)
     integrator = _integrator(values, findings)
     joints = build_joints(values, bodies, ground, findings)
     tables = build_tables(values, findings)
+    doubt_tables(values, tables, findings)
     parts = {
         "joints": joints,
         "pins": build_pins(values, bodies, ground, findings),
@@ -65,6 +68,9 @@ def _time(values, findings):
         findings.error("TIME", message, record.at("output").place)
     elif fault := unsteppable(end, output):
         findings.error("TIME", fault, record.place)
+    elif 0 < end < output:
+        message = f"rows are {output:g} s apart and the run ends at {end:g} s: only that of t = 0 is written"
+        findings.warn("TIME", message, record.at("output").place)
     return TimeGrid(0.0, end, output, record.place)
 
 
@@ -87,4 +93,7 @@ def _integrator(values, findings):
     if method != "GALF" and step > 0:
         message = f"{method} chooses its steps by the tolerance; the step of {step:g} s is not used"
         findings.warn("TIME", message, time.at("step").place)
-    return Integrator(method, step, parameter, float(record["stabilise"]))
+    if record["stabilise"]:
+        message = "constraint stabilisation is not used: every step is projected onto the constraints"
+        findings.warn("INTG", message, record.at("stabilise").place)
+    return Integrator(method, step, parameter)

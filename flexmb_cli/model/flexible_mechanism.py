@@ -20,7 +20,7 @@ class FloatingBody:
     """A body: frame at t = 0 (`r` global, Euler parameters `p`), motion there, and inertia about its origin.
 
     `velocity` of the origin in global axes, `omega` in body axes; the modal coordinates and their rates
-    start at zero.
+    start at zero.  `place` and `velocity_place`: of the cards BODY and VELO.
     """
 
     name: str
@@ -34,6 +34,7 @@ class FloatingBody:
     flexible: FlexibleBody | None = None
     stiffened: bool = False
     place: Place | None = None
+    velocity_place: Place | None = None
 
     @property
     def modes(self) -> int:

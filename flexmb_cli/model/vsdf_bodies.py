@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..read.fe_files.formats import NEEDS_MAPPING
 from ..read.fe_files.matrix_file import FEFileFault
 from ..read.fe_files.node_table import read_node_table
 from .deck_values import DeckValues
@@ -21,6 +22,7 @@ _FLEXIBLE_ONLY = (
     ("mapping", "FEMP"),
     ("damping", "DAMP"),
     ("stiffening", "GEOS"),
+    ("unit_load", "FEMG"),
 )
 _LISTS = (("clamped", "CLMP"), ("attachment", "ATTM"), ("interface", "CRBN"))
 
@@ -41,7 +43,7 @@ def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:
 def _check_body_numbers(values, count, findings):
     """Every card of a body must name one that exists."""
     sections = [name for name, _ in (*_FLEXIBLE_ONLY, *_LISTS)]
-    sections += ["rigid", "node_set", "unit_load", "position", "attitude", "velocity", "node"]
+    sections += ["rigid", "node_set", "position", "attitude", "velocity", "node"]
     for section in sections:
         for record in values.section(section):
             number = record.at("body")
@@ -62,6 +64,7 @@ def _body(values, k, folder, findings) -> VsdfBody:
         "velocity": velocity.vector("v") if velocity else (0.0, 0.0, 0.0),
         "omega": velocity.vector("w") if velocity else (0.0, 0.0, 0.0),
         "place": record.place,
+        "velocity_place": velocity.place if velocity else None,
     }
     build = _flexible if flexible else _rigid
     return build(values, k, record, pose, folder, findings)
@@ -139,12 +142,24 @@ def _sets(values, k, nodes, findings):
             continue
         number = record.at("set")
         members = _members(record, nodes, k, findings)
+        _check_once(record, sets.get(number.value, ()), findings)
         if number.value in nodes:
             message = f"{number.value} is a node of body {k}; a set needs a number of its own"
             findings.error(record.subject, message, number.place)
+        elif number.value < 1:
+            findings.error(record.subject, f"sets are numbered from 1; read {number.text}", number.place)
         elif members:
             sets[number.value] = sets.get(number.value, ()) + members
     return sets
+
+
+def _check_once(record, before, findings):
+    """A set is the mean of its nodes: one that it names twice would count double."""
+    seen = set(before)
+    for number in record.numbers[2:]:
+        if number.value in seen:
+            findings.error(record.subject, f"node {number.value} is in the set already", number.place)
+        seen.add(number.value)
 
 
 def _members(record, nodes, k, findings):
@@ -170,6 +185,8 @@ def _flexible(values, k, record, pose, folder, findings):
     for name, word in _FLEXIBLE_ONLY[1:3]:
         if files[name] is None:
             findings.error(record.subject, f"a FLEX body needs a card {word}", record.place)
+    _check_mapping(values.record("mapping", k), files, findings)
+    _check_shapes(values, k, findings)
     if table is None or None in (files["mass_matrix"], files["stiffness_matrix"]):
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
@@ -197,6 +214,24 @@ def _file(record, folder) -> FEFile | None:
     if record is None:
         return None
     return FEFile(folder / record["file"].replace("\\", "/"), record["form"], record.at("file").place)
+
+
+def _check_mapping(record, files, findings):
+    """Rows of the other formats follow the node table, whatever a mapping says."""
+    forms = {files[name].form for name in ("mass_matrix", "stiffness_matrix") if files[name]}
+    if record and forms and not forms & set(NEEDS_MAPPING):
+        which = " and ".join(NEEDS_MAPPING)
+        message = f"the mapping is not read: only matrices of format {which} have one; remove the card"
+        findings.error(record.subject, message, record.place)
+
+
+def _check_shapes(values, k, findings):
+    """The interface nodes of Craig and Bampton's method have their static shapes; no others are added."""
+    bodies = [record["body"] for record in values.section("interface")]
+    for record in values.section("attachment"):
+        if record["body"] == k and k in bodies:
+            message = f"ATTM is not read beside CRBN of body {k}; name its nodes on CRBN, or remove CRBN"
+            findings.error(record.subject, message, record.place)
 
 
 def _node_table(values, k, record, folder, findings):

@@ -151,14 +151,18 @@ def _check_axis(record, letter, ends, bodies, ground, findings):
 def _size(record, word, a, b, bodies, ground, findings):
     """Pitch or distance, nan where the deck leaves it to the positions at t = 0."""
     given = record.at("size")
-    if word.kind == "screw" or given.text:
-        size = float(given.value)
-    elif word.kind in ("spherical-spherical", "revolute-spherical"):
+    if word.kind == "screw":
+        if not given.text:
+            message = "SCRW needs its pitch in size, m/rad; write 0.0 for a screw without advance"
+            findings.error(record.subject, message, given.place)
+        return float(given.value)
+    if word.kind not in ("spherical-spherical", "revolute-spherical"):
+        return math.nan
+    size = float(given.value)
+    if not given.text:
         (P, *_), (R, *_) = _positions(a, bodies, ground), _positions(b, bodies, ground)
         size = float(np.linalg.norm(R - P))
-    else:
-        return math.nan
-    if word.kind != "screw" and not size > 0:
+    if not size > 0:
         message = "the distance must be above zero; for coinciding points take SPHE"
         findings.error(record.subject, message, given.place)
     return size
@@ -195,6 +199,9 @@ def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw 
     tables: dict[int, MotionLaw | None] = {}
     for number, records in points.items():
         tables[number] = None
+        if number < 1:
+            message = f"tables are numbered from 1; read {records[0].at('table').text}"
+            findings.error(f"table {number}", message, records[0].place)
         times = [record["t"] for record in records]
         late = next((i for i in range(1, len(times)) if not times[i] > times[i - 1]), None)
         if len(records) < 2:

@@ -2,11 +2,13 @@
 
 import math
 
+import numpy as np
+
 from .deck_values import DeckValues
 from .findings import Findings
 from .vsdf_bodies import end_of_body
 from .vsdf_joints import SLIDING, TURNING, find_end, find_table
-from .vsdf_model import BodyTorque, End, JointSpring, NodeForce, NodeSpring
+from .vsdf_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeSpring
 
 
 def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings) -> tuple[NodeForce, ...]:
@@ -16,7 +18,9 @@ def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings)
         end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
         follows = _follows(record, findings)
         factor = _factor(record, tables, findings)
-        if end:
+        if end and end.body == GROUND:
+            findings.error(record.subject, "a force on the ground moves nothing", record.at("body").place)
+        elif end:
             force = record.vector("F")
             forces.append(NodeForce(record.subject, end, force, follows, factor, record.place))
     return tuple(forces)
@@ -67,11 +71,29 @@ def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tup
         if ends[0] and ends[0] == ends[1]:
             message = "both ends are the same node"
             findings.error(record.subject, message, record.at("nb").place)
+        elif all(ends) and _in_one_solid(*ends, bodies):
+            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"
+            message = f"both ends are on {what}, so their distance never changes"
+            findings.error(record.subject, message, record.at("b").place)
         elif all(ends):
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
+            _check_direction(record, ends, length, bodies, ground, findings)
             springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))
     return tuple(springs)
+
+
+def _check_direction(record, ends, length, bodies, ground, findings):
+    """Coinciding ends leave the force of a spring no direction."""
+    owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
+    a, b = (owner.global_position(end.node) for owner, end in zip(owners, ends, strict=True))
+    if length > 0 and not np.any(a != b):
+        message = "its ends coincide at t = 0, where it has no direction to push in, and it does not push"
+        findings.warn(record.subject, message, record.at("length").place)
+
+
+def _in_one_solid(a, b, bodies):
+    return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 
 def _check_not_negative(record, keys, findings):

@@ -30,7 +30,8 @@ class VsdfBody:
     """A body: pose of its node table's axes at t = 0, velocity of its origin, angular velocity (body axes).
 
     `nodes`: positions by number; `sets`: members of the node sets by number.  Either `rigid` or
-    `flexible` is given; `stiffened` asks for centrifugal stiffening.
+    `flexible` is given; `stiffened` asks for centrifugal stiffening.  `place` and `velocity_place`: of the
+    cards BODY and VELO.
     """
 
     name: str
@@ -44,6 +45,7 @@ class VsdfBody:
     sets: dict[int, tuple[int, ...]] = field(default_factory=dict)
     stiffened: bool = False
     place: Place | None = None
+    velocity_place: Place | None = None
 
     def members(self, node: int) -> tuple[int, ...]:
         """The nodes that a node's or set's number stands for; () when there is none."""
@@ -157,7 +159,6 @@ class Integrator:
     method: str
     step: float
     parameter: float
-    stabilise: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ _MOST_FAULTS = 1000
 _COMMENT = "*"
 # A data card begins with a blank or a number, so that no keyword can be mistaken for one.
 _DATA = re.compile(r"[\s0-9+\-.,]")
-_NUMBERS_ONLY = re.compile(r"[\s0-9.,+\-EeDd]*[0-9][\s0-9.,+\-EeDd]*")
+_NUMBERS = re.compile(r"[.,+\-]*[0-9][0-9.,+\-EeDd]*(?=\s|$)")
 
 
 def read_vsdf(source: DeckText) -> Deck:
@@ -37,6 +37,7 @@ class _Reader:
         self.seen: dict[tuple[str, int], int] = {}
         self.counts: dict[str, int] = {}
         self.begun = self.unknown = False
+        self.bare: Place | None = None  # of a keyword without data so far
 
     def read(self) -> None:
         """Title, keyword blocks, END, STAR and STOP."""
@@ -49,13 +50,16 @@ class _Reader:
                 return
             if not _DATA.match(line):
                 word = line[:4].strip().upper()
+                self._check_filled(card, word)
                 card = self._open(word, line, ended)
                 if word == STOP:
                     break
             elif card is not None:
+                self.bare = None
                 self._read_record(card, line)
-            elif not ended and not self.unknown:
-                self._error("", "a data card stands before any keyword", Place(self.at, 1))
+            elif not self.unknown:
+                where = "behind END, where nothing is read" if ended else "before any keyword"
+                self._error("", f"a data card stands {where}", Place(self.at, 1))
         self._check_end(ended)
 
     def _next(self):
@@ -87,24 +91,32 @@ class _Reader:
             self.unknown = True
             self._error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place)
             return None
-        self._check_alone(word, line)
+        told = self._check_alone(word, line)
         if END in ended:
             self._error("", f"card '{word}' stands behind END, where nothing is read", place)
+            self.unknown = True
             return None
         if word != "BODY" and not self.begun:
             self._error("", f"card '{word}' stands before BODY, which must come first", place)
-        self.begun = True
+        self.begun, self.bare = True, None if told else place
         return BY_WORD[word]
 
+    def _check_filled(self, card, following):
+        """A keyword alone says nothing; what was meant may stand in its comment."""
+        if card is not None and self.bare is not None and following in KNOWN_WORDS:
+            self._warn(card.word, "no data card stands below the keyword, so it says nothing", self.bare)
+        self.bare = None
+
     def _check_alone(self, word, line):
-        """Words behind a keyword are a comment; numbers there were meant to be read."""
+        """Words behind a keyword are a comment; numbers there were meant to be read, and are a fault."""
         extra = line[4:].strip()
-        if _NUMBERS_ONLY.fullmatch(extra):
-            message = (
-                f"'{extra}' stands behind the keyword and is not read; "
-                "data cards follow on lines of their own"
-            )
-            self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
+        if not _NUMBERS.match(extra):
+            return False
+        message = (
+            f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
+        )
+        self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
+        return True
 
     def _check_end(self, ended):
         if END not in ended:
@@ -164,14 +176,19 @@ class _Reader:
     def _check_rest(self, card, line, columns):
         """Words behind the last field are a comment; numbers there were meant to be read."""
         extra = vsdf_fields.rest(line, columns)
-        if _NUMBERS_ONLY.fullmatch(extra.text):
-            message = f"'{extra.text}' stands behind the last field and is not read"
-            self._error(
-                card.word,
-                message,
-                Place(self.at, extra.column, len(extra.text)),
-                vsdf_fields.guide(line, columns),
+        text = extra.text
+        if not text:
+            return
+        place = Place(self.at, extra.column, len(text))
+        if _NUMBERS.match(text):
+            message = f"'{text}' stands behind the last field and is not read"
+            self._error(card.word, message, place, vsdf_fields.guide(line, columns))
+        elif vsdf_fields.runs_over(line, columns, extra):
+            message = (
+                f"'{text}' touches the last field, which ends in column {extra.column - 1}: a comment needs "
+                "a blank before it, a longer number the form with commas"
             )
+            self._error(card.word, message, place, vsdf_fields.guide(line, columns))
 
     def _keep(self, card: Card, head: Number, numbers: list[Number]) -> None:
         count = self.counts[card.section] = self.counts.get(card.section, 0) + 1

@@ -51,6 +51,11 @@ def rest(line: str, columns: tuple[Column, ...]) -> Field:
     return _cut(line, last + 1, len(line)) if last else Field("", len(line) + 1, "")
 
 
+def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
+    """Whether what stands behind the last field of a card in fixed form goes on without a blank."""
+    return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
+
+
 def value(field: Field, column: Column) -> tuple[float | int | str, str]:
     """The field's value and a doubt, "" for none.  Raises Unfit."""
     if not field.text:

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from ..errors import Fault
 from ..kernels.constrained_report import Report
 from ..model.dynamics import InitialVelocity
 from ..model.flexible_arrays import flexible_arrays
@@ -13,6 +12,7 @@ from .constrained_start import given_speeds
 from .dynamic_rows import global_axes
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
+from .parted_joints import parted_joints
 from .steppers import ExplicitSteps, GeneralisedAlpha, RadauSteps
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
@@ -37,9 +37,6 @@ class FlexibleDynamics(ConstrainedMotion):
         super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, stepper)
         self.mechanism = mechanism
         self.velocities = tuple(_velocities(mechanism))
-        if mechanism.integrator.stabilise:
-            message = "constraint stabilisation is not used: every step is projected onto the constraints"
-            self.warnings.append(Fault("warning", message, mechanism.time.place, "INTG"))
 
     @property
     def evaluator(self) -> PositionGaps:
@@ -48,7 +45,9 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
-        return assemble(self.evaluator, t)
+        q = assemble(self.evaluator, t)
+        self.warnings += parted_joints(self.mechanism, self.evaluator, q, t)
+        return q
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
         """Which of the speeds are given, and their values: those of the deck, and no rate of deformation."""
@@ -67,4 +66,5 @@ def _velocities(mechanism):
     for k, body in enumerate(mechanism.bodies):
         if np.any(body.velocity) or np.any(body.omega):
             angular = tuple(global_axes(body.p, body.omega))
-            yield InitialVelocity(f"VELO of {body.name}", k, tuple(body.velocity), angular, body.place)
+            name, place = f"VELO of {body.name}", body.velocity_place
+            yield InitialVelocity(name, k, tuple(body.velocity), angular, place)

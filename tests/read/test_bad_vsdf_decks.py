@@ -216,12 +216,12 @@ RIGID_MODELS = [
     ),
     (
         "ground without nodes",
-        changed(("    1 REVO    0    1    2", "    1 DIST    0    0    0")),
+        changed(("    1 REVO    0    1    2    1    1    2", "    1 DIST    0    0    0    1    1")),
         ["23:20: error: joint 1: DIST needs nodes on the ground, cards NODE of body 0; a1 is missing"],
     ),
     (
         "no distance",
-        changed(("    1 REVO    0    1    2", "    1 DIST    0    1    0")),
+        changed(("    1 REVO    0    1    2    1    1    2", "    1 DIST    0    1    0    1    1")),
         ["23:51: error: joint 1: the distance must be above zero; for coinciding points take SPHE"],
     ),
     (
