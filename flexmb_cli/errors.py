@@ -56,9 +56,14 @@ class Fault:
 
 
 class FlexmbError(Exception):
-    """Base of everything flexmb raises on purpose; `exit_code` is the program's."""
+    """Base of everything flexmb raises on purpose; `exit_code` is the program's.
+
+    `file` is the one at fault as the user named it, "" where it is none; `printed`: as JSON already.
+    """
 
     exit_code = INTERNAL_FAULT
+    file = ""
+    printed = False
 
     def __init__(self, message: str, faults: tuple[Fault, ...] = ()):
         super().__init__(message)

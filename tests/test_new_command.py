@@ -137,7 +137,7 @@ def test_ctrl_c_ctrl_d_and_a_mark_keep_a_draft_and_the_next_call_goes_on(tmp_pat
     # is as fast as this.
     time.sleep(0.5)
     terminal.type(key)
-    terminal.expect(f"flexmb new: {why}; no deck is written, the answers so far are in IN-NEW.dat.draft")
+    terminal.expect(f"flexmb: {why}; no deck is written, the answers so far are in IN-NEW.dat.draft")
     assert terminal.exit_code() == code
     assert len(json.loads((tmp_path / "IN-NEW.dat.draft").read_text())["answers"]) == 1 + 12 + 7
     done = piped("--draft", lines=rest, cwd=tmp_path)

@@ -11,12 +11,13 @@ import sys
 import click
 
 from .. import __version__
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, FlexmbError, visible
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
 from ..run.outcome import Terminated
 from .beam import beam
 from .check import check
 from .diff import diff
 from .export import export
+from .json_faults import print_record, wants_json
 from .modes import modes
 from .new import new
 from .plot import plot
@@ -24,6 +25,7 @@ from .report import report
 from .run import run
 from .sweep import sweep
 from .table import table
+from .terminal import lines_visible
 from .verify import verify
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
@@ -64,8 +66,19 @@ def main():
     os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
     try:
+        _run_command()
+    except OSError as fault:
+        _refuse_lost_folder()
+        # Files are guarded where they are written: what is left are the standard streams.
+        _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
+        os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
+
+
+def _run_command():
+    """Run the command that is asked for; how it ended is told, and is the exit code."""
+    try:
         cli.main(standalone_mode=False, prog_name="flexmb")
-    except SystemExit:
+    except (SystemExit, OSError):
         raise
     except click.exceptions.Exit as ending:
         sys.exit(ending.exit_code)
@@ -79,17 +92,11 @@ def main():
         _tell("flexmb: terminated; what was not complete is not written")
         sys.exit(143)
     except click.ClickException as fault:
-        fault.message = visible(fault.message)
-        fault.show()
+        _refuse_usage(fault)
         sys.exit(BAD_INPUT)
     except FlexmbError as failure:
         _report_failure(failure)
         sys.exit(failure.exit_code)
-    except OSError as fault:
-        _refuse_lost_folder()
-        # Files are guarded where they are written: what is left are the standard streams.
-        _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
-        os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
     except Exception as fault:
         _admit(fault)
 
@@ -98,12 +105,29 @@ def _admit(fault):
     """A fault of flexmb itself, with a request to report it."""
     if "--debug" in sys.argv:
         raise fault
+    told = f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
     click.echo(
-        f"flexmb: error: a fault of flexmb itself: {type(fault).__name__}: {fault}\n"
-        "Please report it with the deck; `flexmb --debug …` shows where it happened.",
+        f"flexmb: error: {told}\nPlease report it with the deck; `flexmb --debug …` shows where it happened.",
         err=True,
     )
+    _print_json(INTERNAL_FAULT, Fault("error", told))
     sys.exit(INTERNAL_FAULT)
+
+
+def _refuse_usage(fault):
+    """How the command is called, and what is wrong with the call, in the form of all errors."""
+    context = getattr(fault, "ctx", None)
+    if context is not None:
+        help_line = f"Try '{context.command_path} --help' for help."
+        click.echo(lines_visible(f"{context.get_usage()}\n{help_line}\n"), err=True)
+    told = fault.format_message()
+    click.echo(f"flexmb: error: {lines_visible(told)}", err=True)
+    _print_json(BAD_INPUT, Fault("error", " ".join(told.split())))
+
+
+def _print_json(exit_code, *faults, file=None):
+    if wants_json(cli.commands, sys.argv[1:]):
+        print_record(exit_code, faults, file)
 
 
 def _refuse_lost_folder():
@@ -137,5 +161,7 @@ def _tell(sentence):
 
 
 def _report_failure(failure):
-    for fault in failure.faults:
-        click.echo(f"flexmb: {fault.severity}: {visible(fault.sentence)}", err=True)
+    """Faults on standard error, after the name of the file in which they are, else that of the program."""
+    click.echo(compiler_style(failure.file or "flexmb", failure.faults), err=True)
+    if not failure.printed:
+        _print_json(failure.exit_code, *failure.faults, file=failure.file or None)

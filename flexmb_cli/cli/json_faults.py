@@ -5,7 +5,9 @@ from contextlib import contextmanager
 
 import click
 
-from ..errors import BAD_INPUT, FlexmbError
+from ..errors import BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError
+
+STATUS = {BAD_INPUT: "bad input", INTERNAL_FAULT: "internal fault"}
 
 
 @contextmanager
@@ -18,14 +20,24 @@ def faults_in_json(wanted: bool, about: dict, file: str):
         yield
     except FlexmbError as failure:
         if wanted:
-            click.echo(json.dumps(about | _record(failure, file)))
+            file = failure.file or getattr(failure, "path", None) or file
+            print_record(failure.exit_code, failure.faults, file, about)
+            failure.printed = True
         raise
 
 
-def _record(failure, file):
-    file = getattr(failure, "name", None) or getattr(failure, "path", None) or file
-    return {
-        "status": "bad input" if failure.exit_code == BAD_INPUT else "failed",
-        "exit_code": failure.exit_code,
-        "faults": [{"file": file} | fault.as_dict() for fault in failure.faults],
+def wants_json(commands: dict, arguments: list[str]) -> bool:
+    """Whether the command line asks for JSON of a command that has it; it may be wrong otherwise."""
+    options = arguments[: arguments.index("--")] if "--" in arguments else arguments
+    command = commands.get(next((word for word in options if word in commands), ""))
+    return "--json" in options and any("--json" in option.opts for option in getattr(command, "params", ()))
+
+
+def print_record(exit_code: int, faults: tuple[Fault, ...], file: str | None = None, about=()) -> None:
+    """One JSON object on standard output: `about`, the status in a word, and the faults of `file`."""
+    record = {
+        "status": STATUS.get(exit_code, "failed"),
+        "exit_code": exit_code,
+        "faults": [{"file": file} | fault.as_dict() for fault in faults],
     }
+    click.echo(json.dumps(dict(about) | record))

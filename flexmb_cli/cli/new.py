@@ -16,8 +16,10 @@ _KEYS = """\
 Enter    take what stands in [ ]      ?       what is asked here
 <        the question before          < NAME  back to a record, such as: < driver.1
 >        on to the first question without an answer
-!        stop; the answers are kept in a draft, and the next call goes on from there
+!        stop; {stop}
 A line may hold one number, or as many as the record has left."""
+_KEPT = "the answers are kept in a draft, and the next call goes on from there"
+_LOST = "the answers are not kept (--draft keeps them)"
 
 
 @click.command()
@@ -116,10 +118,14 @@ class _Talk:
         )
         return dialogue
 
+    @property
+    def _keys(self):
+        return _KEYS.format(stop=_KEPT if self.keeps_draft else _LOST)
+
     def run(self):
         """Ask until a deck stands that `check` accepts, and write it."""
         if self.at_terminal:
-            click.echo(_KEYS, err=True)
+            click.echo(self._keys, err=True)
         while True:
             while (question := self.dialogue.question) is not None:
                 self.take(question, self.ask(question))
@@ -156,7 +162,7 @@ class _Talk:
         """Obey a command, or give the answer to the machine; the draft follows every change."""
         word = line.strip()
         if word == "?":
-            click.echo(f"{question.help}\n{_KEYS}", err=True)
+            click.echo(f"{question.help}\n{self._keys}", err=True)
         elif word == "!":
             self.stop("stopped")
         elif word == ">":
@@ -265,7 +271,7 @@ class _Talk:
             where = f"the answers so far are in {self.draft}, the next call goes on"
         else:
             where = "nothing was answered"
-        click.echo(f"\nflexmb new: {why}; no deck is written, {where}", err=True)
+        click.echo(f"\nflexmb: {why}; no deck is written, {where}", err=True)
 
     def stop(self, why):
         """End without a deck (exit 1)."""

@@ -68,18 +68,18 @@ def _source(open_files, path, label, names, across, window, quiet):
     from ..write.table import chosen_rows
 
     file = open_files.enter_context(open_result(path))
-    abscissa = resolve(file, [across], f"{path}: --x ")
+    abscissa = resolve(file, [across], path, "--x ")
     if len(abscissa) != 1:
         few = ", ".join(quantity.name for quantity in abscissa[:4])
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
-    quantities = resolve(file, names, f"{path}: ") if names else default_quantities(file)
+    quantities = resolve(file, names, path) if names else default_quantities(file)
     quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
     rows, told = chosen_rows(file, *window), shortfall(file)
     if not rows:
         reason = "no rows in this window of time" if len(file["time"]) else told or "it has no rows"
-        raise ResultError(f"{path}: nothing to draw: {reason}")
+        raise ResultError(path, f"nothing to draw: {reason}")
     if not quantities:
-        raise ResultError(f"{path}: nothing to draw over {abscissa[0].name}: name another quantity")
+        raise ResultError(path, f"nothing to draw over {abscissa[0].name}: name another quantity")
     if told and not quiet:
         click.echo(f"{path}: note: {told}", err=True)
     window = slice(rows.start, rows.stop, rows.step)

@@ -21,7 +21,7 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
 @click.command()
 @DECK
 @deck_options
-@click.option("-v", "--verbose", is_flag=True, help="Add solver statistics.")
+@click.option("-v", "--verbose", is_flag=True, help="Add solver statistics; -q silences them, too.")
 @click.option("-o", "--output-dir", "folder", default=".", metavar="DIR", help="Folder of the results.")
 @click.option("--out", metavar="PATH|-", help="OUT table; - is standard output.")
 @click.option("--h5", metavar="PATH", help="HDF5 result.")
@@ -246,7 +246,7 @@ def _report_outcome(outcome, quiet, verbose):
         click.echo(f"{outcome.deck}: {_kept(outcome)}", err=True)
     elif outcome.exit_code == DONE and not quiet:
         click.echo(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}", err=True)
-    if verbose and outcome.statistics:
+    if verbose and not quiet and outcome.statistics:
         click.echo(f"  {outcome.statistics}", err=True)
 
 

@@ -34,7 +34,8 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     Example:
         flexmb sweep study.toml -j 4
     """
-    output = output or f"{'flexmb' if study == '-' else PurePath(study).stem}.h5"
+    stem = "" if study == "-" else PurePath(study).stem
+    output = output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
     made = _begun(study, output, parts, fresh, as_json)
     stop_on_signals()

@@ -50,7 +50,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
     with open_result(result) as file:
         if not names and not listing:
             raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
-        quantities = resolve(file, names, f"{result}: ") if names else all_names(file)
+        quantities = resolve(file, names, result) if names else all_names(file)
         if listing:
             _remark_settings(result, settings_of(file), quiet)
             click.echo(list_text(quantities, style or "text"), nl=False)
@@ -68,7 +68,7 @@ def _print_study(path, names, listing, every, style, quiet):
     with open_study(path) as file:
         columns = study_columns(file)
         if names or not listing:
-            columns = chosen_columns(columns, names, f"{path}: ")
+            columns = chosen_columns(columns, names, path)
         if listing:
             click.echo(list_text(columns, style or "text"), nl=False)
             return

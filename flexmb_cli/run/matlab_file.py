@@ -26,7 +26,7 @@ def matlab_bytes(result: h5py.File) -> bytes:
     stream = io.BytesIO()
     if _size(content) > LARGEST:
         limit = "larger than the 2 GB of a MATLAB 5 file; MATLAB reads the result itself (h5read)"
-        raise ResultError(f"{result.filename}: {limit}")
+        raise ResultError(result.filename, limit)
     savemat(stream, {"flexmb": content}, long_field_names=True, oned_as="column")
     # scipy writes the time of the day here; the same result shall give the same bytes.
     text = b"MATLAB 5.0 MAT-file, written by flexmb"

@@ -3,12 +3,14 @@
 import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
-from .diagnosis import CLOSED, Mobility, about, motion_text, nearest_position, worst_gaps
+from .diagnosis import CLOSED, Mobility, about, gap_norms, motion_text, nearest_position, worst_gaps
 from .position import Evaluator
+from .settings import KinematicSettings
 
 POLISHED = 1e-13
 TRIALS = 4
 NUDGE = 0.05  # of the length scale, and of Euler parameters
+ENOUGH = KinematicSettings.most_iterations
 NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
 
 
@@ -44,16 +46,25 @@ def _search(evaluator, q, t, near):
     return q, evaluator.residual(q, t, near)
 
 
-def assembly_failure(evaluator: Evaluator, gap, t) -> AnalysisError:
-    """The mechanism of the deck cannot be put together at its first time."""
+def assembly_failure(evaluator: Evaluator, gap, t, most_iterations: int = ENOUGH) -> AnalysisError:
+    """The mechanism of the deck cannot be put together at its first time, t.
+
+    `most_iterations`: how many Newton was allowed; fewer than usual may be the reason.
+    """
     worst = worst_gaps(evaluator, gap)
     left = "; ".join(one.text for one in worst) or "no gap is left, but the position is singular"
     message = (
         f"at t = {t:.6g} s the mechanism cannot be assembled from the estimates; what is left of the worst "
-        f"constraints: {left}; check these joints' points and the body estimates"
+        f"constraints: {left}; {_few(most_iterations)}check these joints' points and the body estimates"
     )
-    norms = {"gap": float(np.max(np.abs(gap))), "worst": [one.equation.name for one in worst]}
-    return AnalysisError(about("error", message, *(one.equation for one in worst)), t, norms)
+    return AnalysisError(about("error", message, *(one.equation for one in worst)), t, gap_norms(worst))
+
+
+def _few(iterations):
+    if iterations >= ENOUGH:
+        return ""
+    plural = "s" * (iterations != 1)
+    return f"--nrmax lets Newton try {iterations} iteration{plural}: allow more ({ENOUGH} if not given), or "
 
 
 def free_motion_error(evaluator: Evaluator, q, found: Mobility, motion, t) -> ModelError:

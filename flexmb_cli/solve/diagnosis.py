@@ -26,6 +26,11 @@ class Gap:
     value: float
 
     @property
+    def unit(self) -> str:
+        """ "m", or "1" of angles and Euler parameters."""
+        return "m" if self.equation.is_length else "1"
+
+    @property
     def text(self) -> str:
         """Readable, such as "universal joint 1 (x): 3.1e-04 m"."""
         unit = " m" if self.equation.is_length else ""
@@ -54,6 +59,18 @@ def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap
             equation.owner, Gap(equation, scaled_residual[row] * evaluator.arrays.row_scale[row])
         )
     return list(found.values())
+
+
+def gap_norms(worst: list[Gap]) -> dict:
+    """The figures of the texts of `worst` for `--json`: of each, and `gap` with its `unit` of the first."""
+    sizes, units = [float(abs(gap.value)) for gap in worst], [gap.unit for gap in worst]
+    return {
+        "gap": sizes[0] if worst else 0.0,
+        "unit": units[0] if worst else "1",
+        "worst": [gap.equation.name for gap in worst],
+        "gaps": sizes,
+        "units": units,
+    }
 
 
 def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:

@@ -153,7 +153,7 @@ class KinematicAnalysis:
         q, gap = assemble_by_search(evaluator, self.arrays.q, t, near)
         if np.max(np.abs(gap)) > CLOSED:
             refuse_contradicted_drive(self.mechanism, self.settings)
-            raise assembly_failure(evaluator, gap, t)
+            raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
         found = mobility(evaluator, q, t, near)
         for motion in found.motions:
             if moves_freely(evaluator, q, t, near, motion):
@@ -162,7 +162,7 @@ class KinematicAnalysis:
             self._restart(q)
             first = self._block(0, 1)
             if first is None:
-                raise assembly_failure(evaluator, gap, t)
+                raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
             return first
         return self._with_repetitions(q, found)
 

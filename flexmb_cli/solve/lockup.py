@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..errors import AnalysisError
-from .diagnosis import CLOSED, about, nearest_position, worst_gaps
+from .diagnosis import CLOSED, about, gap_norms, nearest_position, worst_gaps
 from .weakness import weakest_owners, weakness, weakness_text
 
 ASIDE = 0.05  # of the length scale, and of Euler parameters
@@ -20,19 +20,16 @@ def step_failure(analysis, t: float) -> AnalysisError:
     near = analysis.motion[:, 0]
     gap = _least_gap(evaluator, analysis.state[0], t, near)
     worst = worst_gaps(evaluator, gap)
-    norms = {
-        "gap": float(np.max(np.abs(gap))),
-        "worst": [one.equation.name for one in worst],
-        "reached": reached,
-    }
-    if norms["gap"] > CLOSED:
+    if worst:
         left = "; ".join(one.text for one in worst)
         message = (
             f"at t = {t:.6g} s the constraints cannot be met (motion reached t = {reached:.6g} s); what is "
             f"left of the worst ones: {left}; the mechanism locks, or a driver asks for more than it can do"
         )
-        return AnalysisError(about("error", message, worst[0].equation), t, norms)
-    return AnalysisError(_singular(analysis, reached, t), t, norms)
+        return AnalysisError(
+            about("error", message, worst[0].equation), t, gap_norms(worst) | {"reached": reached}
+        )
+    return _singular(analysis, reached, t)
 
 
 def _least_gap(evaluator, q, t, near):
@@ -62,7 +59,8 @@ def _singular(analysis, reached, t):
         f"at t = {t:.6g} s the mechanism is at or next to a singular position"
         f"{weakness_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
     )
-    return about("error", message, *weakest_owners(evaluator, weak))
+    norms = gap_norms(worst) | {"reached": reached, "condition": weak.condition}
+    return AnalysisError(about("error", message, *weakest_owners(evaluator, weak)), t, norms)
 
 
 def singular_start(analysis, q, t) -> AnalysisError:

@@ -3,13 +3,10 @@
 import os
 import shutil
 
-import h5py
-
 from ..errors import Fault
 from .atomic import Replacement, located
 from .diff import is_hdf5, read_listing
 from .listing import DAFMS_ECHO, TableError
-from .stored_result import attribute
 
 
 def accept(reference, result) -> None:
@@ -47,7 +44,10 @@ def _refuse(result, message):
 def _ending(path):
     """Whether the run of a result did not complete, and whether it has any rows."""
     if is_hdf5(path):
-        with h5py.File(path, "r") as file:
+        from .diff_hdf5 import open_sound
+        from .stored_result import attribute
+
+        with open_sound(str(path)) as file:
             failed = attribute(file, "status", "complete") != "complete"  # the table of a study has none
             return failed, "time" in file and len(file["time"]) > 0
     listing = read_listing(path)

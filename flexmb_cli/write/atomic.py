@@ -162,7 +162,10 @@ def output_error(path: str, error: OSError) -> OutputError:
         return OutputError(f"{path}: no space left for the result; free some and run again", ANALYSIS_FAILED)
     if number == errno.EIO:
         return OutputError(f"{path}: the disk reports a failure while the result is written", ANALYSIS_FAILED)
-    return OutputError(f"{path}: cannot be written: {_reason(number, error)}", BAD_INPUT)
+    reason = _reason(number, error)
+    if number == errno.ENOENT and os.path.isdir(os.path.dirname(os.path.realpath(path))):
+        reason = "its folder takes no new files"  # such as /proc
+    return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT)
 
 
 def is_unfinished(path: str) -> bool:

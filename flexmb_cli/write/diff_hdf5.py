@@ -1,6 +1,7 @@
 """Compare two HDF5 results dataset by dataset, a part of the rows at a time."""
 
 import math
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import h5py
@@ -60,20 +61,32 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
     """Compare two HDF5 results; see `diff.compare`."""
     tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
     report = Report(path_a, path_b)
-    with _opened(path_a) as a, _opened(path_b) as b:
+    with open_sound(path_a) as a, open_sound(path_b) as b:
         kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
         if kinds[0] != kinds[1]:
             message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of a kind"
             raise TableError(path_b, [Fault("error", message)])
-        with _intact(f"{path_a} or {path_b}"):
+        with _understood_in(f"{path_a} or {path_b}"):
             _compare_files(report, a, b, tolerances, same_attitude)
     return report
 
 
+@contextmanager
+def open_sound(path: str) -> Iterator[h5py.File]:
+    """The HDF5 file at `path`; raises TableError when it is not built as flexmb builds files."""
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {error}")]) from error
+    with file:
+        with _understood_in(path):
+            check_structure(file)
+        yield file
+
+
 def _kind_of_file(path, file):
-    """What the file is, in words; raises TableError when it is damaged or nothing that flexmb writes."""
-    with _intact(path):
-        check_structure(file)
+    """What the file is, in words; raises TableError when it is nothing that flexmb writes."""
+    with _understood_in(path):
         conventions = attribute(file, "Conventions")
     for begins, what in KIND_OF_FILE.items():
         if conventions.startswith(begins) and TOLD_BY[begins] in file:
@@ -83,7 +96,7 @@ def _kind_of_file(path, file):
 
 
 @contextmanager
-def _intact(path):
+def _understood_in(path):
     try:
         with understood():
             yield
@@ -111,13 +124,6 @@ def _compare_files(report, a, b, tolerances, same_attitude):
 def kind_of(name: str) -> str:
     """Kind of a dataset, as tolerances name it."""
     return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
-
-
-def _opened(path):
-    try:
-        return h5py.File(path, "r")
-    except OSError as error:
-        raise TableError(path, [Fault("error", f"damaged HDF5 file: {error}")]) from error
 
 
 def _datasets(file):

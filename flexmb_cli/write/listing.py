@@ -78,7 +78,7 @@ class TableError(DeckError):
 
     def __init__(self, name: str, faults, lines=()):
         super().__init__(faults)
-        self.name = name
+        self.name = self.file = name
         self.lines = lines
 
 

@@ -26,9 +26,14 @@ SHOWS_ALL = "; --list shows all"
 
 
 class ResultError(FlexmbError):
-    """A result cannot be read, or has no quantity of a name (exit 2)."""
+    """A result cannot be read, or has no quantity of a name (exit 2); a fault for every sentence."""
 
     exit_code = 2
+
+    def __init__(self, file, *sentences: str):
+        first = f"{file}: {sentences[0]}" if file else sentences[0]
+        super().__init__(first, tuple(Fault("error", sentence) for sentence in sentences))
+        self.file = str(file)
 
 
 @dataclass(frozen=True)
@@ -57,24 +62,22 @@ def open_result(path) -> Iterator[h5py.File]:
     try:
         file = h5py.File(path, "r")
     except FileNotFoundError:
-        raise ResultError(f"{path}: no such file") from None
+        raise ResultError(path, "no such file") from None
     except IsADirectoryError:
-        raise ResultError(f"{path}: it is a folder") from None
+        raise ResultError(path, "it is a folder") from None
     except OSError as error:
-        raise ResultError(f"{path}: {_other_kind(path, error)}") from error
+        raise ResultError(path, _other_kind(path, error)) from error
     try:
         with file, understood():
             check_structure(file)
             if attribute(file, "Conventions").startswith("flexmb-study"):
-                raise ResultError(
-                    f"{path}: this is the table of a study, which flexmb table prints; no result"
-                )
+                raise ResultError(path, "this is the table of a study, which flexmb table prints; no result")
             if not isinstance(file.get(TIME), h5py.Dataset):
-                raise ResultError(f"{path}: this HDF5 file is no result of flexmb: it has no dataset /time")
+                raise ResultError(path, "this HDF5 file is no result of flexmb: it has no dataset /time")
             check_shapes(file, {TIME: "t"}, {})
             yield file
     except Damaged as fault:
-        raise ResultError(f"{path}: a damaged result: {fault}") from fault
+        raise ResultError(path, f"a damaged result: {fault}") from fault
 
 
 def _other_kind(path, error):
@@ -96,13 +99,13 @@ def names(result: h5py.File) -> list[Quantity]:
     ]
 
 
-def resolve(result: h5py.File, patterns: Iterable[str], where: str = "") -> list[Quantity]:
+def resolve(result: h5py.File, patterns: Iterable[str], file="", where: str = "") -> list[Quantity]:
     """The quantities that `patterns` name, in their order and each once.
 
     A pattern that is the whole name of something means just that (`coordinate.2` is the coordinate, not
     also its speed); else it means all whose names it begins: `*` is everything.  Capitals do not matter, and
     a blank may be written as an underscore.  Raises `ResultError`, with near names for every pattern that
-    fits nothing; `where` ("r.h5: ") begins its sentences.
+    fits nothing; `where` ("--x ") begins its sentences, and `file` is the result's name in them.
     """
     known = families(result)
     found: dict[Quantity, None] = {}
@@ -113,7 +116,7 @@ def resolve(result: h5py.File, patterns: Iterable[str], where: str = "") -> list
         if not matched:
             unknown.append(f"{where}{_unknown(known, pattern)}")
     if unknown:
-        raise ResultError(unknown[0], tuple(Fault("error", sentence) for sentence in unknown))
+        raise ResultError(file, *unknown)
     return list(found)
 
 
@@ -155,7 +158,7 @@ def _elements(result, path, rows, index):
         with understood():
             box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
     except Damaged as fault:
-        raise ResultError(f"{result.filename}: /{path} {fault}") from fault
+        raise ResultError(result.filename, f"/{path} {fault}") from fault
     _refuse_other_length(result, path)
     return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
 
@@ -169,7 +172,7 @@ def refuse_uneven(result: h5py.File) -> None:
 def _refuse_other_length(result, path):
     if len(result[path]) != len(result[TIME]):
         counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
-        raise ResultError(f"{result.filename}: a damaged result: /{path} has {counts}; run the deck again")
+        raise ResultError(result.filename, f"a damaged result: /{path} has {counts}; run the deck again")
 
 
 def _quantity(family, index):

@@ -70,7 +70,7 @@ def open_study(path) -> Iterator[h5py.File]:
             check_structure(file)
             yield file
     except Damaged as fault:
-        raise ResultError(f"{path}: a damaged table: {fault}") from fault
+        raise ResultError(path, f"a damaged table: {fault}") from fault
 
 
 def study_columns(table: h5py.File) -> list[StudyColumn]:
@@ -86,16 +86,14 @@ def _column(table, path):
     unit, long_name = attribute(dataset, "units"), attribute(dataset, "long_name")
     if len(dataset) != len(table[CASE]):
         counts = f"{len(dataset)} rows and /case {len(table[CASE])}"
-        raise ResultError(f"{table.filename}: a damaged table: /{path} has {counts}")
+        raise ResultError(table.filename, f"a damaged table: /{path} has {counts}")
     return StudyColumn(path, unit, long_name, dataset.shape[1] if dataset.ndim > 1 else 0)
 
 
-def chosen_columns(
-    columns: Sequence[StudyColumn], patterns: Iterable[str], where: str = ""
-) -> list[StudyColumn]:
+def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str], file="") -> list[StudyColumn]:
     """The columns that `patterns` name, the case first; without any, all but series, rows and messages.
 
-    Raises ResultError for a pattern that names none; `where` ("study.h5: ") begins its sentence.
+    Raises ResultError for a pattern that names none, with `file`, the name of the table.
     """
     patterns = list(patterns)
     if not patterns:
@@ -104,7 +102,7 @@ def chosen_columns(
     for pattern in patterns:
         named = [column for column in columns if column.is_called(pattern)]
         if not named:
-            raise ResultError(f"{where}{_unknown(columns, pattern)}")
+            raise ResultError(file, _unknown(columns, pattern))
         found.update(dict.fromkeys(named))
     return list(found)
 

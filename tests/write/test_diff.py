@@ -14,6 +14,7 @@ import pytest
 from results import SERIES, write_result
 
 from flexmb_cli.write import diff_hdf5
+from flexmb_cli.write.accept import accept
 from flexmb_cli.write.diff import compare
 from flexmb_cli.write.diff_hdf5 import kind_of
 from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
@@ -543,3 +544,16 @@ def test_comparing_results_takes_no_more_memory_than_a_part_of_them(tmp_path, mo
 
     # Twelve Euler parameters a row are the largest dataset: a part is 5461 rows of them.
     assert peak(44000) < 1.2 * peak(22000)
+
+
+def test_update_follows_no_link_of_a_result_to_another_file(result, rows):
+    """A reference that took its rows from elsewhere would change without being touched."""
+    a, b = result("a.h5", rows(TIMES)), result("b.h5", rows(TIMES))
+    with h5py.File(b, "r+") as file:
+        del file["time"]
+        file["time"] = h5py.ExternalLink(a.name, "/time")
+    before = a.read_bytes()
+    with pytest.raises(TableError, match="time is a link to elsewhere") as caught:
+        accept(a, b)
+    assert caught.value.name == str(b)
+    assert a.read_bytes() == before

@@ -164,12 +164,12 @@ def test_a_window_without_rows_is_remarked(path):
 def test_wrong_use_is_refused(path):
     for arguments, message in (
         ([path], "name at least one quantity"),
-        ([path, "body.9.z"], f"{path}: body.9.z: the result has no such quantity"),
-        ([path, ""], f"{path}: an empty name: the result has no such quantity"),
+        ([path, "body.9.z"], f"{path}: error: body.9.z: the result has no such quantity"),
+        ([path, ""], f"{path}: error: an empty name: the result has no such quantity"),
         ([path, "--list", "--from", "0"], "--list shows names, not rows: --from, --to and --every do not go"),
         ([path, "--list", "--every", "2"], "--list shows names, not rows"),
-        (["none.h5", "time"], "none.h5: no such file"),
-        (["none.h5"], "none.h5: no such file"),
+        (["none.h5", "time"], "none.h5: error: no such file"),
+        (["none.h5"], "none.h5: error: no such file"),
         ([path, "time", "--every", "0"], "--every"),
         ([path, "time", "--from", "nan"], "nan is no finite number"),
     ):
