@@ -7,6 +7,7 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import pairwise
 
 from ..errors import Place
@@ -25,10 +26,11 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
     Ground bodies do not connect: a group is what moves together.  A group with too few equations
     is movable even where another group has so many that the sum is right.
     """
-    links = list(_links(mechanism))
+    links = tuple(_links(mechanism))
     equations = sum(count for count, *_ in links)
     coordinates = _PER_BODY * len(mechanism.bodies)
-    groups = _groups(mechanism, links)
+    fixed = frozenset(ground.body for ground in mechanism.grounds)
+    groups = _groups(len(mechanism.bodies), fixed, links)
     off = [group for group in groups if group.excess]
     if equations != coordinates:
         findings.error("counts", _total(equations, coordinates, len(mechanism.bodies)), place)
@@ -122,21 +124,21 @@ def _named(bodies):
     return f"bodies {', '.join(numbers[:-1])} and {numbers[-1]}"
 
 
-def _groups(mechanism, links):
-    """The groups in the order of their first bodies."""
-    fixed = {ground.body for ground in mechanism.grounds}
-    root = list(range(len(mechanism.bodies)))
+@lru_cache(maxsize=4)
+def _groups(bodies, fixed, links):
+    """The groups in the order of their first bodies; the variants of a study mostly have the same."""
+    root = list(range(bodies))
     for _, touched in links:
         free = [body for body in touched if body not in fixed]
         for a, b in pairwise(free):
             root[_root(root, a)] = _root(root, b)
     groups = defaultdict(_Group)
-    for body in range(len(root)):
+    for body in range(bodies):
         groups[_root(root, body)].bodies.append(body)
     for equations, touched in links:
         bearing = [body for body in touched if body not in fixed] or list(touched[:1])
         groups[_root(root, bearing[0])].borne.append((equations, bearing))
-    return list(groups.values())
+    return tuple(groups.values())
 
 
 def _root(root, body):

@@ -47,7 +47,8 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
     by_body: dict[int, list[_Hold]] = {}
     for hold in holds:
         by_body.setdefault(hold.body, []).append(hold)
-    for of_body in by_body.values():
+    # One coordinate by itself can be held anywhere.
+    for of_body in (several for several in by_body.values() if len(several) > 1):
         _check_coordinates(of_body, findings)
         _check_rotational_drivers(of_body, findings)
         _check_attitude(of_body, findings)

@@ -45,13 +45,15 @@ class Record:
     """One entry of a section: "universal" 1 is the first universal joint.
 
     `subject` is its name in messages ("universal joint 1"), `prefix` its name in `--set` and in
-    echoes ("universal.1").
+    echoes ("universal.1").  `made` is where a builder may keep what it made of the record, which never
+    changes: decks that differ in other records share this one.
     """
 
     section: str
     number: int
     subject: str
     numbers: tuple[Number, ...]
+    made: dict = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def prefix(self) -> str:

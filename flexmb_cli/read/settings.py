@@ -28,10 +28,10 @@ class SettableDeck:
     def __init__(self, deck: Deck):
         self.deck = deck
         self._known = dict(deck.numbers())
-        self._record_of = {
-            f"{record.prefix}.{number.key}": index
+        self._places = {
+            f"{record.prefix}.{number.key}": (index, position)
             for index, record in enumerate(deck.records)
-            for number in record.numbers
+            for position, number in enumerate(record.numbers)
         }
 
     def __contains__(self, name: str) -> bool:
@@ -54,7 +54,8 @@ class SettableDeck:
                 faults.append(Fault("error", f"--set {setting}: {fault}"))
         if faults:
             raise DeckError(faults)
-        return replace(self._changed(changes), settings=(*self.deck.settings, *taken))
+        records = self._with_changes(changes)
+        return replace(self.deck, records=records, settings=(*self.deck.settings, *taken))
 
     def _change(self, setting: str) -> tuple[str, Number]:
         name, equals, word = (part.strip() for part in setting.partition("="))
@@ -71,12 +72,16 @@ class SettableDeck:
             raise number.Misspelt(f"{name} {fault}") from None
         return name, replace(self._known[name], value=value, text=word, place=None)
 
-    def _changed(self, changes):
-        """The deck with new numbers; records left alone stay the same objects."""
-        records = list(self.deck.records)
-        for index in {self._record_of[name] for name in changes}:
-            record = records[index]
-            numbers = tuple(changes.get(f"{record.prefix}.{old.key}", old) for old in record.numbers)
-            record = replace(record, numbers=numbers)
-            records[index] = labelled(record) if self.deck.dialect == YOUNG else record
-        return replace(self.deck, records=tuple(records))
+    def _with_changes(self, changes):
+        """The records with new numbers; those left alone stay the same objects."""
+        records, turned = list(self.deck.records), set()
+        for name, changed in changes.items():
+            index, position = self._places[name]
+            numbers = list(records[index].numbers)
+            numbers[position] = changed
+            records[index] = replace(records[index], numbers=tuple(numbers))
+            if changed.key == "direction" and self.deck.dialect == YOUNG:
+                turned.add(index)
+        for index in turned:
+            records[index] = labelled(records[index])
+        return tuple(records)

@@ -13,6 +13,9 @@ AUDIT = {
     "velocity_residual": Series("audit/velocity_residual", (), "1/s", "largest constraint rate, max-norm"),
     "newton_iterations": Series("audit/newton_iterations", (), "1", "Newton iterations for the position"),
 }
+_PATHS = {
+    field: series.path for field, series in ({"time": TIME} | BODY_MOTION | POINT_MOTION | AUDIT).items()
+}
 
 
 def kinematic_layout(mechanism: Mechanism) -> Layout:
@@ -41,8 +44,7 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
 
 def kinematic_values(rows: Rows) -> Values:
     """The fields of report rows by the paths of their datasets."""
-    named = {"time": TIME} | BODY_MOTION | POINT_MOTION | AUDIT
-    return {series.path: getattr(rows, field) for field, series in named.items()}
+    return {path: getattr(rows, field) for field, path in _PATHS.items()}
 
 
 def readable_names(kind: str, items) -> list[str]:

@@ -1,5 +1,6 @@
 """Well-formed YOUNG decks become the mechanism they describe."""
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from flexmb_cli.errors import ModelError
 from flexmb_cli.model.build_young import build_young
 from flexmb_cli.model.mechanism import Distance, Driver, Ground, Point, Simplified
-from flexmb_cli.read.settings import apply_settings
+from flexmb_cli.read.settings import SettableDeck, apply_settings
 from flexmb_cli.read.text import read_text
 from flexmb_cli.read.young import read_young
 from tests.read.young_decks import PENDULUM, faults, one_body, pendulum, read
@@ -134,3 +135,30 @@ def test_a_fault_of_a_number_set_from_outside_has_no_place():
 
 def test_angles_of_one_body_may_reach_a_half_turn():
     assert faults(one_body([], ["1 1 0", "1 2 0", "1 3 0", "1 4 3.141592653589793", "1 5 0", "1 6 0"])) == []
+
+
+def test_variants_of_one_deck_are_those_of_decks_with_the_numbers_typed_in():
+    """A study builds variant after variant from the records of one deck, good ones and bad ones."""
+    settable = SettableDeck(read(PENDULUM))
+    typed = {
+        "driver.1.B=2.5": pendulum(4, "2 4 0 2.5 0"),
+        "driver.1.body=3": pendulum(4, "3 4 0 1.047 0"),
+        "body.1.e1=2.0": pendulum(2, "0 0 0 1 2.0 0 0"),
+        "ground.1.x=1e60": pendulum(6, "1 1e60 0 0 0 0 0"),
+        "driver.1.direction=5": pendulum(4, "2 5 0 1.047 0"),
+    }
+    for setting, text in (*typed.items(), *reversed(typed.items())):
+        assert outcome(settable.with_settings([setting])) == outcome(read(text)), setting
+
+
+def outcome(deck):
+    """What is built of a deck and the doubts, or the faults; without places, which a number set has not."""
+    try:
+        built, told = build_young(deck)
+    except ModelError as failure:
+        built, told = None, failure.faults
+    parts = built and [
+        [dataclasses.replace(part, place=None) for part in group]
+        for group in (built.bodies, built.joints, built.drivers, built.grounds)
+    ]
+    return parts, sorted((fault.severity, fault.subject, fault.message) for fault in told)
