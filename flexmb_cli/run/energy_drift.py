@@ -4,37 +4,67 @@ import numpy as np
 
 from ..errors import Fault
 
-WRONG = 1e-3  # share of the kinetic and strain energy: errors of the steps are a thousandth of that
+WRONG = 1e-3  # share of what moves: errors of the steps are a thousandth of that
+ROUND_OFF = 1e-12  # of the total
+UNSEEN = 1e-7  # of the potential energy: a mechanism all but at rest has only errors of the steps
+STRAYS = (
+    "which the equations keep constant: the motion is wrong from where it begins to stray (energy/total); "
+)
+OF_TREES = (
+    "a loop that passes a singular position, or too coarse a tolerance; compare with a finer TOLR and with "
+    "--formulation absolute"
+)
 
 
 class EnergyDrift:
-    """How far the total energy has moved from its first value, and what it may be measured against."""
+    """How far the total energy has moved from its first value, and what it may be measured against.
+
+    `reasons` and what to do about them end the warning; `measure` names what `scale` is.
+    """
+
+    measure = "kinetic and strain energy reach"
+    reasons = OF_TREES
 
     def __init__(self):
         self.first = None
-        self.largest = self.scale = 0.0
+        self.largest = self.scale = self.lost = 0.0
 
     def add(self, values):
         """Take in a block of rows, by the paths of their datasets."""
-        total = values["energy/total"]
+        self.take(values["energy/total"], values["energy/kinetic"] + values["energy/strain"])
+
+    def take(self, total, moved):
+        """Take in the total energy of a block of rows (T,) and that which it is measured against."""
         self.first = total[0] if self.first is None else self.first
         self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
-        moved = values["energy/kinetic"] + values["energy/strain"]
         self.scale = max(self.scale, float(np.max(moved)))
+        self.lost = max(self.lost, ROUND_OFF * float(np.max(np.abs(total))))
 
     @property
     def doubts(self) -> tuple[Fault, ...]:
         """A warning where the energy strays by more than errors of the steps do."""
-        if not self.largest > WRONG * self.scale:
+        if not self.largest > max(WRONG * self.scale, self.lost):
             return ()
-        message = (
-            f"{self}, which the equations keep constant: the motion is wrong from where it begins to stray "
-            "(energy/total); a loop that passes a singular position, or too coarse a tolerance; compare with "
-            "a finer TOLR and with --formulation absolute"
-        )
-        return (Fault("warning", message),)
+        return (Fault("warning", f"{self}, {STRAYS}{self.reasons}"),)
 
     def __str__(self):
-        return (
-            f"total energy drifts by {self.largest:.1e} J, kinetic and strain energy reach {self.scale:.2g} J"
-        )
+        return f"total energy drifts by {self.largest:.1e} J, {self.measure} {self.scale:.2g} J"
+
+
+class ConstrainedDrift(EnergyDrift):
+    """That of a mechanism under constraints, whose total has the work of drivers and loads taken off."""
+
+    measure = "the energies and the work done reach"
+
+    def __init__(self, reasons: str):
+        super().__init__()
+        self.reasons = reasons
+        self.potential = None
+
+    def add_rows(self, rows):
+        """Take in a block of report rows (`FlexibleRows`, `DynamicRows`)."""
+        self.potential = rows.potential[0] if self.potential is None else self.potential
+        moved = rows.total + rows.applied_work - rows.potential  # kinetic and strain energy
+        gained = np.maximum(np.abs(rows.potential - self.potential), np.abs(rows.applied_work))
+        self.take(rows.total, np.maximum(moved, gained))
+        self.lost = max(self.lost, UNSEEN * float(np.max(np.abs(rows.potential))))

@@ -7,9 +7,15 @@ from ..model.flexible_mechanism import FlexibleMechanism
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_INPUT, ResultPaths
 from .compiling import tell_of_compiling
+from .energy_drift import ConstrainedDrift
 from .outcome import Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution, write_solution
 from .young_dynamics import StepCount
+
+TOO_COARSE = (
+    "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "
+    "spectral radius below 1)"
+)
 
 
 def run_vsdf(deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outcome, listener, stdout) -> None:
@@ -40,7 +46,8 @@ def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -
         lambda rows: flexible_values(mechanism, rows),
         lambda stream, deck, layout: VsdfTable(stream, deck, layout, mechanism, constraints),
     )
-    return Solution(analysis, mechanism.time.rows, contents, StepCount(analysis.clock))
+    drift = ConstrainedDrift(TOO_COARSE)
+    return Solution(analysis, mechanism.time.rows, contents, StepCount(analysis.clock, drift))
 
 
 def mechanism_of(deck: Deck, options: RunOptions, outcome: Outcome) -> FlexibleMechanism:

@@ -47,9 +47,11 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
                 outcome.statistics = str(count)
             listener.advance(rows.time.size)
             Stop.heed()
+        analysis.warnings.extend(count.doubts)
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
     except AnalysisError as failure:
+        analysis.warnings.extend(count.doubts)
         outcome.faults += analysis.warnings
         with Stop.later():
             outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
@@ -81,6 +83,7 @@ def _analysis(mechanism, options, listener: Listener):
 class _NewtonCount:
     """Iterations and residuals so far."""
 
+    doubts = ()  # kinematics know no energy
     iterations: int = 0
     most: int = 0
     residual: float = 0.0

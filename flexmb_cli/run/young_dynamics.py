@@ -2,13 +2,20 @@
 
 from dataclasses import dataclass
 
+from ..errors import Fault
 from ..model.build_young_dynamics import build_young_dynamics
 from ..read.deck import Deck
 from ..read.young_dynamics import INVERSE, analysis_of
 from ..write.file_names import ResultPaths
 from .compiling import tell_of_compiling
+from .energy_drift import ConstrainedDrift
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution, kinematic_solution, write_solution
+
+TOO_COARSE = (
+    "too coarse a tolerance (card TOLERANCE), or steps of GALF that are too long or damp too much (a "
+    "spectral radius below 1)"
+)
 
 
 def run_young_deck(
@@ -33,7 +40,8 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     refuse_warnings(outcome, options)
     analysis = _analysis(model, options, listener)
     contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
-    count = StepCount(None if model.analysis == INVERSE else analysis.clock)
+    forward = model.analysis != INVERSE
+    count = StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)) if forward else StepCount()
     return Solution(analysis, model.mechanism.time.rows, contents, count)
 
 
@@ -53,14 +61,22 @@ def _analysis(model, options, listener: Listener):
 
 @dataclass
 class StepCount:
-    """Steps and residuals so far; an inverse run takes no steps of its own."""
+    """Steps, residuals and drift of energy so far; an inverse run takes no steps of its own."""
 
-    clock: object
+    clock: object = None
+    drift: ConstrainedDrift | None = None
     residual: float = 0.0
 
     def add(self, rows):
         """Count report rows."""
         self.residual = max(self.residual, float(rows.constraint_residual.max()))
+        if self.drift is not None:
+            self.drift.add_rows(rows)
+
+    @property
+    def doubts(self) -> tuple[Fault, ...]:
+        """What the energy of the rows makes doubtful."""
+        return self.drift.doubts if self.drift else ()
 
     def __str__(self):
         worst = f"largest residual {self.residual:.1e}"
@@ -69,5 +85,5 @@ class StepCount:
         clock = self.clock[0]
         return (
             f"steps {clock['steps']}, evaluations {clock['evaluations']}, "
-            f"rejected attempts {clock['rejections']}; {worst}"
+            f"rejected attempts {clock['rejections']}; {worst}; {self.drift}"
         )
