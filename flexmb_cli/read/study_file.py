@@ -96,7 +96,8 @@ class _Reader:
     def _check_size(self, study):
         lengths = {len(item.values) for item in study.parameters}
         if study.sampling == TOGETHER and len(lengths) > 1:
-            self._fault("parameters", f"with sampling = {TOGETHER!r} all need as many values: {lengths}")
+            counts = ", ".join(f"{item.name} has {len(item.values)}" for item in study.parameters)
+            self._fault("parameters", f"with sampling = {TOGETHER!r} all need as many values: {counts}")
         elif study.cases > MOST_CASES:
             self._fault("parameters", f"make {study.cases} cases; more than {MOST_CASES} are refused")
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:

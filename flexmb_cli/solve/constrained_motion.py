@@ -14,7 +14,14 @@ from ..model.system_arrays import SystemArrays
 from .constrained_start import inertia_failure, order_of_elimination, start_speeds
 from .constrained_system import blank_report, constrained_system, new_work
 from .diagnosis import Gap, Mobility, about
-from .passed_positions import SINGULAR, PassedPositions, at_line, has_gained_rank, weakest_of_speeds
+from .passed_positions import (
+    SINGULAR,
+    PassedPositions,
+    at_line,
+    has_gained_rank,
+    repeating_here_only,
+    weakest_of_speeds,
+)
 from .steppers import ExplicitSteps
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
@@ -162,15 +169,32 @@ class ConstrainedMotion:
             return AnalysisError(about("error", message, worst), t, norms)
         if clock["fault"] == NO_INERTIA:
             return inertia_failure(self, t)
+        reason, owners = self._why_steps_fall(norms)
+        message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
+        return AnalysisError(about("error", message, *owners[:1]), t, norms)
+
+    def _why_steps_fall(self, norms):
+        """The reason in words, and the equations it lies in; the condition goes into `norms`."""
         condition, owners = weakest_of_speeds(self)
         norms["condition"] = condition
-        joints = ", ".join(f"{one.owner}{at_line(one)}" for one in owners)
         size = f"condition {condition:.0e}"
-        reason = f"the joints are far from singular ({size}), so a load, stiffness or speed is too great"
         if condition > SINGULAR:
-            reason = f"a singular position of {joints} ({size}), a dead centre or a branching, is reached"
-        message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
-        return AnalysisError(about("error", message, *owners[: condition > SINGULAR]), t, norms)
+            joints = _names(owners)
+            return (
+                f"a singular position of {joints} ({size}), a dead centre or a branching, is reached",
+                owners,
+            )
+        if owners := repeating_here_only(self):
+            reason = (
+                f"this is a singular position of {_names(owners)} (rods in line), where equations repeat "
+                "others that they contradict beside it; begin elsewhere"
+            )
+            return reason, owners
+        return f"the joints are far from singular ({size}), so a load, stiffness or speed is too great", []
+
+
+def _names(equations):
+    return ", ".join(f"{one.owner}{at_line(one)}" for one in equations)
 
 
 def _repetition_warning(found):

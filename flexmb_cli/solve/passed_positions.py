@@ -11,6 +11,7 @@ from .flexible_start import PositionGaps
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
 SHARE = 0.2  # of the largest part of a combination: what is told
+BESIDE = 1e-5  # of the length scale, rad
 MOST_TOLD = 6
 MOST_NOTES = 5
 LOOKS = 300  # rows of a run that are looked at
@@ -49,6 +50,27 @@ def has_gained_rank(analysis) -> bool:
     )
     values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
     return len(values) > rank and values[rank] > values[0] / SINGULAR**2
+
+
+def repeating_here_only(analysis) -> list:
+    """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
+
+    Beside it is a small part of some motion that all equations allow: where equations go on repeating
+    others, as in planar loops, it leaves their rank as it was to second order.
+    """
+    arrays, work = analysis.arrays, analysis.work
+    q, rank = analysis.march.z[: arrays.coordinate_scale.size].copy(), int(work.rank[0])
+    if not np.all(np.isfinite(q)) or not arrays.equations:
+        return []
+    evaluate_jacobian(analysis.system, work, q)
+    free = np.linalg.svd(work.jacobian)[2][rank:]
+    motion = np.random.default_rng(0).uniform(-1.0, 1.0, len(free)) @ free
+    move(arrays.bodies, q, BESIDE * motion * arrays.speed_scale)
+    evaluate_jacobian(analysis.system, work, q)
+    left, values, _ = np.linalg.svd(work.jacobian)
+    if len(values) > rank and values[rank] > values[0] / SINGULAR**2:
+        return _owners(arrays.equations, np.abs(left[:, rank]))
+    return []
 
 
 class PassedPositions:

@@ -71,7 +71,7 @@ def test_logarithmic_steps_keep_their_ratio_and_their_ends():
         ),
         (
             HEAD + 'sampling = "together"\n' + GRID[len(HEAD) :],
-            "with sampling = 'together' all need as many values",
+            "with sampling = 'together' all need as many values: driver.1.B has 2, point.1.x has 3",
             3,
         ),
         (

@@ -90,6 +90,28 @@ def test_a_start_in_line_is_no_wrong_driver(tmp_path):
     )
 
 
+@pytest.mark.parametrize("length", ["0", "0.01"], ids=["chosen steps", "given steps"])
+def test_a_start_in_line_is_no_fault_of_loads(length, tmp_path):
+    """Implicit steps fail before the equations are seen to contradict each other."""
+    found = outcome(tmp_path, linkage((4, 1, 4, 1), 0.0, f"{SPINNING}GALF {length} 0.9\n"))
+    assert (found.exit_code, found.rows) == (1, 1)
+    joints = ", ".join(f"revolute joint {k} (line {k + 5})" for k in range(1, 5))
+    line = told(found)[-1]
+    assert line.startswith("IN.dat:6:1: error: at t = ")
+    assert line.endswith(
+        f" s: this is a singular position of {joints} (rods in line), where equations repeat others that they "
+        "contradict beside it; begin elsewhere"
+    )
+
+
+def test_equations_that_repeat_others_everywhere_are_not_called_singular(tmp_path):
+    spring = "SPRING 1 2 0 2 0 1 0 0 1e20 1 0\n"
+    found = outcome(tmp_path, linkage((4, 1, 3.9, 1.2), 0.3, f"{spring}GALF 0 0.9\n"))
+    repeated, line = told(found)
+    assert REPEATED in repeated
+    assert "so a load, stiffness or speed is too great" in line
+
+
 @pytest.mark.parametrize("steps", ["", "GALF 0 0.9\n"], ids=["explicit", "implicit"])
 def test_forces_that_no_step_can_follow_are_told_from_singular_joints(steps, tmp_path):
     found = outcome(tmp_path, pendulum(MASS + "SPRING 1 2 0 2 0 1 0 0 1e20 1 0\n" + steps))
