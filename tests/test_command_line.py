@@ -294,26 +294,63 @@ def test_one_report_step_of_many_turns_can_be_interrupted(tmp_path):
 
 
 def hear_interrupts():
-    """A suite that runs in the background of a shell ignores SIGINT, and so would its children."""
+    """A suite in the background of a shell ignores SIGINT, under nohup SIGHUP; so would its children."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_keeps_and_marks_its_rows(tmp_path, sent):
+def unfinished(folder):
+    """Files of runs that are not complete, whose names begin with a dot."""
+    return [path for path in folder.iterdir() if path.name.startswith(".flexmb-")]
+
+
+def wait_for_bytes(folder, size):
+    """Wait until a run has written so much."""
+    until = time.monotonic() + 120
+    while sum(path.stat().st_size for path in unfinished(folder)) < size:
+        assert time.monotonic() < until
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 143)]
+)
+def test_an_interrupted_run_keeps_and_marks_its_rows(tmp_path, sent, code):
     command = [sys.executable, "-m", "flexmb_cli", "run", str(FOUR_BAR), "--set", "time.end=100000"]
     flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)  # compiled kernels are not what is interrupted here
     process = subprocess.Popen(
         command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, preexec_fn=hear_interrupts
     )
-    time.sleep(4.0)
+    wait_for_bytes(tmp_path, 5_000_000)
     process.send_signal(sent)
     message = process.communicate(timeout=60)[1]
-    assert process.returncode == 128 + sent
+    assert process.returncode == code
     assert "interrupted; " in message
     assert "rows kept, marked as failed" in message
     with h5py.File(tmp_path / "OUT4-BAR.h5") as result:
         assert result.attrs["status"] == "failed"
         assert result["time"].shape[0] > 1000
+    assert not unfinished(tmp_path)
+
+
+@pytest.mark.parametrize("lack", ["MemoryError()", "ImportError('lib.so')", "OSError('no libllvmlite.so')"])
+def test_too_little_memory_is_no_fault_of_flexmb(tmp_path, lack):
+    """What numpy, imports and llvmlite raise under `ulimit -v`; at some limits libraries crash."""
+    script = f"""
+import sys
+from flexmb_cli import __main__
+from flexmb_cli.run import deck
+def fails(*arguments): raise {lack}
+deck.run_deck = fails
+sys.argv = ["flexmb", "run", "x.dat", "--json"]
+__main__.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 1
+    assert "memory" in done.stderr and "Please report" not in done.stderr
+    assert json.loads(done.stdout)["status"] == "failed"
 
 
 def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):

@@ -34,14 +34,17 @@ def test_control_characters_are_shown_as_marks(tmp_path, case):
     assert not set(ESCAPES) - set("[2J1m") & set(message)
 
 
-def at_a_terminal(*arguments, cwd):
-    """What a terminal gets of standard output."""
+def at_a_terminal(*arguments, cwd, stream="stdout", given=b""):
+    """What a terminal gets of standard output, or of standard error."""
     import pty
 
     master, slave = pty.openpty()
     command = [sys.executable, "-m", "flexmb_cli", *arguments]
-    with subprocess.Popen(command, cwd=cwd, stdout=slave, stderr=subprocess.DEVNULL) as process:
+    streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, stream: slave}
+    with subprocess.Popen(command, cwd=cwd, stdin=subprocess.PIPE, **streams) as process:
         os.close(slave)
+        process.stdin.write(given)
+        process.stdin.close()
         shown = b""
         try:
             while piece := os.read(master, 65536):
@@ -95,3 +98,21 @@ def test_the_echo_of_a_deck_shows_marks(tmp_path):
     assert done.returncode == 0
     assert "SPIN�[31m-UP" in done.stdout
     assert "\x1b" not in done.stdout + done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")
+@pytest.mark.parametrize(
+    ("stream", "arguments"),
+    [
+        ("stderr", ["run", "--no-h5", "IN\x1b[31m\nx.dat"]),
+        ("stdout", ["check", "IN\x1b[31m\nx.dat"]),
+        ("stdout", ["diff", "OUT\x1b[31mx.dat", "OUT\x1b[31mx.dat"]),
+    ],
+)
+def test_file_names_do_not_steer_the_terminal_that_is_told_of_success(tmp_path, stream, arguments):
+    deck = (DECKS.parent / "young" / "IN1-1-1.dat").read_bytes()
+    (tmp_path / "IN\x1b[31m\nx.dat").write_bytes(deck)
+    at_a_terminal("run", "-", "--out", "OUT\x1b[31mx.dat", "--no-h5", cwd=tmp_path, given=deck)
+    shown = at_a_terminal(*arguments, cwd=tmp_path, stream=stream)
+    assert "�[31m" in shown
+    assert "\x1b[31m" not in shown

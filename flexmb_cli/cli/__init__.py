@@ -61,13 +61,15 @@ def main():
     if hasattr(signal, "SIGPIPE"):
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    signal.signal(signal.SIGTERM, _terminate)
+    _end_in_order()
     sys.unraisablehook = _pass_over_stops
     os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
     try:
         _run_command()
     except OSError as fault:
+        if fault.errno is None:
+            _refuse_lack(fault)  # a library that the system cannot load
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
         _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
@@ -97,8 +99,23 @@ def _run_command():
     except FlexmbError as failure:
         _report_failure(failure)
         sys.exit(failure.exit_code)
+    except (MemoryError, ImportError) as fault:
+        _refuse_lack(fault)
     except Exception as fault:
         _admit(fault)
+
+
+def _refuse_lack(fault):
+    """The machine has too little memory: no fault of flexmb, nor of the deck."""
+    if "--debug" in sys.argv:
+        raise fault
+    if isinstance(fault, MemoryError):
+        told = "not enough memory (`ulimit -v` tells a limit); what was not complete is not written"
+    else:
+        told = f"a library cannot be loaded, for want of memory or a broken installation: {fault}"
+    _tell(f"flexmb: error: {told}")
+    _print_json(ANALYSIS_FAILED, Fault("error", told))
+    sys.exit(ANALYSIS_FAILED)
 
 
 def _admit(fault):
@@ -142,6 +159,13 @@ def _pass_over_stops(lost):
     """A stop that came in the midst of Python's own clearing up is not raised there; it is no traceback."""
     if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated):
         sys.__unraisablehook__(lost)
+
+
+def _end_in_order():
+    """SIGTERM and a closed terminal end the program by an exception, so that it clears up."""
+    signal.signal(signal.SIGTERM, _terminate)
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, _terminate)
 
 
 def _terminate(number, frame):

@@ -6,6 +6,7 @@ import sys
 import click
 
 from .deck_options import DECK, deck_options, show_faults
+from .terminal import show
 
 
 @click.command()
@@ -62,12 +63,12 @@ def _print_check(report, with_echo):
         _print_echo(report)
     if report.counts:
         texts = {"dafms": check_tree_text, "vsdf": check_vsdf_text}
-        click.echo(texts.get(report.deck.dialect, check_text)(report), nl=False)
+        show(texts.get(report.deck.dialect, check_text)(report))
     if report.jacobian:
-        click.echo(jacobian_text(report.jacobian), nl=False)
+        show(jacobian_text(report.jacobian))
 
 
 def _print_echo(report, err=False):
     from ..write.echo import echo
 
-    click.echo(echo(report.deck), nl=False, err=err)
+    show(echo(report.deck), err)

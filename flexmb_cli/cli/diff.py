@@ -5,9 +5,10 @@ import sys
 
 import click
 
-from ..errors import DONE, compiler_style
+from ..errors import DONE, compiler_style, visible
 from .finite import Finite
 from .json_faults import faults_in_json
+from .terminal import show
 
 
 @click.command()
@@ -54,10 +55,10 @@ def diff(a, b, update, as_json, quiet, **options):
     if as_json:
         click.echo(json.dumps(report.as_dict() | {"a": a, "updated": updated}))
     elif not quiet:
-        click.echo("" if new else report.text(), nl=False)
+        show("" if new else report.text())
         if update:
             done = f"taken from {b}" if updated else "left as it is"
-            click.echo(f"{a}: {'new reference, ' if new else ''}{done}")
+            show(f"{visible(a)}: {'new reference, ' if new else ''}{done}\n")
     sys.exit(DONE if report.equal or updated else 1)
 
 

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from .terminal import tell
+
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
 
@@ -35,9 +37,9 @@ def export(result, form, output, quiet):
         lacking = shortfall(file)
         WRITERS[form](file, output)
     if lacking and not quiet:
-        click.echo(f"{result}: note: {lacking}", err=True)
+        tell(f"{result}: note: {lacking}")
     if not quiet:
-        click.echo(f"{result} → {told(output)}", err=True)
+        tell(f"{result} → {told(output)}")
 
 
 def _write_vtkhdf(file, output):

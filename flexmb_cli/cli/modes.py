@@ -7,6 +7,7 @@ import click
 
 from .deck_options import DECK, deck_options, show_faults
 from .finite import AnyFinite
+from .terminal import show, tell
 
 
 @click.command()
@@ -38,7 +39,7 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
     from ..run.modes import modes_of_deck
     from ..run.outcome import Listener, RunOptions
 
-    listener = Listener(notice=lambda sentence: quiet or click.echo(f"flexmb: {sentence}", err=True))
+    listener = Listener(notice=lambda sentence: quiet or tell(f"flexmb: {sentence}"))
     codes = []
     for path in decks:
         report = modes_of_deck(
@@ -58,6 +59,6 @@ def _print_modes(report, with_echo, quiet):
     from ..write.modes_text import modes_text
 
     if with_echo:
-        click.echo(echo(report.deck), nl=False)
+        show(echo(report.deck))
     if not quiet:
-        click.echo(modes_text(report), nl=False)
+        show(modes_text(report))

@@ -2,6 +2,8 @@
 
 import click
 
+from .terminal import tell
+
 
 @click.command()
 @click.argument("result", metavar="RESULT.h5")
@@ -38,8 +40,8 @@ def report(result, output, quiet):
     else:
         write_whole(output, page)
     if lacking and not quiet:
-        click.echo(f"{result}: note: {lacking}", err=True)
+        tell(f"{result}: note: {lacking}")
     if not quiet:
         size, library_size = len(page) / 1e6, len(library.encode("utf-8")) / 1e6
         sizes = f"{size:.1f} MB, of them {library_size:.1f} MB plotly.js"
-        click.echo(f"{result} → {told(output)}, {sizes}", err=True)
+        tell(f"{result} → {told(output)}, {sizes}")

@@ -10,8 +10,10 @@ from ..errors import ANALYSIS_FAILED, DONE, FlexmbError
 from ..run.outcome import Terminated
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
-from .terminal import standard_output
+from .terminal import show, standard_output, tell
 
+# SIGHUP, which not every system has: the terminal is closed, or the connection to it.
+STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
@@ -59,7 +61,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     codes = []
     for outcome in _outcomes(decks, choices, jobs, quiet):
         if outcome.echo:
-            click.echo(outcome.echo, err=True, nl=False)
+            show(outcome.echo, err=True)
         _report_outcome(outcome, quiet, verbose)
         if as_json:
             click.echo(json.dumps(outcome.as_dict()))
@@ -175,7 +177,7 @@ class _Progress:
 
     def notice(self, sentence):
         if not self.quiet:
-            click.echo(f"flexmb: {sentence}", err=True)
+            tell(f"flexmb: {sentence}")
 
     def begin(self, rows):
         if self.shown and rows > 1:
@@ -224,7 +226,7 @@ def _dialect(deck, options):
 
 
 def stop_on_signals():
-    """Have SIGINT and SIGTERM raised here, but for where `Stop.later` holds them back."""
+    """Have Ctrl-C, SIGTERM and a closed terminal raised here, but for where `Stop.later` holds them back."""
     from ..run.outcome import Stop
 
     def stop(number, frame):
@@ -232,20 +234,20 @@ def stop_on_signals():
         if not Stop.held:
             raise Stop.asked
 
-    signal.signal(signal.SIGTERM, stop)
-    # A shell that runs its commands in the background has them ignore Ctrl-C.
-    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
-        signal.signal(signal.SIGINT, stop)
+    for number in STOPS:
+        # A shell that runs its commands in the background has them ignore Ctrl-C, `nohup` a closed terminal.
+        if number == signal.SIGTERM or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, stop)
 
 
 def _report_outcome(outcome, quiet, verbose):
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
-        click.echo(f"{outcome.deck}: interrupted; {_kept(outcome)}", err=True)
+        tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
     elif outcome.exit_code == 1 and not quiet:
-        click.echo(f"{outcome.deck}: {_kept(outcome)}", err=True)
+        tell(f"{outcome.deck}: {_kept(outcome)}")
     elif outcome.exit_code == DONE and not quiet:
-        click.echo(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}", err=True)
+        tell(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}")
     if verbose and not quiet and outcome.statistics:
         click.echo(f"  {outcome.statistics}", err=True)
 

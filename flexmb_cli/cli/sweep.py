@@ -12,6 +12,7 @@ from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
 from .json_faults import faults_in_json
 from .output_file import refuse_inputs
 from .run import stop_on_signals
+from .terminal import tell
 
 
 @click.command()
@@ -148,4 +149,4 @@ def _report(study, output, made, failures, as_json, quiet):
 
 def _say(sentence, quiet):
     if not quiet:
-        click.echo(sentence, err=True)
+        tell(sentence)

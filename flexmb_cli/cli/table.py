@@ -3,6 +3,7 @@
 import click
 
 from .finite import AnyFinite
+from .terminal import show, tell
 
 
 @click.command()
@@ -53,7 +54,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
         quantities = resolve(file, names, result) if names else all_names(file)
         if listing:
             _remark_settings(result, settings_of(file), quiet)
-            click.echo(list_text(quantities, style or "text"), nl=False)
+            show(list_text(quantities, style or "text"))
             return
         rows = chosen_rows(file, start, stop, every)
         _remark(result, file, rows, quiet)
@@ -70,17 +71,17 @@ def _print_study(path, names, listing, every, style, quiet):
         if names or not listing:
             columns = chosen_columns(columns, names, path)
         if listing:
-            click.echo(list_text(columns, style or "text"), nl=False)
+            show(list_text(columns, style or "text"))
             return
         for note in () if quiet else study_notes(file, columns, bool(names)):
-            click.echo(f"{path}: note: {note}", err=True)
+            tell(f"{path}: note: {note}")
         for piece in study_text(file, columns, every, style or "csv"):
             click.echo(piece, nl=False)
 
 
 def _remark_settings(path, settings, quiet):
     if settings and not quiet:
-        click.echo(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}", err=True)
+        tell(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}")
 
 
 def _remark(path, file, rows, quiet):
@@ -89,6 +90,6 @@ def _remark(path, file, rows, quiet):
 
     told = shortfall(file)
     if told and not quiet:
-        click.echo(f"{path}: note: {told}", err=True)
+        tell(f"{path}: note: {told}")
     if not rows and len(file["time"]) and not quiet:
-        click.echo(f"{path}: note: it has no rows in this window of time", err=True)
+        tell(f"{path}: note: it has no rows in this window of time")

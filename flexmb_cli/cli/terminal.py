@@ -1,6 +1,8 @@
-"""Standard output, on which strangers' texts do not command a terminal; files and pipes get every byte."""
+"""What is printed: strangers' texts and file names command no terminal; files and pipes get every byte."""
 
 import sys
+
+import click
 
 from ..errors import visible
 
@@ -29,3 +31,14 @@ def standard_output():
 def lines_visible(text: str) -> str:
     """`visible` of every line."""
     return "\n".join(map(visible, text.split("\n")))
+
+
+def tell(sentence: str) -> None:
+    """A sentence on standard error; a line break within a file name is marked, too."""
+    click.echo(visible(sentence), err=True)
+
+
+def show(text: str, err: bool = False) -> None:
+    """Lines of a report on standard output, or on standard error."""
+    stream = sys.stderr if err else sys.stdout
+    click.echo(lines_visible(text) if stream.isatty() else text, nl=False, err=err)

@@ -7,6 +7,7 @@ import click
 
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
+from .terminal import show, tell
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
@@ -37,12 +38,12 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
     for path in decks:
         found = verify_deck(path, choices, tolerance, listener)
         if found.outcome.echo:
-            click.echo(found.outcome.echo, err=True, nl=False)
+            show(found.outcome.echo, err=True)
         show_faults(found.outcome, quiet)
         if as_json:
             click.echo(json.dumps(found.as_dict()))
         elif found.differences and not quiet:
-            click.echo(verify_text(found), nl=False)
+            show(verify_text(found))
         codes.append(found.outcome.exit_code)
         if codes[-1] > 128:
             break
@@ -50,4 +51,4 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
 
 
 def _notice(sentence):
-    click.echo(f"flexmb: {sentence}", err=True)
+    tell(f"flexmb: {sentence}")
