@@ -8,6 +8,8 @@ import numpy as np
 from ..errors import DeckError, Fault
 from .fortran_format import Edit
 
+# Bytes.  The numbers of two listings take seven times their size in memory.
+LARGEST_LISTING = 2**29
 # No deck has more bodies; a larger number at the start of a line is another slip.
 LARGEST_INDEX = 99999
 
@@ -84,11 +86,11 @@ class TableError(DeckError):
 
 def read_bytes(path) -> bytes:
     """Content of a file; "-" is standard input.  Raises `TableError`."""
-    if str(path) == "-":
-        return sys.stdin.buffer.read()
     try:
+        if str(path) == "-":
+            return _bounded(path, sys.stdin.buffer)
         with open(path, "rb") as file:
-            return file.read()
+            return _bounded(path, file)
     except FileNotFoundError:
         reason = "no such file"
     except IsADirectoryError:
@@ -96,6 +98,17 @@ def read_bytes(path) -> bytes:
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
     raise TableError(str(path), [Fault("error", reason)])
+
+
+def _bounded(path, file):
+    # A device or a pipe tells no size, and may never end.
+    content = file.read(LARGEST_LISTING + 1)
+    if len(content) > LARGEST_LISTING:
+        reason = (
+            f"is larger than {LARGEST_LISTING >> 20} MB: compare the HDF5 results, which are read in parts"
+        )
+        raise TableError(str(path), [Fault("error", reason)])
+    return content
 
 
 def plain_text(content: bytes) -> str:

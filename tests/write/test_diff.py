@@ -7,15 +7,16 @@ import subprocess
 import sys
 import tracemalloc
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from results import SERIES, write_result
 
-from flexmb_cli.write import diff_hdf5
+from flexmb_cli.write import diff_hdf5, listing
 from flexmb_cli.write.accept import accept
-from flexmb_cli.write.diff import compare
+from flexmb_cli.write.diff import compare, read_listing
 from flexmb_cli.write.diff_hdf5 import kind_of
 from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
 from flexmb_cli.write.listing import TableError
@@ -557,3 +558,10 @@ def test_update_follows_no_link_of_a_result_to_another_file(result, rows):
         accept(a, b)
     assert caught.value.name == str(b)
     assert a.read_bytes() == before
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device that never ends")
+def test_a_file_without_end_is_refused_before_memory_is_full(monkeypatch):
+    monkeypatch.setattr(listing, "LARGEST_LISTING", 2**20)
+    with pytest.raises(TableError, match="larger than 1 MB: compare the HDF5 results"):
+        read_listing("/dev/zero")
