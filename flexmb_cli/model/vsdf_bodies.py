@@ -329,6 +329,9 @@ def _bricks(record, file, findings) -> BrickMaterial | None:
 
 
 def _stiffened(record, given, findings):
+    if record and record["on"] not in (0, 1):
+        message = f"on is 0 or 1; read {record.at('on').text}"
+        findings.error(record.subject, message, record.at("on").place)
     if record is None or not record["on"]:
         if given.unit_loads:
             message = f"FEMG is not used: GEOS does not switch stiffening on for {given.name}"

@@ -80,6 +80,11 @@ UNREAD = [
         ["11:16: warning: stiffening of body 1: E and nu are not used: stiffening is switched off, on is 0"],
     ),
     (
+        "stiffening neither on nor off",
+        changed(("    1    1\nFEMG", "    1    2\nFEMG"), text=supplied("spinup")),
+        ["14:10: error: stiffening of body 1: on is 0 or 1; read 2"],
+    ),
+    (
         "geometric stiffness of a rigid body",
         changed(("GRAV\n", "FEMG\n    1    4 MM   k.mtx\nGRAV\n")),
         ["26:5: error: geometric stiffness 1: FEMG is for FLEX bodies; body 1 is RIGD"],
