@@ -19,7 +19,7 @@ from .finite import AnyFinite
 @click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
 @click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
-@click.option("--title", default=None, help="Text above the curves [default: the deck's name].")
+@click.option("--title", default=None, help="Text above the curves [default: the names of the decks].")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def plot(result, names, output, others, across, start, stop, every, title, quiet):
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
@@ -55,7 +55,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
         ]
         drawn = panels(sources)
         if title is None:
-            title = attribute(sources[0].result, "deck_name")
+            title = ", ".join(dict.fromkeys(attribute(one.result, "deck_name") for one in sources))
     write_whole(output, picture(drawn, form, title))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
@@ -63,7 +63,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
 
 
 def _source(open_files, path, label, names, across, window, quiet):
-    from ..write.curves import Source, default_quantities
+    from ..write.curves import Source, default_quantities, still_energies
     from ..write.quantities import ResultError, open_result, resolve, shortfall
     from ..write.table import chosen_rows
 
@@ -82,6 +82,9 @@ def _source(open_files, path, label, names, across, window, quiet):
         raise ResultError(path, f"nothing to draw over {abscissa[0].name}: name another quantity")
     if told and not quiet:
         click.echo(f"{path}: note: {told}", err=True)
+    still = () if names or quiet else still_energies(file)
+    if still:
+        click.echo(f"{path}: note: not drawn, for they do not change: {', '.join(still)}", err=True)
     window = slice(rows.start, rows.stop, rows.step)
     return Source(label, file, window, abscissa[0], quantities, energies_change=not names)
 

@@ -76,7 +76,10 @@ class Source:
 
 
 def default_quantities(result: h5py.File) -> list[Quantity]:
-    """What to draw when nothing is named: the telling quantities of the dialect that move, and energies."""
+    """What to draw when nothing is named: the telling quantities of the dialect that move, and energies.
+
+    Of these those that change, and their sum; `still_energies` are the others.
+    """
     known = names(result)
     chosen = []
     for dataset in TELLING.get(attribute(result, "dialect"), TELLING["young"]):
@@ -85,7 +88,17 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
             chosen += _crowd(moving)
-    return chosen + [quantity for quantity in known if quantity.dataset in (*ENERGIES, TOTAL)]
+    return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
+
+
+def still_energies(result: h5py.File) -> list[str]:
+    """Names of the energies that `default_quantities` leaves out, for a line at zero tells nothing."""
+    drawn = _energies(result)
+    return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
+
+
+def _energies(result):
+    return _moving(result, [quantity for quantity in names(result) if quantity.dataset in ENERGIES])
 
 
 def panels(sources: Sequence[Source]) -> list[Panel]:

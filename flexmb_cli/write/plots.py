@@ -7,7 +7,9 @@ from .curves import Panel
 
 FORMATS = ("png", "svg", "pdf")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
-DASHES = ("-", "--", ":", "-.")
+DASHES = ("-", "--", ":", "-.", (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)), (0, (1, 4)), (0, (9, 3, 3, 3)))
+THICKNESSES = (1.3, 2.6, 0.6)
+LEGEND_ROWS = 14
 WIDTH, HEIGHT, SQUARE, RESOLUTION = 8.0, 2.8, 6.0, 150
 # No dates and no versions: pictures are compared in repositories.
 METADATA = {
@@ -20,8 +22,8 @@ METADATA = {
 def picture(panels: Sequence[Panel], form: str, title: str = "") -> bytes:
     """The panels one below the other as a file of `form`, one of `FORMATS`.
 
-    Colours tell quantities apart, dashes results; panels over time share its axis, and paths (both axes
-    of one unit) have equal ones.  Imports matplotlib.
+    Colours tell quantities apart, dashes results, and quantities where there are no more colours; panels
+    over time share its axis, and paths (both axes of one unit) have equal ones.  Imports matplotlib.
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -43,18 +45,27 @@ def picture(panels: Sequence[Panel], form: str, title: str = "") -> bytes:
 
 
 def _draw(panel, axis):
+    results = 1 + max(curve.result for curve in panel.curves)
     for curve in panel.curves:
-        axis.plot(
-            curve.x, curve.y, label=_plain(curve.label), linewidth=1.3,
-            color=COLOURS[curve.quantity % len(COLOURS)], linestyle=DASHES[curve.result % len(DASHES)],
-        )  # fmt: skip
+        axis.plot(curve.x, curve.y, label=_plain(curve.label), **style(curve.quantity, curve.result, results))
     axis.set_ylabel(_plain(panel.y_label))
     axis.grid(True, linewidth=0.4, color="#cccccc")
     axis.margins(x=0.02)
     if panel.same_unit:
         axis.set_aspect("equal", adjustable="datalim")
     if len(panel.curves) > 1:
-        axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+        columns = -(-len(panel.curves) // LEGEND_ROWS)
+        axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)
+
+
+def style(quantity: int, result: int = 0, results: int = 1) -> dict:
+    """Colour, dashes and width of the curve of a quantity of one of `results`: no two alike among 192."""
+    dashes = result + results * (quantity // len(COLOURS))
+    return {
+        "color": COLOURS[quantity % len(COLOURS)],
+        "linestyle": DASHES[dashes % len(DASHES)],
+        "linewidth": THICKNESSES[dashes // len(DASHES) % len(THICKNESSES)],
+    }
 
 
 def _plain(text):

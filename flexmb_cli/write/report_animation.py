@@ -7,8 +7,8 @@ from html import escape
 
 import numpy as np
 
+from .report_camera import looked_at
 from .scene import Scene
-from .view import view_of
 
 # Okabe and Ito's colours, told apart by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -21,14 +21,17 @@ MOST_TRAILS = 12
 MOST_BODIES = 40
 # Shortest and longest time of the whole animation, s; between them it plays in its own time.
 SHORTEST, LONGEST = 3.0, 15.0
-# Longest side of a plane's box, diagonal of a box in space, and distance of the eye, that fill the picture.
-FLAT, DEEP, DISTANCE = 1.7, 1.5, 1.9
 
 
 def frame_rows(rows: int, places: int = 1) -> slice:
-    """Every n-th row, so that there are at most `MOST_FRAMES`, fewer where each shows many `places`."""
+    """Every n-th row, so that there are at most `MOST_FRAMES`, fewer where each shows many `places`.
+
+    The last row is among them where a stride up to twice as long as needed leads to it.
+    """
     frames = min(MOST_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // places))
-    return slice(0, rows, -(-rows // frames) or 1)
+    least = -(-rows // frames) or 1
+    ending = (stride for stride in range(least, 2 * least) if (rows - 1) % stride == 0)
+    return slice(0, rows, next(ending, least))
 
 
 def animation(scene: Scene) -> dict:
@@ -205,62 +208,31 @@ def _trails(scene):
 
 
 def _layout(scene):
-    view = view_of(scene.places, scene.gravity)
     return {
         "margin": {"l": 0, "r": 0, "t": 0, "b": 30},
         "legend": {"x": 0, "y": 1},
-        "scene": _box(scene.places, view) | {"camera": _camera(view), "dragmode": _drag(view)},
+        "scene": looked_at(scene.places, scene.gravity),
         "sliders": [_slider(scene.time)],
         "updatemenus": [_buttons(scene.time)],
     }
 
 
-def _box(places, view):
-    """Equal axes round all places at any time."""
-    low, high = places.min(axis=0), places.max(axis=0)
-    extent = float((high - low).max()) or 1.0
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2, 0.1 * extent) + 0.05 * extent
-    box = {
-        f"{axis}axis": {"range": [middle[k] - half[k], middle[k] + half[k]]} | _name(axis, view.planar)
-        for k, axis in enumerate("xyz")
-    }
-    if view.planar and max(map(abs, view.eye)) == 1.0:
-        # The axis that is looked along would be a heap of numbers.
-        box["xyz"[int(np.argmax(np.abs(view.eye)))] + "axis"]["visible"] = False
-    ratio = FLAT * half / half.max() if view.planar else DEEP * half / np.linalg.norm(half)
-    return box | {"aspectmode": "manual", "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True))}
-
-
-def _name(axis, planar):
-    """Name and unit of an axis: its title; seen flat, where a title lies on the numbers, its last number."""
-    if not planar:
-        return {"title": {"text": f"{axis} [m]"}}
-    words = {"tickprefix": f"{axis} = ", "ticksuffix": " m"}
-    return {"title": {"text": ""}, "showtickprefix": "last", "showticksuffix": "last"} | words
-
-
-def _camera(view):
-    return {
-        "up": dict(zip("xyz", view.up, strict=True)),
-        "eye": {axis: DISTANCE * part for axis, part in zip("xyz", view.eye, strict=True)},
-        "projection": {"type": "orthographic" if view.planar else "perspective"},
-    }
-
-
-def _drag(view):
-    """A turntable keeps z up; what is seen flat, or has another axis up, is turned freely."""
-    return "turntable" if view.up == (0.0, 0.0, 1.0) and not view.planar else "orbit"
-
-
 def _slider(time):
     stay = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
     steps = [
-        {"method": "animate", "label": f"{t:.6g}", "args": [[str(k)], stay]}
-        for k, t in enumerate(time.tolist())
+        {"method": "animate", "label": label, "args": [[str(k)], stay]}
+        for k, label in enumerate(_rounded(time))
     ]
-    prefix = {"prefix": "t = ", "suffix": " s", "visible": True}
+    shown = {"prefix": "t = ", "suffix": " s", "visible": True, "xanchor": "right"}
     pad = {"t": 30, "b": 15}
-    return {"steps": steps, "active": 0, "currentvalue": prefix, "x": 0.16, "len": 0.8, "pad": pad}
+    return {"steps": steps, "active": 0, "currentvalue": shown, "x": 0.01, "len": 0.96, "pad": pad}
+
+
+def _rounded(time):
+    """Times as texts, to a hundredth of the time between frames."""
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    digits = max(0, int(np.ceil(2 - np.log10(step)))) if step > 0.0 else 9
+    return [f"{round(t, digits) + 0.0:.12g}" for t in time.tolist()]
 
 
 def _buttons(time):
@@ -270,7 +242,7 @@ def _buttons(time):
     stop = {"frame": {"duration": 0, "redraw": False}, "mode": "immediate", "transition": {"duration": 0}}
     return {
         "type": "buttons", "direction": "left", "showactive": False,
-        "x": 0.01, "xanchor": "left", "y": 0, "yanchor": "top", "pad": {"t": 40},
+        "x": 0.01, "xanchor": "left", "y": 0, "yanchor": "top", "pad": {"t": 5},
         "buttons": [
             {"label": "▶ play", "name": "play", "method": "animate", "args": play},
             {"label": "❚❚ pause", "name": "pause", "method": "animate", "args": [[None], stop]},

@@ -19,7 +19,7 @@ from ..errors import DeckError
 from ..read.deck import DeckText
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
-from .curves import Panel, Source, default_quantities, panels
+from .curves import Panel, Source, default_quantities, panels, still_energies
 from .echo import echo
 from .quantities import ResultError, names, shortfall
 from .report_animation import COLOURS, animation, frame_rows
@@ -109,7 +109,7 @@ def report_page(result: h5py.File, library: str) -> str:
         curves="".join(
             f'<h2>Curves</h2><div class="curves" id="curves{k}"></div>' if k == 0
             else f'<div class="curves" id="curves{k}"></div>' for k in range(len(drawn))
-        ),
+        ) + _left_out(result),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
@@ -151,6 +151,11 @@ def _curves(result):
     return [_figure(panel) for panel in panels([Source("", result, every, time, quantities, True)])]
 
 
+def _left_out(result):
+    still = still_energies(result)
+    return f"<p>Not drawn, for they do not change: {escape(', '.join(still))}.</p>" if still else ""
+
+
 def _figure(panel: Panel):
     data = [
         {
@@ -163,7 +168,7 @@ def _figure(panel: Panel):
     layout = {
         "margin": {"l": 80, "r": 20, "t": 20, "b": 50},
         "xaxis": {"title": {"text": escape(panel.x_label)}},
-        "yaxis": {"title": {"text": escape(panel.y_label)}, "exponentformat": "power"},
+        "yaxis": {"title": {"text": escape(panel.y_label)}, "exponentformat": "power", "automargin": True},
         "showlegend": True,
         "hovermode": "closest",
     }

@@ -1,5 +1,6 @@
 """Curves as pictures: which are drawn by default, in which panels, and always by the same bytes."""
 
+import shutil
 import sys
 import time
 
@@ -12,6 +13,7 @@ from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.write.curves import Source, default_quantities, panels
+from flexmb_cli.write.plots import style
 from flexmb_cli.write.quantities import open_result, resolve
 
 TIMES = np.arange(7.0)
@@ -66,6 +68,46 @@ def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_pa
     assert (changes.y_label, drift.y_label) == ("change [J]", "change of energy.total [J]")
     assert drift.curves[0].y == pytest.approx([0.0, -1e-6], rel=1e-3)
     assert [curve.y[0] for curve in together.curves] == [2.0, 1e6, 1e6 + 2.0]
+
+
+def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):
+    pytest.importorskip("matplotlib")
+    path = write_result(tmp_path / "r.h5", 3)
+    with h5py.File(path, "r+") as file:
+        for name, values in (("kinetic", [0.0, 1.0, 2.0]), ("strain", [0.0, 0.0, 0.0])):
+            file[f"energy/{name}"] = values
+            file[f"energy/{name}"].attrs["units"] = "J"
+            file[f"energy/{name}"].dims[0].attach_scale(file["time"])
+    with open_result(path) as file:
+        drawn = {quantity.name for quantity in default_quantities(file)}
+    assert {"energy.kinetic", "energy.total"} <= drawn
+    assert "energy.strain" not in drawn
+    done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
+    assert f"{path}: note: not drawn, for they do not change: energy.strain\n" in done.stderr
+    named = CliRunner().invoke(plot, [str(path), "energy.strain", "-o", str(tmp_path / "p.png")])
+    assert "not drawn" not in named.stderr
+
+
+@pytest.mark.parametrize("results", [1, 2, 3])
+def test_no_two_of_many_curves_look_alike(results):
+    """Eight colours alone repeated from the ninth quantity on."""
+    looks = [str(style(quantity, result, results)) for quantity in range(64) for result in range(results)]
+    assert len(set(looks)) == len(looks)
+    assert len({style(0, result, results)["color"] for result in range(results)}) == 1
+
+
+def test_decks_of_results_laid_over_each_other_are_all_in_the_title(bar, tmp_path):
+    pytest.importorskip("matplotlib")
+    other = shutil.copy(bar, tmp_path / "o.h5")
+    with h5py.File(bar) as file:
+        name = file.attrs["deck_name"]
+    for changed, title in ((name, name), ("other.dat", f"{name}, other.dat")):
+        with h5py.File(other, "r+") as file:
+            file.attrs["deck_name"] = changed
+        target = tmp_path / "p.svg"
+        done = CliRunner().invoke(plot, [str(bar), "point.1.x", "--with", str(other), "-o", str(target)])
+        assert done.exit_code == 0, done.output
+        assert f"<!-- {title} -->" in target.read_text()
 
 
 def test_a_path_has_equal_axes(bar):

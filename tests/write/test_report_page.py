@@ -2,6 +2,7 @@
 
 import html
 import io
+import json
 import re
 import shutil
 import time
@@ -17,7 +18,7 @@ from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.report import report
-from flexmb_cli.write import report_animation
+from flexmb_cli.write import report_animation, report_camera
 from flexmb_cli.write.quantities import ResultError, open_result
 from flexmb_cli.write.report_animation import MOST_FRAMES, animation, frame_rows
 from flexmb_cli.write.report_page import report_page
@@ -133,8 +134,69 @@ def test_long_runs_are_thinned_evenly(rows):
     assert min(rows, MOST_FRAMES // 2) <= len(kept) <= MOST_FRAMES
 
 
+@pytest.mark.parametrize("rows", [301, 1001, 100_000])
+def test_the_last_row_is_a_frame_where_an_even_stride_leads_to_it(rows):
+    """300 = 3 · 100, 1000 = 8 · 125, 99999 = 813 · 123."""
+    assert range(*frame_rows(rows).indices(rows))[-1] == rows - 1
+
+
 def test_large_models_have_fewer_frames():
-    assert len(range(*frame_rows(1000, 4000).indices(1000))) == 50
+    assert 25 <= len(range(*frame_rows(1000, 4000).indices(1000))) <= 50
+
+
+@pytest.mark.parametrize(
+    ("times", "told"),
+    [
+        (1.19e-7 + 0.00357174 * np.arange(4), ["0", "0.00357", "0.00714", "0.01072"]),
+        (0.1 * np.arange(4), ["0", "0.1", "0.2", "0.3"]),
+        ([1000.0, 1000.0005, 1000.001], ["1000", "1000.0005", "1000.001"]),
+        ([-1e-9, 2.0, 4.0], ["0", "2", "4"]),
+        ([0.123456789012], ["0.123456789"]),
+    ],
+)
+def test_times_at_the_slider_have_the_digits_that_tell_frames_apart(times, told):
+    assert report_animation._rounded(np.array(times)) == told
+
+
+def seen(corners, camera):
+    """Height in the picture, -1 to 1, of places seen by plotly.js, which looks at the origin at 45 degrees.
+
+    By the matrices of OpenGL: gluLookAt, gluPerspective.
+    """
+    eye, up = (np.array([camera[name][axis] for axis in "xyz"]) for name in ("eye", "up"))
+    forward = -eye / np.linalg.norm(eye)
+    side = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+    look = np.eye(4)
+    look[:3, :3] = side, np.cross(side, forward), -forward
+    look[:3, 3] = -look[:3, :3] @ eye
+    cotangent = 1.0 / np.tan(np.radians(45.0) / 2)
+    _, y, z, _ = look @ np.vstack([corners.T, np.ones(len(corners))])
+    return cotangent * y / -z
+
+
+@pytest.mark.parametrize("sides", [(1.0, 1.0, 1.0), (1.0, 0.05, 0.7), (0.3, 1.0, 0.6), (0.1, 0.1, 1.0)])
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.8), (0.0, 9.8, 0.0), (0.0, 0.0, 0.0)])
+def test_the_corners_of_the_box_leave_room_for_the_names_of_its_axes(sides, gravity):
+    """Names are a tenth of the picture's height off the box; the lowest corner was below the picture."""
+    signs = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    scene = report_camera.looked_at(signs * sides, np.array(gravity))
+    box = np.array([scene["aspectratio"][axis] for axis in "xyz"])
+    assert 0.5 < np.max(np.abs(seen((signs - 0.5) * box, scene["camera"]))) < 0.8 + 1e-8
+
+
+def test_energies_that_stay_at_zero_are_not_drawn_but_named(tmp_path):
+    path = write_result(tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        for name, values in (("kinetic", TIMES), ("strain", 0 * TIMES), ("total", TIMES)):
+            file[f"energy/{name}"] = values
+            file[f"energy/{name}"].attrs["units"] = "J"
+            file[f"energy/{name}"].dims[0].attach_scale(file["time"])
+    shown = page_on(path)
+    assert "<p>Not drawn, for they do not change: energy.strain.</p>" in shown
+    figures = re.search(r'<script id="figures" type="application/json">(.*?)</script>', shown)[1]
+    drawn = {curve["name"] for panel in json.loads(figures)["curves"] for curve in panel["data"]}
+    assert {"energy.kinetic", "energy.total"} <= drawn
+    assert "energy.strain" not in drawn
 
 
 def test_frames_are_the_motion(tmp_path):
@@ -281,6 +343,25 @@ def test_the_times_below_the_slider_are_not_cut_off(page):
 
 
 @pytest.mark.processes
+@pytest.mark.parametrize("width", [500, 1200])
+def test_buttons_slider_and_time_do_not_lie_on_each_other(page, width):
+    page.set_window_size(width, 1300)
+    wait(lambda: abs(page.execute_script("return window.innerWidth") - width) < 30)
+    time.sleep(0.5)  # plotly.js draws anew once the size has settled
+    boxes = page.execute_script(
+        "const parts = ['.updatemenu-item-rect', '.slider-label:not(.slider-labels *)', '.slider-rail-rect'];"
+        "return Array.from(document.querySelectorAll(parts.map(part => '#animation ' + part)))"
+        ".map(part => part.getBoundingClientRect()).map(box => [box.left, box.right, box.top, box.bottom])"
+    )
+    page.set_window_size(1200, 1300)
+    assert len(boxes) == 4
+    for k, (left, right, top, bottom) in enumerate(boxes):
+        for other in boxes[:k]:
+            apart = left >= other[1] or right <= other[0] or top >= other[3] or bottom <= other[2]
+            assert apart, (k, boxes)
+
+
+@pytest.mark.processes
 def test_play_runs_through_all_rows_and_pause_holds(page):
     rest(page)
     click(page, "play")
@@ -331,12 +412,12 @@ def test_positions_that_are_no_numbers_are_not_drawn(tmp_path):
 def test_axes_seen_flat_are_named_by_their_last_number():
     """A square in yz, seen along x: a title would lie on the numbers of its axis."""
     square = np.array([(0, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 1)], float)
-    box = report_animation._box(square, view_of(square, np.zeros(3)))
+    box = report_camera._box(square, view_of(square, np.zeros(3)))
     assert box["xaxis"]["visible"] is False
     for name in "yz":
         axis = box[f"{name}axis"]
         assert (axis["title"]["text"], axis["tickprefix"], axis["ticksuffix"]) == ("", f"{name} = ", " m")
         assert axis["showtickprefix"] == axis["showticksuffix"] == "last"
     corner = np.vstack([square, [(1, 0, 0)]])
-    in_space = report_animation._box(corner, view_of(corner, np.zeros(3)))
+    in_space = report_camera._box(corner, view_of(corner, np.zeros(3)))
     assert in_space["yaxis"]["title"]["text"] == "y [m]"
