@@ -7,7 +7,7 @@ import numpy as np
 
 from .deck_values import DeckValues
 from .findings import Findings
-from .motion_law import POLYNOMIAL, SPIN_UP, TABLE, Motion, MotionLaw, table_law
+from .motion_law import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionLaw, table_law
 from .vsdf_bodies import end_of_body
 from .vsdf_model import GROUND, End, NodeJoint, Pin, VsdfBody
 
@@ -252,6 +252,10 @@ def _law(record, tables, findings):
         return None
     if law.value == TABLE:
         return find_table(record, record.at("c0"), tables, findings)
+    if law.value == SINE and not record.at("c2").text:
+        message = "the sine needs c2, rad/s; it stands still without"
+        findings.error(record.subject, message, record.at("c2").place)
+        return None
     if law.value == SPIN_UP and not constants[1] > 0:
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place)

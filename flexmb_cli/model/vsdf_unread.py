@@ -72,7 +72,24 @@ def _of_stiffening(record) -> Iterator[tuple[str, str]]:
         yield "nu", "Poisson's ratio belongs to Young's modulus E, which is empty"
 
 
-_UNREAD = {"body": _of_body, "joint": _of_joint, "motion": _of_motion, "stiffening": _of_stiffening}
+def _of_spring(record) -> Iterator[tuple[str, str]]:
+    if not record.at("k").text:
+        yield "length", "a length at rest belongs to the stiffness k, which is empty"
+
+
+def _of_joint_spring(record) -> Iterator[tuple[str, str]]:
+    if not record.at("k").text:
+        yield "q0", "a position at rest belongs to the stiffness k, which is empty"
+
+
+_UNREAD = {
+    "body": _of_body,
+    "joint": _of_joint,
+    "motion": _of_motion,
+    "spring": _of_spring,
+    "joint_spring": _of_joint_spring,
+    "stiffening": _of_stiffening,
+}
 
 
 def _doubt_switched_off(values, findings):

@@ -64,6 +64,22 @@ UNREAD = [
         ["26:2: error: table 0: tables are numbered from 1; read 0"],
     ),
     (
+        "a length at rest without stiffness",
+        changed(("GRAV\n", "SPRI\n    1    0    1    2    3                 2.0       0.3\nGRAV\n")),
+        [
+            "26:53: error: spring 1: length is 0.3 and is not read: a length at rest belongs to the stiffness k, "
+            f"which is empty; {EMPTY}"
+        ],
+    ),
+    (
+        "a position at rest without stiffness",
+        changed(("GRAV\n", "JSPR\n    1                 2.0       0.3\nGRAV\n")),
+        [
+            "26:33: error: joint spring 1: q0 is 0.3 and is not read: a position at rest belongs to the "
+            f"stiffness k, which is empty; {EMPTY}"
+        ],
+    ),
+    (
         "Poisson's ratio alone",
         changed(
             ("    1    1\nFEMG", "    1    1                 0.3\nFEMG"),
@@ -150,6 +166,11 @@ WITHOUT_EFFECT = [
         "a force without numbers",
         changed(("GRAV\n", "FORC\n    2    3\nGRAV\n")),
         ["26:11: error: force 1: F.x, F.y, F.z are all empty, so the card does nothing"],
+    ),
+    (
+        "a sine without frequency",
+        changed(("GRAV\n", "MOTN\n    1 ANGL    1    3       0.0       1.0\nGRAV\n")),
+        ["26:41: error: motion 1: the sine needs c2, rad/s; it stands still without"],
     ),
     (
         "a screw without pitch",
