@@ -12,6 +12,7 @@ from ..model.build_young import build_young
 from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
+from .check_parts import before_and_after, gaps_of, parts_of
 from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
 from .outcome import Outcome, RunOptions, refuse_warnings
@@ -172,38 +173,6 @@ def _counts(mechanism, analysis):
         "coordinates": coordinates,
         "degrees_of_freedom": coordinates - equations + len(mechanism.drivers),
     }
-
-
-def parts_of(mechanism) -> dict:
-    """How many of each thing a mechanism has."""
-    joints: dict[str, int] = {}
-    for joint in mechanism.joints:
-        joints[joint.kind] = joints.get(joint.kind, 0) + 1
-    return {
-        "bodies": len(mechanism.bodies),
-        "joints": joints,
-        "simplified": len(mechanism.simplified),
-        "distance": len(mechanism.distances),
-        "drivers": len(mechanism.drivers),
-        "grounds": len(mechanism.grounds),
-        "points": len(mechanism.points),
-        "report_times": mechanism.time.rows,
-    }
-
-
-def gaps_of(analysis, arrays, q) -> dict:
-    """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
-    gaps: dict = {}
-    for equation, value in zip(arrays.equations, scaled * arrays.row_scale, strict=True):
-        key = (equation.owner, equation.unit)
-        gaps[key] = max(gaps.get(key, 0.0), abs(float(value)))
-    return gaps
-
-
-def before_and_after(before, after) -> list:
-    """Rows (owner, gap of the estimates, of the assembled position, unit)."""
-    return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
 
 
 def _look_at_rank(report, analysis):

@@ -2,7 +2,7 @@
 
 from ..model.build_young_dynamics import build_young_dynamics
 from ..model.unit_doubts import unit_doubts
-from .check import before_and_after, gaps_of, parts_of
+from .check_parts import before_and_after, gaps_of, parts_of
 from .outcome import RunOptions, refuse_warnings
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..model.unit_doubts import unit_doubts
-from .check import before_and_after
+from .check_parts import before_and_after
 from .outcome import RunOptions, refuse_warnings
 from .vsdf import mechanism_of
 
