@@ -1,4 +1,4 @@
-"""What the checks of mechanisms of all dialects count and compare: parts, and gaps before and after assembly."""
+"""What the checks of mechanisms of all dialects share: parts counted, gaps before and after assembly."""
 
 
 def parts_of(mechanism) -> dict:
