@@ -19,6 +19,7 @@ from .passed_positions import (
     PassedPositions,
     at_line,
     has_gained_rank,
+    is_singular,
     repeating_here_only,
     weakest_of_speeds,
 )
@@ -49,6 +50,7 @@ class ConstrainedMotion:
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
         self.found: Mobility | None = None
+        self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.march = self.stepper.new_march(self.work, arrays.turns.size)
         self.march.units[:coordinates] = arrays.coordinate_scale
@@ -87,8 +89,16 @@ class ConstrainedMotion:
             times = times[filled:]
             if filled:
                 yield report._replace(**_first(report, filled))
-            if answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
+            if answer == constrained_march.STEP_SHORT:
+                self._excuse_short_steps()
+            elif answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
                 raise self._failure(answer)
+
+    def _excuse_short_steps(self):
+        """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
+        if is_singular(self, self.march.z[: self._first.size], self._first):
+            raise self._failure(constrained_march.STEP_VANISHED)
+        self.clock["excused"] = 1
 
     def _breakpoints(self, end) -> list[float]:
         """Points of tables before `end`, s, at which steps end.
@@ -133,7 +143,7 @@ class ConstrainedMotion:
         march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
         self.work.turns[:] = march.turns[NEW]
         found = self.found = order_of_elimination(self, q, grid.start)
-        march.z[: q.size] = q
+        march.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         march.z[q.size : -1] = start_speeds(self, q, grid.start)
         if found.redundant:

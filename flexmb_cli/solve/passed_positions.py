@@ -10,6 +10,8 @@ from .flexible_start import PositionGaps
 
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
+CROSSED = 1e5  # condition
+NEAR = 100.0  # condition, as a multiple of that of the start
 SHARE = 0.2  # of the largest part of a combination: what is told
 BESIDE = 1e-5  # of the length scale, rad
 MOST_TOLD = 6
@@ -41,6 +43,16 @@ def _weakest(analysis, jacobian):
         return 1.0, []
     condition = float(values[0] / max(values[last], np.finfo(float).tiny))
     return condition, _owners(analysis.arrays.equations, np.abs(left[:, last]))
+
+
+def is_singular(analysis, q, start) -> bool:
+    """Whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
+
+    So near to it in time a mere lock is further from losing a rank, by the square root.
+    """
+    gaps = PositionGaps(analysis.arrays, analysis.system, new_work(analysis.arrays))
+    here, usual = (_weakest(analysis, gaps.jacobian(place.copy()))[0] for place in (q, start))
+    return here > max(CROSSED, NEAR * usual)
 
 
 def has_gained_rank(analysis) -> bool:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 from young_linkages import AT_REST, four_bar_bodies, outcome, told, turned, young
 
@@ -78,6 +79,28 @@ def test_a_driver_beyond_the_reach_stops_where_the_mechanism_locks(steps, tmp_pa
     assert " s: a singular position of revolute joint 1 (line 7), revolute joint 2 (line 8)" in line
     assert line.endswith("), a dead centre or a branching, is reached")
     assert found.norms["condition"] > 1e4
+
+
+def around(ground, coupler, rocker, crank=1.0, angle=2.4689, speed=4.1574):
+    """A four-bar without loads, its crank given a speed; it lies in line where lengths add up so."""
+    return linkage((ground, crank, coupler, rocker), angle, f"VELOCITY 2 0 0 0 0 0 {speed}\n", (0, 2, 0.02))
+
+
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10])
+@pytest.mark.parametrize(("coupler", "rocker"), [(2.983532527847233, 2.59568683134426), (4.1, 2.7)])
+def test_speeds_do_not_jump_where_the_motion_could_branch(coupler, rocker, tolerance, tmp_path):
+    """Ground 1 + coupler - rocker: in line where the crank points along it, at φ = 0.
+
+    Nothing acts: speeds change no faster than in the rows before, whichever way the run ends.
+    """
+    deck = around(1.0 + coupler - rocker, coupler, rocker)
+    found = outcome(tmp_path, deck.replace("VELOCITY", f"TOLERANCE {tolerance}\nVELOCITY"))
+    with h5py.File(tmp_path / "OUT.h5") as result:
+        speed, rate = (result[f"body/angular_{what}"][:, 1, 2] for what in ("velocity", "acceleration"))
+    steps = np.abs(np.diff(speed))
+    assert np.all(steps <= 0.02 * 1.5 * np.maximum(np.abs(rate[1:]), np.abs(rate[:-1])) + 0.05)
+    if found.exit_code:
+        assert "a dead centre or a branching, is reached" in told(found)[-1]
 
 
 def test_a_start_in_line_is_no_wrong_driver(tmp_path):
