@@ -9,12 +9,17 @@ Entries are scaled to pure numbers.  J (m, n); `order` (m + n,): the rows in piv
 columns; the first r of each are the independent equations and the dependent speeds.
 """
 
+import math
+
 from ._jit import kernel
 
 RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 GOOD_ENOUGH = 0.1  # of the largest entry left: may be a pivot, and the one that spares most zeros is
 TINY = 1e-12
 WORN = 0.1  # of the quality of the factors when the order was chosen: asks for another one
+# Pivot below which the equations leave a second motion free but for round-off: two branches, 1e-16 of
+# gap apart, come as near as a pivot of 1e-8.
+BRANCHING = 1e-6
 
 
 @kernel
@@ -124,6 +129,15 @@ def factorise(jacobian, order, rank, factors):
                     if factors[k, j] != 0.0:
                         factors[i, j] -= factor * factors[k, j]
     return smallest / growth
+
+
+@kernel
+def smallest_pivot(factors, rank):
+    """The smallest pivot of `factorise`, infinite where there are no equations."""
+    smallest = math.inf
+    for k in range(rank):
+        smallest = min(smallest, abs(factors[k, k]))
+    return smallest
 
 
 @kernel

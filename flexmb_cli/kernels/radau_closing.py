@@ -50,6 +50,16 @@ def close_gaps(system, work, march, t):
 
 
 @kernel
+def moved(march, found):
+    """By how many tolerances `trial` was moved from the state found."""
+    clock, z, total, counted = march.clock[0], march.trial, 0.0, found.shape[0] - 1
+    for i in range(counted):
+        scale = clock["atol"] * march.units[i] + clock["rtol"] * abs(z[i])
+        total += ((z[i] - found[i]) / scale) ** 2
+    return (total / counted) ** 0.5
+
+
+@kernel
 def settle(system, work, march, t, ud):
     """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
 

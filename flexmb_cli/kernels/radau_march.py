@@ -28,8 +28,10 @@ from .constrained_report import complete, coordinates_and_speeds
 from .constrained_solve import factorise_constraints
 from .constrained_system import NO_INERTIA, SOLVED
 from .constraint_projection import largest_gap
+from .independent_rows import BRANCHING, smallest_pivot
 from .mass_matrix import mass_matrices
-from .radau_closing import close_gaps, settle
+from .radau_closing import close_gaps, moved, settle
+from .radau_leap import last_pivot, leap, leap_length
 from .radau_rows import between
 from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error, work_error
 from .radau_table import STAGES, WEIGHTS
@@ -40,15 +42,17 @@ SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
 SLOW = 0.01  # what an iteration may leave before the matrices are renewed
 STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
+BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
 NONE = 0.0  # quality of matrices that are not those of the state
 
 CLOCK = np.dtype(
     [
         ("t", np.float64),  # s
         ("step", np.float64),  # length the next step will try, s
-        ("rejected", np.int64),  # whether the attempt before it failed
+        ("rejected", np.int64),  # attempts before it that failed
         ("step_start", np.float64),  # the last accepted step: where it began,
         ("step_length", np.float64),  # how long it was, 0 before the first
+        ("length", np.float64),  # of the step that is tried, s
         ("stop", np.float64),  # no step goes further, s
         ("row", np.int64),  # report rows filled in this call
         ("steps", np.int64),
@@ -65,6 +69,12 @@ CLOCK = np.dtype(
         ("quality", np.float64),  # of the order of elimination that the matrices belong to
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("old_power", np.float64),  # and at the start of the last step
+        ("pivot", np.float64),  # the last of the elimination at t,
+        ("order", np.float64),  # whose order has this quality,
+        ("old_pivot", np.float64),  # and both at the start of the last step
+        ("old_order", np.float64),
+        ("leapt", np.int64),  # a step over a singular position failed 2: from this state, 1: from that before
+        ("branching", np.float64),  # pivot below which a position is singular
     ]
 )
 
@@ -148,6 +158,8 @@ def _begin(system, work, march):
         return STEP_VANISHED
     _copy(march.trial, march.z)
     _copy(march.z, march.old)
+    clock["pivot"], clock["order"] = last_pivot(work), work.quality[0]
+    clock["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
     for node in range(STAGES + 1):
         _copy(rates[START], rates[LAST + node])
     clock["step"] = _first_step(system, march)
@@ -198,14 +210,38 @@ def _step(system, work, march):
         h = min(clock["step"], left)
         if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
             return STEP_VANISHED
-        factor = _try_step(system, work, march, h)
+        clock["length"] = h
+        factor = _leap_or_try(system, work, march, left)
+        if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < clock["branching"]:
+            if abs(clock["pivot"]) < 10.0 * clock["branching"]:
+                return STEP_VANISHED
+            factor = -0.5
         if factor > 0.0:
-            _accept(system, work, march, h, h >= left, factor)
+            _accept(system, work, march, clock["length"], clock["length"] >= left, factor)
             return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
         clock["step"] = -h * factor
         clock["rejections"] += 1
-        clock["rejected"] = 1
+        clock["rejected"] += 1
         clock["left"], clock["quality"] = 1.0, NONE
+
+
+@part
+def _leap_or_try(system, work, march, left):
+    """`_try_step`, or, where a try failed in front of a singular position, a step over it."""
+    clock = march.clock[0]
+    due = clock["leapt"] == 1 or (clock["leapt"] == 0 and clock["rejected"] == 1)
+    over = min(leap_length(work, clock), left) if due else 0.0
+    if over > 0.0:
+        if leap(system, work, march, over):
+            clock["length"] = over
+            return 1.0
+        clock["leapt"] = 2
+        _copy(march.turns[NEW], work.turns)
+        if work.quality[0] != clock["quality"]:
+            clock["fault"] = _renew(system, work, march)
+            if clock["fault"] != SOLVED:
+                return -0.5
+    return _try_step(system, work, march, clock["length"])
 
 
 @part
@@ -226,19 +262,9 @@ def _try_step(system, work, march, h):
     clock["fault"] = close_gaps(system, work, march, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
-    if not _moved(march, found) < MOST_MOVED:
+    if not moved(march, found) < MOST_MOVED:
         return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
-
-
-@kernel
-def _moved(march, found):
-    """By how many tolerances `trial` was moved from the state found."""
-    clock, z, total, counted = march.clock[0], march.trial, 0.0, found.shape[0] - 1
-    for i in range(counted):
-        scale = clock["atol"] * march.units[i] + clock["rtol"] * abs(z[i])
-        total += ((z[i] - found[i]) / scale) ** 2
-    return (total / counted) ** 0.5
 
 
 @kernel
@@ -281,6 +307,9 @@ def _accept(system, work, march, h, last, factor):
     clock["t"] = clock["stop"] if last else clock["t"] + h
     clock["step"] = h * factor
     clock["rejected"], clock["last_error"] = 0, clock["error"]
+    clock["leapt"] = max(0, clock["leapt"] - 1)
+    clock["old_pivot"], clock["old_order"] = clock["pivot"], clock["order"]
+    clock["pivot"], clock["order"] = last_pivot(work), work.quality[0]
     clock["steps"] += 1
     clock["gap"], clock["worst"] = largest_gap(system, work)
     note_turns(system, work, march)

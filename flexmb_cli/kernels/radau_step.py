@@ -93,7 +93,7 @@ def solve_step(system, work, march, h):
     clock, quality = march.clock[0], work.quality[0]
     if not prepare(march, work.jacobian.shape[1] - work.rank[0], h):
         return False
-    _predict(system, march, h)
+    predict(system, march, h)
     left, before = clock["left"] ** CAUTION, 0.0
     for iteration in range(MOST_ITERATIONS):
         for stage in range(STAGES):
@@ -116,8 +116,8 @@ def solve_step(system, work, march, h):
     return False
 
 
-@part
-def _predict(system, march, h):
+@kernel
+def predict(system, march, h):
     """Accelerations that go on as before: the cubic through those of the last step."""
     rates, ratio = march.rates, 0.0
     if march.clock[0]["step_length"] > 0.0:
@@ -283,13 +283,20 @@ def step_error(system, work, march, h):
 @part
 def work_error(march, h):
     """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
-    clock, u, last = march.clock[0], march.speeds[STAGES - 1], march.z.shape[0] - 1
-    error, first = REAL * h * clock["power"], last - u.shape[0]
+    clock = march.clock[0]
+    error = REAL * h * clock["power"]
     for stage in range(STAGES):
         for j in range(STAGES):
             error += h * ERROR[stage] * WEIGHTS[stage, j] * march.powers[j]
-    scale = clock["atol"] * march.units[last] + clock["rtol"] * abs(march.z[last])
+    return abs(error) / work_scale(march)
+
+
+@kernel
+def work_scale(march):
+    """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
+    clock, u, last = march.clock[0], march.speeds[STAGES - 1], march.z.shape[0] - 1
+    scale, first = clock["atol"] * march.units[last] + clock["rtol"] * abs(march.z[last]), last - u.shape[0]
     for k in range(u.shape[0]):
         tolerance = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
         scale += abs(march.momenta[STAGES - 1, k]) * tolerance
-    return abs(error) / scale
+    return scale

@@ -92,7 +92,7 @@ class ConstrainedMotion:
             if answer == constrained_march.STEP_SHORT:
                 self._excuse_short_steps()
             elif answer not in (constrained_march.ROWS_FULL, constrained_march.PAUSED):
-                raise self._failure(answer)
+                raise self._failure(answer, times[0] if times.size else np.inf)
 
     def _excuse_short_steps(self):
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
@@ -163,7 +163,8 @@ class ConstrainedMotion:
         """Angles that count turns at q, those nearest to the deck's estimates."""
         return angles_at(self.system, self.work, q, self.arrays.turns)
 
-    def _failure(self, answer) -> AnalysisError:
+    def _failure(self, answer, due: float = np.inf) -> AnalysisError:
+        """Why no step, or no row that was `due` at that time, could be made."""
         clock = self.clock[0]
         t, step = float(clock["t"]), float(clock["step"])
         norms = {"reached": t, "step": step}
@@ -179,13 +180,24 @@ class ConstrainedMotion:
             return AnalysisError(about("error", message, worst), t, norms)
         if clock["fault"] == NO_INERTIA:
             return inertia_failure(self, t)
+        if due <= t and (owners := self._weakest_at_row(norms)):
+            message = (
+                f"at t = {due:.6g} s a row stands on a singular position of {_names(owners)}, where "
+                "accelerations and reactions are not determined; choose other times"
+            )
+            return AnalysisError(about("error", message, owners[0]), t, norms)
         reason, owners = self._why_steps_fall(norms)
         message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
         return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
+    def _weakest_at_row(self, norms):
+        """The equations that are singular where a row could not be made; none where they are not."""
+        norms["condition"], owners = weakest_of_speeds(self, self.march.trial)
+        return owners if norms["condition"] > SINGULAR else []
+
     def _why_steps_fall(self, norms):
         """The reason in words, and the equations it lies in; the condition goes into `norms`."""
-        condition, owners = weakest_of_speeds(self)
+        condition, owners = weakest_of_speeds(self, self.march.z)
         norms["condition"] = condition
         size = f"condition {condition:.0e}"
         if condition > SINGULAR:

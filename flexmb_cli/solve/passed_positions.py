@@ -23,13 +23,13 @@ CLOSED = 1e-9  # scaled gap of a position between two rows
 HALVINGS = 40
 
 
-def weakest_of_speeds(analysis) -> tuple[float, list]:
-    """Condition of the independent equations of a ConstrainedMotion at its state, and those that are weakest.
+def weakest_of_speeds(analysis, state) -> tuple[float, list]:
+    """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
 
     The condition is the largest over the last singular value that is counted in the rank.
     """
     coordinates = analysis.arrays.coordinate_scale.size
-    q = analysis.march.z[:coordinates].copy()
+    q = state[:coordinates].copy()
     if not np.all(np.isfinite(q)) or not analysis.arrays.equations:
         return 1.0, []
     evaluate_jacobian(analysis.system, analysis.work, q)
