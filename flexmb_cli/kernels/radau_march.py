@@ -43,6 +43,7 @@ CALM = 1e-2  # error in tolerances below which it has not grown
 SLOW = 0.01  # what an iteration may leave before the matrices are renewed
 STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
+BLIND = 30.0  # of that pivot, in front of which a row has no accelerations but those of round-off
 NONE = 0.0  # quality of matrices that are not those of the state
 
 CLOCK = np.dtype(
@@ -329,7 +330,7 @@ def _fill_row(system, work, march, t, report):
     for s in range(turns.shape[1]):
         turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
     clock["fault"], power = settle(system, work, march, t, report.rates[row])
-    if clock["fault"] != SOLVED:
+    if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < BLIND * clock["branching"]:
         return False
     _copy(march.trial, report.states[row])
     complete(system, work, march.trial, t, turns[NEAR], power, report, row)
