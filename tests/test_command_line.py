@@ -282,6 +282,14 @@ def test_a_closed_stream_is_no_fault_of_flexmb(tmp_path, closed):
     assert done.returncode == 0
 
 
+def test_a_table_for_a_closed_stream_is_refused(tmp_path):
+    command = f"{sys.executable} -m flexmb_cli run {HELD} --out - >&-"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 2
+    assert "standard output, which is closed" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_one_report_step_of_many_turns_can_be_interrupted(tmp_path):
     flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
     grid = ["--set", "driver.1.B=6e5", "--set", "time.end=100", "--set", "time.step=100"]

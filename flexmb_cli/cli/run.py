@@ -1,6 +1,7 @@
 """`flexmb run`: solve decks and write their results."""
 
 import json
+import os
 import signal
 import sys
 
@@ -74,6 +75,9 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
 def _refuse_mixed_output(as_json, options):
     if options["out"] == "-" and as_json:
         raise click.UsageError("--out - and --json both take standard output; give --out a file")
+    # In the place of a closed stream (`>&-`) stands an open file, see `cli._open_closed_streams`.
+    if options["out"] == "-" and getattr(sys.stdout, "name", "") == os.devnull:
+        raise click.UsageError("--out - writes to standard output, which is closed")
     if options["h5"] == "-":
         raise click.UsageError("--h5 needs a file: an HDF5 result cannot go to standard output")
     for name in ("out", "h5"):
@@ -150,7 +154,6 @@ def _begin_worker():
 
 def _pass_on(stop, pool):
     """Stop the workers as this process was stopped: a signal may have come to this process alone."""
-    import os
     from multiprocessing import active_children
 
     for child in active_children():
