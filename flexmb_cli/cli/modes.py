@@ -29,7 +29,7 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 
     A VSDF deck's flexible bodies are reduced, with effective masses and what is left out; its mechanism
-    is looked at when --at or --equilibrium is given.
+    is looked at when --at or --equilibrium is given, or where all bodies are rigid.
 
     \b
     Example:

@@ -36,7 +36,8 @@ class ModesReport:
 def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener) -> ModesReport:
     """Frequencies of the deck at `path`; failures become the outcome's faults.
 
-    A VSDF deck's mechanism is looked at only where a time or an equilibrium is asked for.
+    The mechanism of a VSDF deck with flexible bodies is looked at only where a time or an equilibrium is
+    asked for.
     """
     report = ModesReport(Outcome(path))
     try:
@@ -56,7 +57,7 @@ def _fill(report: ModesReport, wish: Wish, options: RunOptions, listener: Listen
         mechanism = mechanism_of(deck, options, outcome)
         report.deck = deck
         report.bodies = [body.flexible for body in mechanism.bodies if body.flexible is not None]
-        if wish.of_mechanism:
+        if wish.of_mechanism or not report.bodies:
             report.mechanism = flexible_modes(mechanism, wish, options, outcome, listener)
         return
     if deck.dialect == "dafms":

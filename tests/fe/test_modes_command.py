@@ -1,6 +1,7 @@
 """`flexmb modes` as scripts use it."""
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -67,3 +68,33 @@ def test_a_step_too_long_for_the_modes_is_a_warning(tmp_path):
         "error: body 1: a step of 0.001 s is longer than 1/20 of the period of the highest mode, 0.00804 s; "
         in (done.stderr)
     )
+
+
+RIGID_PENDULUM = """VSDF A PENDULUM
+BODY
+    1 RIGD
+RIGI
+1,2.0,0,0,-0.3
+0.05,0.05,0.01
+NODE
+1,1,0,0,0
+1,2,0,1,0
+JOIN
+1,REVO,0,0,0,1,1,2
+GRAV
+0,0,-9.81
+TIME
+1,0.1
+END
+STAR
+STOP
+"""
+
+
+def test_the_mechanism_of_rigid_bodies_is_looked_at_unasked(tmp_path):
+    """A physical pendulum: omega^2 = m g l / (J + m l^2), here with l = 0.3 m, J = 0.05 kg m^2."""
+    deck = tmp_path / "pendulum.vsdf"
+    deck.write_text(RIGID_PENDULUM)
+    record = json.loads(flexmb(tmp_path, str(deck), "--json").stdout)
+    frequency = math.sqrt(2.0 * 9.81 * 0.3 / (0.05 + 2.0 * 0.3**2)) / math.tau
+    assert record["mechanism"]["frequency"] == pytest.approx([frequency], rel=1e-6)
