@@ -1,7 +1,7 @@
 """What makes one doubt that a deck is in SI units, and bodies that have no mass: notes of `flexmb check`.
 
 A deck drawn in millimetres with masses in kilograms runs without complaint and gives nonsense.  Its
-gravity, its lengths and the radii of gyration of its bodies tell.
+gravity, its lengths, the radii of gyration of its bodies and the density of their nodes tell.
 """
 
 from collections.abc import Iterable
@@ -20,6 +20,7 @@ FASTEST_SOUND = 2e4  # m/s; 18,000 in diamond
 LARGE = 50.0  # m between the joints of one body, for a mechanism under gravity
 WIDE = 30.0  # radius of gyration over the distance of joints: inertia in kg mm² would be 1000
 NARROW = 1e-2  # the other way round: 1e-3
+THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def unit_doubts(model: DynamicModel | FlexibleMechanism | Tree) -> list[Fault]:
     extents, gravity = _EXTENTS[type(model)](model), float(np.linalg.norm(model.gravity))
     notes = [Fault("note", note, body.place, body.name) for body in extents for note in _of_body(body)]
     if isinstance(model, FlexibleMechanism):
-        notes += _of_frequencies(model)
+        notes += [*_of_frequencies(model), *_of_densities(model)]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(Fault("note", f"gravity {gravity:.6g} looks like mm/s²; decks are in SI units, m/s²"))
@@ -75,6 +76,20 @@ def _of_frequencies(mechanism: FlexibleMechanism):
             message = (
                 f"the lowest frequency is {lowest:.3g} Hz in a body of {size:.3g} m, as if sound went at "
                 f"{lowest * size:.1g} m/s or faster: are mass in kg, stiffness in N/m, nodes in m?"
+            )
+            yield Fault("note", message, body.place, body.name)
+
+
+def _of_densities(mechanism: FlexibleMechanism):
+    """Nodes in millimetres with matrices in SI units pass every test of them: they know no lengths."""
+    for body in mechanism.bodies:
+        if body.flexible is None:
+            continue
+        sides = np.ptp(body.flexible.r0, axis=0)
+        if body.m < THIN * float(np.prod(sides)):
+            message = (
+                f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are less "
+                "than a thousandth of air: are the nodes in m?"
             )
             yield Fault("note", message, body.place, body.name)
 

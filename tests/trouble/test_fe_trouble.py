@@ -113,3 +113,15 @@ def test_frequencies_that_no_solid_has_point_to_the_units(tmp_path):
         "body 1: the lowest frequency is 5.26e+06 Hz in a body of 0.1 m, as if sound went at 5e+05 m/s or faster: are "
         "mass in kg, stiffness in N/m, nodes in m?"
     )
+
+
+def test_nodes_in_millimetres_are_told_though_the_matrices_fit_them():
+    """0.26 kg of the pendulum in 100 m x 10 m x 15 m: 1.7e-5 kg/m3, where air has 1.2."""
+    mechanism, _ = flexible_mechanism(build(supplied("pendulum")), cached=False)
+    (body,) = mechanism.bodies
+    body.flexible.r0[:] *= 1e3
+    (note,) = unit_doubts(mechanism)
+    assert note.severity == "note"
+    assert note.sentence == (
+        "body 1: 0.26 kg in a box of 100 by 10 by 15 m are less than a thousandth of air: are the nodes in m?"
+    )
