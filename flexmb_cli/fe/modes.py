@@ -209,11 +209,30 @@ def _supports(r0):
 
 
 def _solver(K, free):
-    """The solution of K x = b with all freedoms but `free` at rest, as a function of b."""
+    """The solution of K x = b with all freedoms but `free` at rest, as a function of b.
+
+    Raises FreeMotion, then or at once: whether a pivot of exactly 0 is met depends on the processor.
+    """
+
+    def solve(b):
+        try:
+            return solution(b)
+        except Singular:
+            raise FreeMotion(_weakest(K, free)) from None
+
     try:
-        return solver(K[free][:, free])
+        solution = solver(K[free][:, free])
     except Singular:
-        raise FreeMotion(np.zeros(K.shape[0])) from None
+        raise FreeMotion(_weakest(K, free)) from None
+    return solve
+
+
+def _weakest(K, free):
+    """The shape of the freedoms `free` with the least strain energy; 0 where finding it takes too long."""
+    shape = np.zeros(K.shape[0])
+    if _is_small(len(free), 1):
+        shape[free] = np.linalg.eigh(as_array(K[free][:, free]))[1][:, 0]
+    return shape
 
 
 def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> np.ndarray:

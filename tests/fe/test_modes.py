@@ -5,7 +5,8 @@ import pytest
 from scipy.io import mmread
 from scipy.linalg import eigh
 
-from flexmb_cli.fe import linear_algebra
+from flexmb_cli.fe import linear_algebra, modes
+from flexmb_cli.fe.reference_frame import reference_frame
 from tests.fe.supplied import CHORD, FILES, NEAR_JOINT, body, pendulum
 from tests.fe.trusses import truss, truss_input
 
@@ -185,3 +186,20 @@ def test_damping_is_that_of_rayleigh_and_of_every_mode():
 def test_the_largest_component_of_every_mode_is_positive():
     found = body(pendulum(modes=9)).Phi
     assert (found.max(axis=0) >= -found.min(axis=0) * (1 - 1e-6)).all()
+
+
+@pytest.mark.parametrize("basis", ["mean axes", "attachment", "interface"])
+def test_a_freedom_without_stiffness_is_a_free_motion_on_every_processor(tmp_path, basis):
+    """Elimination meets a pivot of exactly 0: the third direction of the sixth node is tied to nothing."""
+    r, m, M, K = truss(1)
+    K[17] = K[:, 17] = 0.0
+    mean = reference_frame(truss_input(tmp_path, 1), m.sum(axis=0) @ r / m.sum())
+    held = reference_frame(truss_input(tmp_path, 1, reference=(11, 12, 13)), np.zeros(3))
+    bases = {
+        "mean axes": lambda: modes.eigenmodes(K, M, mean, 2),
+        "attachment": lambda: modes.attachment_modes(K, M, held, rows(4)),
+        "interface": lambda: modes.craig_bampton(K, M, held, rows(1, 2, 3), 1),
+    }
+    with pytest.raises(modes.FreeMotion) as stopped:
+        bases[basis]()
+    assert np.argmax(np.abs(stopped.value.shape)) == 17
