@@ -42,6 +42,7 @@ def test_a_driver_starts_at_any_angle_whatever_the_estimate(C, estimate):
     assert np.max(np.abs(rows.position[:, 3, :2] - expected)) <= 1e-13
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("direction", [4, 5, 6])
 def test_the_euler_parameters_of_a_driven_body_are_those_of_half_its_angle(direction):
     """e0 = cos θ/2, e_k = sin θ/2 (dissertation, eq. (3.8)) through 80 turns and back again.

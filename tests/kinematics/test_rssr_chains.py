@@ -57,6 +57,7 @@ def test_dense_and_sparse_factors_give_the_same_motion(derivative, monkeypatch):
     assert np.all(sparse.newton_iterations == dense.newton_iterations)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("limit", [10, 10_000])
 def test_a_chain_that_locks_says_so_and_keeps_the_rows_before(limit, monkeypatch):
     """Turned the other way a forward stage locks at a crank angle of 0.535 rad, at t = 0.85 s.

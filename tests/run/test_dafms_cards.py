@@ -162,6 +162,7 @@ def test_a_forearm_sprung_against_the_slope_of_a_flexible_arm(moved):
     assert_same(u, np.column_stack([root[1], expected[:, [5, 3, 4]]]))
 
 
+@pytest.mark.long_motion
 def test_the_implicit_method_follows_a_stiff_damped_beam(moved):
     time, q, u = moved("stiff_arm")
     x, masses = np.array([0.25, 0.5, 0.75, 1.0]), [0.2, 0.2, 0.2, 0.1]

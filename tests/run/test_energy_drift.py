@@ -40,6 +40,7 @@ def test_steps_that_are_too_long_are_told_by_the_energy_they_lose(tmp_path):
     assert notes in fault
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(
     "steps", ["", "GALF 0.005 0.9\n", "GALF 0 0.3\n"], ids=["explicit", "short", "chosen"]
 )

@@ -263,6 +263,7 @@ def test_two_runs_do_not_write_one_journal(tmp_path):
     assert rows_of(tmp_path / "x.resume") == [0]
 
 
+@pytest.mark.long_motion
 def test_results_that_cannot_be_put_in_their_places_leave_the_journal(tmp_path):
     """A folder that appears in the place of the last series while the run goes on."""
 
@@ -276,6 +277,7 @@ def test_results_that_cannot_be_put_in_their_places_leave_the_journal(tmp_path):
     assert not list(tmp_path.glob(".flexmb-*"))
 
 
+@pytest.mark.long_motion
 def test_a_run_interrupted_before_its_first_row_leaves_the_old_results(tmp_path):
     run("pendulum", tmp_path)
     old = (tmp_path / "pendulum.h5").read_bytes()

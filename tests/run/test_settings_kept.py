@@ -8,6 +8,8 @@ from pathlib import Path
 import h5py
 import pytest
 
+pytestmark = pytest.mark.processes
+
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 CHANGES = ["point.1.x=0.25", "time.end = 2"]
 KEPT = ["point.1.x=0.25", "time.end=2"]

@@ -97,6 +97,7 @@ def test_assembly_keeps_crank_and_deflections_and_closes_the_loop():
     assert rows.y[0] == pytest.approx(tree.y, abs=1e-6)
 
 
+@pytest.mark.long_motion
 def test_planar_loop_closed_in_three_directions_drops_the_one_that_cannot_open():
     tree = deck_tree("fourbar_rigid")
     closure = replace(tree.closures[0], directions=(1, 2, 3))

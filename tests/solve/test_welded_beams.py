@@ -83,6 +83,7 @@ def test_without_the_slope_each_beam_bends_as_if_alone():
     assert tip_deflection(welded(16, slope=False), 1.0) == pytest.approx(2 * L**3 / (3 * EI), rel=1e-9)
 
 
+@pytest.mark.long_motion
 def test_slope_at_a_free_planar_hinge_only_counts_its_angle_from_another_line():
     """Two-link manipulator of thesis 4.4: the bodies move alike, the angles differ by the slope."""
     tree = deck_tree("two_link_n2", 1e-10)

@@ -67,6 +67,7 @@ def test_a_parallelogram_that_passes_its_flat_positions_is_told(tmp_path):
         assert result["body/angular_velocity"][:, 3, 2] == pytest.approx([2.0] * 41, abs=1e-6)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("steps", ["", "GALF 0.01 0.9\n"], ids=["explicit", "implicit"])
 def test_a_driver_beyond_the_reach_stops_where_the_mechanism_locks(steps, tmp_path):
     """cos φ = (4² + 2² - 3.7²)/16: from 0.3 rad at 1 rad/s at 0.865409 s, the ninth row is the last."""
@@ -86,6 +87,7 @@ def around(ground, coupler, rocker, crank=1.0, angle=2.4689, speed=4.1574):
     return linkage((ground, crank, coupler, rocker), angle, f"VELOCITY 2 0 0 0 0 0 {speed}\n", (0, 2, 0.02))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10])
 @pytest.mark.parametrize(("coupler", "rocker"), [(2.983532527847233, 2.59568683134426), (4.1, 2.7)])
 def test_speeds_do_not_jump_where_the_motion_could_branch(coupler, rocker, tolerance, tmp_path):
@@ -113,6 +115,7 @@ def test_a_start_in_line_is_no_wrong_driver(tmp_path):
     )
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("length", ["0", "0.01"], ids=["chosen steps", "given steps"])
 def test_a_start_in_line_is_no_fault_of_loads(length, tmp_path):
     """Implicit steps fail before the equations are seen to contradict each other."""

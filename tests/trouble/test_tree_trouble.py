@@ -127,6 +127,7 @@ def test_inertias_of_no_body_are_refused(old, new, message, tmp_path):
     assert told(tmp_path, "fourbar_rigid", (old, new)) == (2, ["error: " + message])
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("method", [1, 4])
 def test_a_loop_driven_into_its_position_in_line_stops_there(method, tmp_path):
     """With 0.6 - 0.2 = 0.9 - 0.5 the bars lie in line once a turn; the crank at 1.5 + 10 t then stands at 3 pi/2.
@@ -143,6 +144,7 @@ def test_a_loop_driven_into_its_position_in_line_stops_there(method, tmp_path):
     assert time == pytest.approx((1.5 * math.pi - 1.5) / 10.0, abs=1e-6)
 
 
+@pytest.mark.long_motion
 def test_a_loop_that_a_library_carries_over_its_position_in_line_is_told_by_its_energy(tmp_path):
     """LSODA closes loops at the rows only.  The crank's turn is given, so that energy and work must balance."""
     code, (fault,) = told(tmp_path, "fourbar_rigid", IN_LINE, cards("METH\n    3\n"), DRIVEN)
