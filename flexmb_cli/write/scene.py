@@ -100,7 +100,9 @@ def _check_shapes(result):
     check_shapes(result, SHAPES, sizes)
     bodies = sizes.get("b", 0)
     for path in ("joint/body", "point/body"):
-        numbers = result[path][:] if path in result else np.zeros(0)
+        numbers = result[path][:] if path in result else np.zeros(0, int)
+        if numbers.dtype.kind not in "iu":
+            raise Damaged(f"/{path} holds no whole numbers")
         if numbers.size and not (numbers.min() >= 0 and numbers.max() <= bodies):
             raise Damaged(f"/{path} names a body outside 0..{bodies}")
     for name in _names(result, "body"):

@@ -117,6 +117,9 @@ FITTING = {
     "a joint on a body that is not there": (
         "vtkhdf", lambda file: file.create_dataset("joint/body", data=[[0, 9]] * 4), "outside 0..3",
     ),
+    "a joint on half a body": (
+        "vtkhdf", lambda file: file.create_dataset("joint/body", data=[[0.0, 1.0]] * 4), "no whole numbers",
+    ),
     "attitudes of another shape": (
         "diff", replaced("body/euler_parameters", data=np.ones((5, 2))), "no array of 3 axes",
     ),
