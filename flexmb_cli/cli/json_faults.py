@@ -20,8 +20,7 @@ def faults_in_json(wanted: bool, about: dict, file: str):
         yield
     except FlexmbError as failure:
         if wanted:
-            file = failure.file or getattr(failure, "path", None) or file
-            print_record(failure.exit_code, failure.faults, file, about)
+            print_record(failure.exit_code, failure.faults, failure.file or file, about)
             failure.printed = True
         raise
 

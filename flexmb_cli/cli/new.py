@@ -9,7 +9,7 @@ import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..run.outcome import Terminated
-from .terminal import standard_output
+from .terminal import standard_output, tell
 
 _NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
@@ -102,10 +102,9 @@ class _Talk:
         if restart or not os.path.lexists(self.draft):
             return Dialogue(form)
         if not self.keeps_draft:
-            click.echo(
+            tell(
                 f"{self.draft}: note: the draft of an earlier call is left alone: answers through a pipe "
-                "begin anew; --draft goes on with it",
-                err=True,
+                "begin anew; --draft goes on with it"
             )
             return Dialogue(form)
         try:
@@ -113,9 +112,7 @@ class _Talk:
         except DeckError as failure:
             click.echo(compiler_style(self.draft, failure.faults), err=True)
             sys.exit(failure.exit_code)
-        click.echo(
-            f"{self.draft}: going on with {len(dialogue.values)} answers; --restart begins anew", err=True
-        )
+        tell(f"{self.draft}: going on with {len(dialogue.values)} answers; --restart begins anew")
         return dialogue
 
     @property
@@ -250,7 +247,7 @@ class _Talk:
             standard_output().write(self._text())
         else:
             write_whole(self.path, self._text().encode())
-            click.echo(f"{self.path}: written; flexmb check {self.path} accepts it", err=True)
+            tell(f"{self.path}: written; flexmb check {self.path} accepts it")
         if self.keeps_draft and os.path.lexists(self.draft):
             os.unlink(self.draft)
 
@@ -271,7 +268,8 @@ class _Talk:
             where = f"the answers so far are in {self.draft}, the next call goes on"
         else:
             where = "nothing was answered"
-        click.echo(f"\nflexmb: {why}; no deck is written, {where}", err=True)
+        click.echo(err=True)
+        tell(f"flexmb: {why}; no deck is written, {where}")
 
     def stop(self, why):
         """End without a deck (exit 1)."""

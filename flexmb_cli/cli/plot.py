@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from .finite import AnyFinite
+from .terminal import tell
 
 
 @click.command()
@@ -59,7 +60,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     write_whole(output, picture(drawn, form, title))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
-        click.echo(f"{result} → {output}, {curves} curve{'s' * (curves != 1)}", err=True)
+        tell(f"{result} → {output}, {curves} curve{'s' * (curves != 1)}")
 
 
 def _source(open_files, path, label, names, across, window, quiet):
@@ -81,10 +82,10 @@ def _source(open_files, path, label, names, across, window, quiet):
     if not quantities:
         raise ResultError(path, f"nothing to draw over {abscissa[0].name}: name another quantity")
     if told and not quiet:
-        click.echo(f"{path}: note: {told}", err=True)
+        tell(f"{path}: note: {told}")
     still = () if names or quiet else still_energies(file)
     if still:
-        click.echo(f"{path}: note: not drawn, for they do not change: {', '.join(still)}", err=True)
+        tell(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")
     window = slice(rows.start, rows.stop, rows.step)
     return Source(label, file, window, abscissa[0], quantities, energies_change=not names)
 

@@ -75,7 +75,7 @@ def _begun(study, output, parts, fresh, as_json):
             refuse_unwritable(output)
             return Sweep.of(study, parts, fresh)
     except StudyError as failure:
-        click.echo(compiler_style(failure.path, failure.faults, failure.lines), err=True)
+        click.echo(compiler_style(failure.file, failure.faults, failure.lines), err=True)
     except DeckError as failure:
         click.echo(compiler_style(study, failure.faults), err=True)
     sys.exit(BAD_INPUT)

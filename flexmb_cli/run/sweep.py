@@ -139,11 +139,11 @@ class Sweep:
 
 
 class StudyError(DeckError):
-    """A study or its deck cannot be read: the path of the one at fault as the user has it, and its lines."""
+    """A study or its deck cannot be read: `file` is the one at fault as the user has it, and its lines."""
 
     def __init__(self, path: str, faults, lines=()):
         super().__init__(faults)
-        self.path, self.lines = path, lines
+        self.file, self.lines = path, lines
 
 
 @contextmanager
