@@ -58,11 +58,13 @@ class Fault:
 class FlexmbError(Exception):
     """Base of everything flexmb raises on purpose; `exit_code` is the program's.
 
-    `file` is the one at fault as the user named it, "" where it is none; `printed`: as JSON already.
+    `file` is the one at fault as the user named it, "" where it is none; `of_the_call`: an option is at
+    fault, and no file; `printed`: as JSON already.
     """
 
     exit_code = INTERNAL_FAULT
     file = ""
+    of_the_call = False
     printed = False
 
     def __init__(self, message: str, faults: tuple[Fault, ...] = ()):

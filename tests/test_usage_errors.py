@@ -68,6 +68,12 @@ def test_what_a_command_refuses_is_one_json_object(flexmb, arguments):
     assert all(fault["message"] in told for fault in record["faults"])
 
 
+def test_a_wrong_tolerance_blames_no_file(flexmb):
+    _, printed, _ = flexmb("diff", "--json", FOUR_BAR, FOUR_BAR, "--tol", "nothing=1")
+    (fault,) = json.loads(printed)["faults"]
+    assert fault["file"] is None
+
+
 def test_a_name_behind_two_dashes_asks_for_no_json(flexmb):
     code, printed, _ = flexmb("diff", "--", "a", "--json")
     assert (code, printed) == (2, "")

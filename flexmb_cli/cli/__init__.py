@@ -4,6 +4,7 @@ What a command needs is imported inside it, so that `--help`, `check` and `diff`
 """
 
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -30,6 +31,9 @@ from .verify import verify
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+# Readers make objects by the hundred thousand and hardly a cycle: at Python's 700 the search for cycles takes
+# a third of the time of a large file.
+OBJECTS_UNTIL_COLLECTED = 50_000
 
 
 class Group(click.Group):
@@ -50,6 +54,7 @@ def cli(debug):
     Example:
         flexmb run decks/young/IN4-BAR.dat
     """
+    gc.set_threshold(OBJECTS_UNTIL_COLLECTED)
 
 
 for command in (run, check, verify, modes, diff, table, plot, report, export, sweep, new, beam):

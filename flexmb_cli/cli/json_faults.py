@@ -20,7 +20,8 @@ def faults_in_json(wanted: bool, about: dict, file: str):
         yield
     except FlexmbError as failure:
         if wanted:
-            print_record(failure.exit_code, failure.faults, failure.file or file, about)
+            blamed = None if failure.of_the_call else failure.file or file
+            print_record(failure.exit_code, failure.faults, blamed, about)
             failure.printed = True
         raise
 

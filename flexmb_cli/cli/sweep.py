@@ -46,19 +46,29 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
             failures = _first_failures(made)
             _write(made, output)
     except (KeyboardInterrupt, Terminated) as stop:
-        more = " so far; its workers end what they have begun" if scheduler else ""
-        _say(f"{study}: interrupted; {_kept(made, output, parts, more)}", False)
+        exit_code = INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED
+        _report_stop(study, output, made, parts, bool(scheduler), as_json, exit_code)
         # Workers that are still solving end with this process; whole cases are kept.
-        os._exit(INTERRUPTED if isinstance(stop, KeyboardInterrupt) else TERMINATED)
-    _report(study, output, made, failures, as_json, quiet)
-    sys.exit(ANALYSIS_FAILED if made.failed else DONE)
+        os._exit(exit_code)
+    _report(study, output, made, failures, quiet)
+    exit_code = ANALYSIS_FAILED if made.failed else DONE
+    if as_json:
+        _print_record(study, "failed" if made.failed else "complete", exit_code, made, made.failed, output)
+    sys.exit(exit_code)
 
 
-def _kept(made, output, parts, more):
-    if not os.path.isdir(parts):
-        return f"{output} is complete"
-    kept = sum(1 for _ in made.results())
-    return f"{kept} of {made.job.study.cases} cases are kept in {parts}{more}; the same command goes on"
+def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
+    cases, failed, table = made.job.study.cases, made.failed, output
+    told = f"{output} is complete"
+    if os.path.isdir(parts):
+        codes = [result.exit_code for result in made.results()]
+        more = " so far; its workers end what they have begun" if on_cluster else ""
+        told = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command goes on"
+        failed, table = sum(map(bool, codes)), None
+    _say(f"{study}: interrupted; {told}", False)
+    if as_json:
+        _print_record(study, "interrupted", exit_code, made, failed, table)
+        sys.stdout.flush()
 
 
 def _begun(study, output, parts, fresh, as_json):
@@ -136,15 +146,19 @@ def _write(made, output):
     write_study_table(output, made)
 
 
-def _report(study, output, made, failures, as_json, quiet):
+def _report(study, output, made, failures, quiet):
     cases = made.job.study.cases
     for case, message in failures:
         _say(f"{study}: case {case}: {message}", quiet)
     told = f", {made.failed} failed" if made.failed else ""
     _say(f"{study}: {cases} cases{told} → {output}", quiet)
-    if as_json:
-        record = {"study": study, "cases": cases, "failed": made.failed, "file": output}
-        click.echo(json.dumps(record))
+
+
+def _print_record(study, status, exit_code, made, failed, table):
+    """`table` is None while there is none yet."""
+    record = {"study": study, "status": status, "exit_code": exit_code, "faults": []}
+    record |= {"cases": made.job.study.cases, "failed": failed, "file": table}
+    click.echo(json.dumps(record))
 
 
 def _say(sentence, quiet):

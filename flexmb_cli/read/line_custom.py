@@ -7,7 +7,6 @@ almost everywhere, a line that holds neither its record nor a fair part of one i
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import accumulate, islice
 
 from ..errors import Fault, Place
 from .card import LONGEST_CARET, Word
@@ -56,7 +55,8 @@ def _walk(held, needed, kept_per_slip):
     while line < len(held) and record < len(needed):
         lines, records = _step(held, needed, line, record)
         if lines:
-            slipped, unconfirmed = slipped + unconfirmed, []
+            slipped += unconfirmed
+            unconfirmed = []
             kept += lines == records == 1
         else:
             unconfirmed.append((line, record))
@@ -79,9 +79,12 @@ def _step(held, needed, line, record):
 
 def _reach(sizes, start, total):
     """How many of `sizes` from `start` on add up to `total`; 0 when none do."""
-    for count, reached in enumerate(accumulate(islice(sizes, start, None)), start=1):
+    reached = 0
+    # By places: a slice would walk through all that lies before `start`.
+    for place in range(start, len(sizes)):
+        reached += sizes[place]
         if reached >= total:
-            return count if reached == total else 0
+            return place - start + 1 if reached == total else 0
     return 0
 
 

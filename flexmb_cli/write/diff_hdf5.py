@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ from .stored_result import (
     attribute,
     check_shapes,
     check_structure,
+    datasets,
     is_number,
     scale_of,
     texts,
@@ -110,15 +112,16 @@ def _compare_files(report, a, b, tolerances, same_attitude):
         if first != second:
             report.missing.append(f"{name}: {first} against {second}")
     flips = same_attitude and _have_attitudes(a, b)
-    names = _datasets(a), _datasets(b)
-    for name in [*names[0], *(name for name in names[1] if name not in names[0])]:
+    found = _compared_datasets(a), _compared_datasets(b)
+    for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
         tolerance = tolerances.of(kind_of(name))
         if tolerance.ignores:
             continue
-        if name in names[0] and name in names[1]:
-            _compare_dataset(report, name, a, b, tolerance, flips)
+        if name in found[0] and name in found[1]:
+            signs = partial(_signs, a, b) if flips and name in SIGNED else None
+            _compare_dataset(report, name, (found[0][name], found[1][name]), tolerance, signs)
         else:
-            report.missing.append(f"/{visible(name)}: not in {report.b if name in names[0] else report.a}")
+            report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
 
 
 def kind_of(name: str) -> str:
@@ -126,19 +129,13 @@ def kind_of(name: str) -> str:
     return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
 
 
-def _datasets(file):
-    names = {}
-
-    def note(name, item):
-        if isinstance(item, h5py.Dataset) and name not in NOT_COMPARED:
-            names[name] = None
-
-    file.visititems(note)
-    return names
+def _compared_datasets(file):
+    return {name: dataset for name, dataset in datasets(file).items() if name not in NOT_COMPARED}
 
 
-def _compare_dataset(report, name, a, b, tolerance, flips):
-    first, second = a[name], b[name]
+def _compare_dataset(report, name, pair, tolerance, signs):
+    """Compare two datasets; `signs`, where there are any, turn part by part of the second one's rows."""
+    first, second = pair
     if is_number(first) != is_number(second):
         report.missing.append(f"/{name}: numbers in one file, text in the other")
         return
@@ -148,15 +145,15 @@ def _compare_dataset(report, name, a, b, tolerance, flips):
     if not is_number(first):
         _compare_text(report, name, first[()], second[()])
     elif first.ndim == 0:
-        _compare_part(report, name, a, slice(0, 0), (first[()], second[()]), tolerance)
+        _compare_part(report, name, first, slice(0, 0), (first[()], second[()]), tolerance)
     else:
         block = max(1, NUMBERS_AT_ONCE // max(1, math.prod(first.shape[1:])))
         for start in range(0, rows, block):
             part = slice(start, min(start + block, rows))
             values = first[part], second[part]
-            if flips and name in SIGNED:
-                values = values[0], values[1] * _signs(a, b, part)
-            _compare_part(report, name, a, part, values, tolerance)
+            if signs:
+                values = values[0], values[1] * signs(part)
+            _compare_part(report, name, first, part, values, tolerance)
 
 
 def _common_rows(report, name, first, second):
@@ -173,14 +170,14 @@ def _compare_text(report, name, first, second):
         report.missing.append(f"/{name}: the text differs")
 
 
-def _compare_part(report, name, file, part, values, tolerance):
+def _compare_part(report, name, dataset, part, values, tolerance):
     first, second = (np.atleast_1d(np.asarray(block, dtype=float)) for block in values)
 
     def describe(position, distance):
         row = part.start + int(position[0])
-        timed = _has_time(file, name)
-        time = float(file["time"][row]) if timed else None
-        item, column = _labels(file, name, (row, *position[1:]), timed)
+        timed = _has_time(dataset, name)
+        time = float(dataset.file["time"][row]) if timed else None
+        item, column = _labels(dataset, (row, *position[1:]), timed)
         return Found(
             f"/{name}", item, column, time, float(first[position]), float(second[position]), distance
         )
@@ -188,16 +185,16 @@ def _compare_part(report, name, file, part, values, tolerance):
     report.compare(kind_of(name), first, second, tolerance, describe)
 
 
-def _has_time(file, name):
-    scale = scale_of(file[name], 0) if file[name].ndim else None
-    return scale is not None and scale == file.get("time") and is_number(scale) and name != "time"
+def _has_time(dataset, name):
+    scale = scale_of(dataset, 0) if dataset.ndim else None
+    return scale is not None and scale == dataset.file.get("time") and is_number(scale) and name != "time"
 
 
-def _labels(file, name, position, timed):
+def _labels(dataset, position, timed):
     """Readable item and column of an element, from the scales of its axes but time."""
     words = []
-    for axis, number in list(enumerate(position[: file[name].ndim]))[timed:]:
-        scale = scale_of(file[name], axis)
+    for axis, number in list(enumerate(position[: dataset.ndim]))[timed:]:
+        scale = scale_of(dataset, axis)
         bare = f"{'' if axis else 'row '}{int(number) + 1}"
         words.append(_label(scale, int(number)) if scale is not None else bare)
     return (" ".join(words[:-1]), words[-1]) if words else ("", "")

@@ -8,6 +8,7 @@ do not matter.  Lines that are no part of the layout are passed over.
 import re
 import warnings
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -196,12 +197,17 @@ def _read_one_by_one(key, texts, numbers, columns, faults):
 
 def _split_index(text):
     """Number of the body or point (three columns wide), the rest of the line, and where that begins."""
-    head = re.match(r"\s*\d+(?=\s|$)", text)
+    head = INDEX.match(text)
     end = head.end() if head else 3
     digits = text[:end].strip()
-    return (int(digits) if re.fullmatch("[0-9]{1,9}", digits) else 0), text[end:], end
+    return (
+        (int(digits) if digits.isdecimal() and digits.isascii() and len(digits) <= 9 else 0),
+        text[end:],
+        end,
+    )
 
 
+INDEX = re.compile(r"\s*\d+(?=\s|$)")
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)
 
 
@@ -217,6 +223,7 @@ def _split_row(rest, columns):
     return None
 
 
+@lru_cache(maxsize=64)
 def _pattern(decimals):
     number = r"\s*([-+]?\d*\.\d{%d}|[-+]?nan|[-+]?inf)"
     return re.compile("".join(number % count for count in decimals) + r"\s*")

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import Fault, FlexmbError
 from .nearest_names import nearest
-from .quantity_names import TIME, families, folded
+from .quantity_names import TIME, families, folded, time_family
 from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
 
 NOTHING = "an empty name"
@@ -118,6 +118,11 @@ def resolve(result: h5py.File, patterns: Iterable[str], file="", where: str = ""
     if unknown:
         raise ResultError(file, *unknown)
     return list(found)
+
+
+def time_quantity(result: h5py.File) -> Quantity:
+    """The time of the rows."""
+    return _quantity(time_family(result), ())
 
 
 def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(None)) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import h5py
 
-from .stored_result import Damaged, attribute, is_number, paths_by_place, place_of, scale_of, texts
+from .stored_result import Damaged, attribute, datasets, is_number, place_of, scale_of, texts
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
@@ -73,14 +73,16 @@ class Family:
 
 def families(result: h5py.File) -> list[Family]:
     """Every dataset of numbers along time, the time first."""
-    found: dict[str, h5py.Dataset] = {}
-    # h5py cannot bear an exception in the midst of its visit.
-    result.visititems(
-        lambda path, item: found.update({path: item}) if isinstance(item, h5py.Dataset) else None
-    )
-    paths = [path for path, item in found.items() if path != TIME and _runs_along_time(item)]
-    labels = _Labels(result)
+    found = datasets(result)
+    time = place_of(result[TIME])
+    paths = [path for path, item in found.items() if path != TIME and _runs_along(time, item)]
+    labels = _Labels(result, found)
     return [_family(result, path, labels) for path in (TIME, *sorted(paths, key=_rank))]
+
+
+def time_family(result: h5py.File) -> Family:
+    """The time alone, without a search of the file."""
+    return _family(result, TIME, _Labels(result, {}))
 
 
 def folded(text: str) -> str:
@@ -88,9 +90,9 @@ def folded(text: str) -> str:
     return text.lower().replace(" ", "_")
 
 
-def _runs_along_time(dataset):
+def _runs_along(time, dataset):
     scale = scale_of(dataset, 0) if dataset.ndim else None
-    return scale is not None and scale == dataset.file.get(TIME) and is_number(dataset)
+    return scale is not None and place_of(scale) == time and is_number(dataset)
 
 
 def _rank(path):
@@ -144,10 +146,11 @@ def _slot(word, axes, item):
 class _Labels:
     """How the elements along the axes of a result may be called."""
 
-    def __init__(self, result):
+    def __init__(self, result, found):
         self._result = result
         self._known: dict[str, tuple[tuple[str, ...], ...]] = {}
-        self._paths = paths_by_place(result)
+        # h5py would search the file for the path of every scale.
+        self._paths = {place_of(item): path for path, item in found.items()}
 
     def axis(self, dataset, number):
         """Spellings for every position along an axis."""

@@ -143,12 +143,11 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     return scale
 
 
-def paths_by_place(file: h5py.File) -> dict[int, str]:
-    """The path of every dataset by its place in the file; h5py searches the file for that of a reference."""
-    found: dict[int, str] = {}
-    file.visititems(
-        lambda path, item: found.update({place_of(item): path}) if isinstance(item, h5py.Dataset) else None
-    )
+def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
+    """Every dataset by its path."""
+    found: dict[str, h5py.Dataset] = {}
+    # h5py cannot bear an exception in the midst of its visit.
+    file.visititems(lambda path, item: found.update({path: item}) if isinstance(item, h5py.Dataset) else None)
     return found
 
 

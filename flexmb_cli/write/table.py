@@ -11,7 +11,7 @@ from math import prod
 
 import h5py
 
-from .quantities import Quantity, read, resolve, time_at
+from .quantities import Quantity, read, time_at, time_quantity
 from .quantity_names import TIME
 
 FORMATS = ("csv", "tsv", "jsonl", "text")
@@ -46,8 +46,7 @@ def table_text(
 
     The time is the first column, whether it is among the quantities or not.
     """
-    time = resolve(result, [TIME])
-    columns = time + [quantity for quantity in quantities if quantity.dataset != TIME]
+    columns = [time_quantity(result), *(quantity for quantity in quantities if quantity.dataset != TIME)]
     heads = [column.header for column in columns]
     if style != "jsonl":
         yield _text_line(heads, heads) if style == "text" else _separated_lines([heads], style)

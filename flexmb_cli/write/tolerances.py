@@ -45,6 +45,7 @@ class ToleranceError(FlexmbError):
     """A `--tol` that cannot be understood (exit 2)."""
 
     exit_code = 2
+    of_the_call = True
 
 
 @dataclass(frozen=True)

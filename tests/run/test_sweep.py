@@ -1,6 +1,7 @@
 """Studies: every case as its own run gives it, failures recorded, and nothing lost when they are stopped."""
 
 import contextlib
+import json
 import os
 import random
 import signal
@@ -64,7 +65,8 @@ def test_a_case_that_fails_is_recorded_and_stops_nothing(tmp_path):
     text = SMALL.replace('"point.1.x" = [0.0, 0.05]', '"spherical.1.P_j.z" = [0.0, 400.0]')
     done = flexmb("sweep", written(tmp_path, text), "--json", cwd=tmp_path, check=False)
     assert done.returncode == 1
-    assert '"cases": 6, "failed": 3' in done.stdout
+    told = json.loads(done.stdout)
+    assert (told["status"], told["exit_code"], told["cases"], told["failed"]) == ("failed", 1, 6, 3)
     found = table(tmp_path / "study.h5")
     failed = found["exit_code"] == 1
     assert failed.tolist() == (found["parameter/spherical.1.P_j.z"] == 400.0).tolist()
@@ -159,16 +161,19 @@ def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_on
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, jobs):
     study, parts = written(tmp_path, SAMPLED, count=400), tmp_path / "study.h5.parts"
-    command = [*FLEXMB, "sweep", str(study), "-j", jobs]
+    command = [*FLEXMB, "sweep", str(study), "-j", jobs, "--json"]
     # A suite that runs in the background of a shell ignores SIGINT, and so would its children.
     heeding = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, **heeding) as sweep:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=tmp_path, **pipes, **heeding) as sweep:
         while bytes_of(parts) < 3000:
             time.sleep(0.002)
         sweep.send_signal(signal.SIGINT)
-        told = sweep.communicate()[1]
+        printed, told = sweep.communicate()
     kept = kept_in(parts, 400, 4)
     assert sweep.returncode == 130 and 0 < kept < 400
+    record = json.loads(printed)
+    assert (record["status"], record["exit_code"], record["file"]) == ("interrupted", 130, None)
     assert f"interrupted; {kept} of 400 cases are kept in study.h5.parts; the same" in told
     done = flexmb("sweep", study, cwd=tmp_path)
     assert f"going on with a stopped study: {kept} of 400 cases are complete" in done.stderr
