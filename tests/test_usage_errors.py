@@ -126,6 +126,7 @@ def test_too_few_iterations_are_named_as_what_may_be_the_reason(flexmb):
     assert "--nrmax" not in flexmb("run", FOUR_BAR, "--set", "universal.1.P_j.y=50")[2]
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(("given", "unit"), [("universal.1.P_j.y=5.4", "m"), ("universal.1.P_j.y=50", "m")])
 def test_the_gap_in_json_is_the_first_of_the_message(flexmb, given, unit):
     """A lock at t = 0.499 s, and a rod that fits nowhere."""

@@ -101,7 +101,6 @@ class Cache:
 
     folder: Path | None = None
     lasting = True
-    compiling = False
 
     @classmethod
     def must_compile(cls, name: str) -> bool:
@@ -115,15 +114,10 @@ def _compiling_alone(dispatcher):
     name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
 
     def compile_once(signature):
-        # Kernels within a kernel are compiled under the lock of the one that was called.
-        if Cache.compiling or not Cache.must_compile(name):
+        if not Cache.must_compile(name):
             return compile_now(signature)
-        Cache.compiling = True
-        try:
-            with _lock(Cache.folder / f"{name}.lock"):
-                return compile_now(signature)
-        finally:
-            Cache.compiling = False
+        with _lock(Cache.folder / f"{name}.lock"):
+            return compile_now(signature)
 
     dispatcher.compile = compile_once
     return dispatcher
@@ -192,16 +186,9 @@ def _intact(content):
     return content[4:]
 
 
-def _dispatcher(function, **options):
-    dispatcher = _compiled()(**OPTIONS, **options)(function)
-    # numba raises RuntimeError where it finds no folder that can be written: then nothing is kept.
-    with contextlib.suppress(RuntimeError):
-        dispatcher._cache = _kept_kernel()(function)
-    return dispatcher
-
-
 @functools.cache
 def _compiled():
+    """What makes a compiled kernel of a function; numba is imported here, and told where to keep kernels."""
     Cache.folder, Cache.lasting = _cache_folder()
     before = os.environ.get("NUMBA_CACHE_DIR")
     os.environ["NUMBA_CACHE_DIR"] = str(Cache.folder)  # read when numba is imported
@@ -214,18 +201,25 @@ def _compiled():
         del os.environ["NUMBA_CACHE_DIR"]
     else:
         os.environ["NUMBA_CACHE_DIR"] = before
-    return numba.njit
+    from ._linking import Kernel
+
+    return Kernel
 
 
-def kernel(function):
+def kernel(function, **options):
     """Compile `function` with numba, or leave it alone when kernels are interpreted."""
-    return function if _interpreted else _compiling_alone(_dispatcher(function))
+    if _interpreted:
+        return function
+    compiled = _compiled()(function, OPTIONS | options)
+    # numba raises RuntimeError where it finds no folder that can be written: then nothing is kept.
+    with contextlib.suppress(RuntimeError):
+        compiled._cache = _kept_kernel()(function)
+    return _compiling_alone(compiled)
 
 
 def part(function):
-    """A kernel of one caller: compiled as a part of it.
+    """A kernel that is made a part of its callers: for inner loops, where handing over arrays counts.
 
-    numba optimises every kernel together with all that it calls, so that each level of calls costs the
-    levels below once more.
+    LLVM would leave it apart; everywhere else that is as quick, and compiled sooner.
     """
-    return function if _interpreted else _dispatcher(function, inline="always")
+    return kernel(function, forceinline=True)

@@ -12,7 +12,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .arms import geometry_of, place_arms
 from .constrained_march import (
     BEGIN,
@@ -119,7 +119,7 @@ def march_rows(task, system, work, march, report, budget):
     return ROWS_FULL
 
 
-@part
+@kernel
 def _begin(system, work, march):
     clock, rates = march.clock[0], march.rates
     clock["start"] = clock["step_start"] = clock["t"]
@@ -136,7 +136,7 @@ def _begin(system, work, march):
     return READY
 
 
-@part
+@kernel
 def _first_step(system, march):
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, n = march.clock[0], system.speed_scale.shape[0]
@@ -155,7 +155,7 @@ def _copy(a, b):
         b[i] = a[i]
 
 
-@part
+@kernel
 def _step(system, work, march):
     """One accepted step; an answer."""
     clock = march.clock[0]
@@ -181,7 +181,7 @@ def _holds(system, march, h):
     return clock["error"] < 1.0 and clock["turned"] < 1.0
 
 
-@part
+@kernel
 def _length(clock):
     """Length of the next step: steps of given length end at whole multiples."""
     left = clock["stop"] - clock["t"]
@@ -207,7 +207,7 @@ def _factor(clock):
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 
 
-@part
+@kernel
 def _accept(system, work, march, h):
     """Make the end of a step the state."""
     clock, rates, z = march.clock[0], march.rates, march.z
@@ -228,7 +228,7 @@ def _accept(system, work, march, h):
         note_turns(system, work, march)
 
 
-@part
+@kernel
 def _advance(clock, h):
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
@@ -246,7 +246,7 @@ def _advance(clock, h):
     clock["steps"] += 1
 
 
-@part
+@kernel
 def _fill_row(system, work, march, t, report):
     """A report row at a time up to the present one; returns whether there is one."""
     clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
@@ -266,7 +266,7 @@ def _fill_row(system, work, march, t, report):
     return True
 
 
-@part
+@kernel
 def _between(system, march, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]

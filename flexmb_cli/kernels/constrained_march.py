@@ -17,7 +17,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .constrained_report import complete, coordinates_and_speeds
 from .constrained_solve import accelerate, factorise_at
 from .constrained_system import SOLVED
@@ -116,7 +116,7 @@ def _ask(clock, phase, stage, at, projects):
     return ASKS
 
 
-@part
+@kernel
 def _evaluate(system, work, march, report):
     """The slope at `trial`, brought onto the constraints first where asked, or a whole report row; a code."""
     clock, z, row = march.clock[0], march.trial, march.clock[0]["row"]
@@ -143,7 +143,7 @@ def _evaluate(system, work, march, report):
     return SOLVED
 
 
-@part
+@kernel
 def _digest(system, work, march, report, spent):
     """Use an evaluation, and ask for the next one or answer."""
     clock = march.clock[0]
@@ -174,7 +174,7 @@ def _copy(a, b):
         b[i] = a[i]
 
 
-@part
+@kernel
 def _begin(march):
     clock = march.clock[0]
     _copy(march.z, march.old)
@@ -183,7 +183,7 @@ def _begin(march):
     return _ask(clock, FIRST, STAGES, clock["t"], 0)
 
 
-@part
+@kernel
 def _choose_first_step(march):
     clock = march.clock[0]
     size, speed = _scaled_norm(march, march.z), _scaled_norm(march, march.slopes[STAGES])
@@ -239,7 +239,7 @@ def _reject(march, factor):
     return _try_step(march)
 
 
-@part
+@kernel
 def _next_stage(system, work, march):
     """The next stage of a step, or its end where the error allows it."""
     clock, h, stage = march.clock[0], march.clock[0]["length"], march.clock[0]["stage"] + 1
@@ -255,7 +255,7 @@ def _next_stage(system, work, march):
     return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
 
 
-@part
+@kernel
 def _step_error(march, h):
     """Error of the step from z to trial against the tolerance."""
     clock, z, new, slopes = march.clock[0], march.z, march.trial, march.slopes
@@ -274,7 +274,7 @@ def _step_error(march, h):
     return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5
 
 
-@part
+@kernel
 def _project(system, work, march, z, t):
     """Bring a state onto the constraints at t, with the factors there.
 
@@ -295,7 +295,7 @@ def _project(system, work, march, z, t):
     return _scaled_norm(march, before)
 
 
-@part
+@kernel
 def _accept(system, work, march):
     """Make the projected end of a step the state; PHI belongs to it."""
     clock, h = march.clock[0], march.clock[0]["length"]
@@ -321,7 +321,7 @@ def _ask_dense(march, stage):
     return _ask(clock, DENSE, stage, clock["step_start"] + h * STAGE_TIMES[stage], 0)
 
 
-@part
+@kernel
 def _next_dense(march, report, spent):
     """The next stage of the dense output, or its polynomial."""
     clock, stage = march.clock[0], march.clock[0]["stage"] + 1

@@ -2,7 +2,7 @@
 
 from collections import namedtuple
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .constrained_solve import accelerations
 from .constrained_system import SOLVED
 from .constraint_projection import evaluate_residual, largest_gap, rate_gap
@@ -28,7 +28,7 @@ def coordinates_and_speeds(system, z):
     return z[:end], z[end : end + n]
 
 
-@part
+@kernel
 def observe(system, work, z, t, near, report, row):
     """Fill one row of `report` for the state z at t; a code."""
     q, u = coordinates_and_speeds(system, z)
@@ -38,7 +38,7 @@ def observe(system, work, z, t, near, report, row):
     return code
 
 
-@part
+@kernel
 def complete(system, work, z, t, near, power, report, row):
     """Fill a row of `report` whose rates have just been found, by the factors at hand."""
     q, u = coordinates_and_speeds(system, z)

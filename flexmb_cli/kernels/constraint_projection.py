@@ -6,7 +6,7 @@ What is left afterwards is round-off: the drift that explicit integration leaves
 import numpy as np
 
 from . import constraints as equations
-from ._jit import kernel, part
+from ._jit import kernel
 from .arms import geometry_of, place_arms
 from .constrained_solve import factorise_at, solve
 from .constrained_system import CORRECTION, GAMMA, PHI, QD, SOLVED, A
@@ -45,7 +45,7 @@ def evaluate_residual(system, work, q, t, near):
     return found
 
 
-@part
+@kernel
 def project_position(system, work, q, t, near):
     """Improve q until the independent equations are met to round-off: a code.
 
@@ -91,7 +91,7 @@ def rate_gap(system, work, u, t):
     return found
 
 
-@part
+@kernel
 def project_speeds(system, work, q, u, t):
     """Correct u to meet the rates of the equations at q; returns (code, largest scaled rate left)."""
     code = factorise_at(system, work, q)

@@ -6,7 +6,7 @@ Sᵀ Aᵀ F.  `loads` are records of `model.system_records.LOAD`; the arms have 
 
 import math
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .arms import ARM, RATE, add_arm_row, geometry_of, vector
 from .constrained_system import A
 from .laws import law_values
@@ -18,7 +18,7 @@ FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
 AT_REST = 1e-300
 
 
-@part
+@kernel
 def add_applied_forces(system, work, u, t, f):
     """Add all applied forces to f (n,).
 
@@ -39,7 +39,7 @@ def add_applied_forces(system, work, u, t, f):
     return power
 
 
-@part
+@kernel
 def _add_vector(system, work, load, factor, u, f):
     p, v = load["arm"], load["vector"]
     b = system.arms[p]["body"]
@@ -66,7 +66,7 @@ def _length(d):
     return math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
 
 
-@part
+@kernel
 def _add_line(system, work, load, f):
     """Spring and damper along V of a measure; returns the power of the damper.
 
@@ -92,7 +92,7 @@ def _stretch(system, work, load):
     return measure_value(geometry_of(system, work), load["measure"], near) - load["free_length"]
 
 
-@part
+@kernel
 def _add_relative(system, work, load, f):
     """Spring and damper in an angle or a stroke; returns the power of the damper."""
     geometry = geometry_of(system, work)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .kane_tree import SOLVED
 from .profile_elimination import set_profile_times
 from .stiff_projection import project_stiffly
@@ -122,7 +122,7 @@ def march_implicitly(until, budget, tree, work, coordinates, clock, z, s):
     return STEPPED
 
 
-@part
+@kernel
 def _prepare_matrix(tree, work, coordinates, z, h, s):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
@@ -145,7 +145,7 @@ def _retreat(clock, h, s):
     s.memory[0]["stale"] = 1
 
 
-@part
+@kernel
 def _solve_stages(tree, work, coordinates, clock, z, h, s):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
     n = z.shape[0]
@@ -164,7 +164,7 @@ def _solve_stages(tree, work, coordinates, clock, z, h, s):
     return True
 
 
-@part
+@kernel
 def _solve_stage(tree, work, coordinates, clock, t, h, slope, s):
     """Iterate the slope of one stage."""
     memory = s.memory[0]
@@ -202,7 +202,7 @@ def _place_trial(h, slope, s):
         s.trial[i] = s.known[i] + GAMMA * h * slope[i]
 
 
-@part
+@kernel
 def _correct(tree, clock, h, slope, s):
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
@@ -230,7 +230,7 @@ def _scale(clock, value):
     return clock["atol"] + clock["rtol"] * abs(value)
 
 
-@part
+@kernel
 def _step_error(tree, clock, z, h, s):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
     speeds, last = s.change.shape[0], z.shape[0] - 1
@@ -260,7 +260,7 @@ def _step_error(tree, clock, z, h, s):
     return (total / last) ** 0.5
 
 
-@part
+@kernel
 def _accept(tree, clock, z, h, factor, s):
     clock["step_start"], clock["step_length"] = clock["t"], h
     last = h >= clock["stop"] - clock["t"]
@@ -279,7 +279,7 @@ def _accept(tree, clock, z, h, factor, s):
         clock["step"] = h * factor
 
 
-@part
+@kernel
 def _close_loops(tree, work, coordinates, clock, z, h, s):
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
     _copy(z, s.trial)

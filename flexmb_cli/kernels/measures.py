@@ -10,7 +10,7 @@ the first measures are equations, Φ = μ - f(t).  The second derivative of a pr
 
 import math
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .arms import ARM, RATE, REST, add_arm_row, geometry_of, vector
 from .laws import law_values
 
@@ -115,7 +115,7 @@ def add_measure_row(geometry, k, factor, row):
             add_arm_row(geometry, arm, vector(geometry.placed[ARM], other), share * part, False, row)
 
 
-@part
+@kernel
 def equation_residuals(system, work, t, near, phi):
     """Fill the last rows of phi (m,), those of the measures that are equations."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
@@ -126,7 +126,7 @@ def equation_residuals(system, work, t, near, phi):
             phi[first + k] -= law_values(system.laws, system.knots, m["law"], t)[0]
 
 
-@part
+@kernel
 def equation_rows(system, work, jacobian):
     """Fill the last rows of jacobian (m, n), not scaled."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
@@ -136,7 +136,7 @@ def equation_rows(system, work, jacobian):
         add_measure_row(geometry, k, 1.0, jacobian[first + k])
 
 
-@part
+@kernel
 def equation_velocities(system, t, nu):
     """Fill the last rows of nu (m,), the rates that the laws ask for."""
     first = system.bodies.shape[0]
@@ -145,7 +145,7 @@ def equation_velocities(system, t, nu):
         nu[first + k] = law_values(system.laws, system.knots, law, t)[1] if law >= 0 else 0.0
 
 
-@part
+@kernel
 def equation_accelerations(system, work, t, gamma):
     """Fill the last rows of gamma (m,), at moved arms."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)

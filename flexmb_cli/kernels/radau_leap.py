@@ -7,7 +7,7 @@ they do, the equations say at its end, where they are as firm as at its beginnin
 or one that would come onto another branch, has other accelerations there.
 """
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .constrained_system import SOLVED
 from .radau_closing import moved, settle
 from .radau_step import START, place_stages, place_trial, predict, prepare, work_scale
@@ -40,7 +40,7 @@ def leap_length(work, clock):
     return 2.0 * clock["step_length"] * pivot / (before - pivot)
 
 
-@part
+@kernel
 def leap(system, work, march, h):
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
     clock, rates = march.clock[0], march.rates
@@ -74,7 +74,7 @@ def leap(system, work, march, h):
     return clock["error"] < 1.0
 
 
-@part
+@kernel
 def _bend(march, expected, h):
     """Let the accelerations of the stages go through those found at the end."""
     rates, ratio = march.rates, h / march.clock[0]["step_length"]
@@ -99,7 +99,7 @@ def _unexpected(march, expected):
     return (total / n) ** 0.5
 
 
-@part
+@kernel
 def _spread_power(march, power):
     """Powers of the stages between that at the start and that at the end; returns the change."""
     before = march.clock[0]["power"]

@@ -12,7 +12,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .constrained_march import (
     BEGIN,
     CONTRADICTION,
@@ -143,7 +143,7 @@ def march_rows(task, system, work, march, report, budget):
     return ROWS_FULL
 
 
-@part
+@kernel
 def _begin(system, work, march):
     clock, rates = march.clock[0], march.rates
     clock["step_start"], clock["left"] = clock["t"], 1.0
@@ -167,7 +167,7 @@ def _begin(system, work, march):
     return READY
 
 
-@part
+@kernel
 def _first_step(system, march):
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, n = march.clock[0], system.speed_scale.shape[0]
@@ -197,7 +197,7 @@ def _renew(system, work, march):
     return code
 
 
-@part
+@kernel
 def _step(system, work, march):
     """One accepted step; an answer."""
     clock = march.clock[0]
@@ -226,7 +226,7 @@ def _step(system, work, march):
         clock["left"], clock["quality"] = 1.0, NONE
 
 
-@part
+@kernel
 def _leap_or_try(system, work, march, left):
     """`_try_step`, or, where a try failed in front of a singular position, a step over it."""
     clock = march.clock[0]
@@ -245,7 +245,7 @@ def _leap_or_try(system, work, march, left):
     return _try_step(system, work, march, clock["length"])
 
 
-@part
+@kernel
 def _try_step(system, work, march, h):
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
     clock = march.clock[0]
@@ -291,7 +291,7 @@ def _factor(clock, h, error):
     return factor
 
 
-@part
+@kernel
 def _accept(system, work, march, h, last, factor):
     """Make the end of a step the state."""
     clock, rates, z, end = march.clock[0], march.rates, march.z, march.z.shape[0] - 1
@@ -319,7 +319,7 @@ def _accept(system, work, march, h, last, factor):
         clock["quality"] = work.quality[0]
 
 
-@part
+@kernel
 def _fill_row(system, work, march, t, report):
     """A report row at a time up to the present one; returns whether there is one."""
     clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .radau_step import LAST, START
 from .speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 
 
-@part
+@kernel
 def between(system, march, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]

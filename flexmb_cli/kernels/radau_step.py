@@ -14,7 +14,7 @@ which the eigenvectors of A part into a real matrix and a complex one.  What els
 is left to the iteration.
 """
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .complex_elimination import factorise_symmetric, solve_symmetric
 from .constrained_report import coordinates_and_speeds
 from .constrained_solve import add_free, factorise_constraints, fill_column, fill_forces, fill_gamma, split
@@ -84,7 +84,7 @@ def prepare(march, free, h):
     return True
 
 
-@part
+@kernel
 def solve_step(system, work, march, h):
     """Find the stages of a step of length h from z, the last of which is its end; whether they were found.
 
@@ -188,7 +188,7 @@ def place_trial(system, march, stage):
         u[k] = march.speeds[stage, k]
 
 
-@part
+@kernel
 def _evaluate(system, work, march, stage, t):
     """What the equations of motion still miss at a stage, by free motions and dependent speeds; a code."""
     place_trial(system, march, stage)
@@ -221,7 +221,7 @@ def _evaluate(system, work, march, stage, t):
     return code
 
 
-@part
+@kernel
 def _correct(system, work, march):
     """Newton's correction of the accelerations of all stages."""
     free = work.jacobian.shape[1] - work.rank[0]
@@ -242,7 +242,7 @@ def _correct(system, work, march):
             march.powers[stage] += march.steps[stage, k] * march.momenta[stage, k]
 
 
-@part
+@kernel
 def step_error(system, work, march, h):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
     clock, n, rank, m = march.clock[0], march.rates.shape[1], work.rank[0], work.jacobian.shape[0]
@@ -280,7 +280,7 @@ def step_error(system, work, march, h):
     return (total / (2.0 * n)) ** 0.5
 
 
-@part
+@kernel
 def work_error(march, h):
     """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
     clock = march.clock[0]

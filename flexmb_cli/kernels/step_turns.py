@@ -6,7 +6,7 @@ of which report rows between the ends know nothing.
 
 import math
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .arms import cross
 
 SMALL_TURN = 1e-2  # rad, below which the series is exact
@@ -43,7 +43,7 @@ def largest_turn(bodies, turn):
     return largest**0.5
 
 
-@part
+@kernel
 def shift_between(bodies, old, new, mean, shift):
     """Fill shift (n,) with what brings the position old to new, turns near to the given mean (n,)."""
     for body in range(bodies):

@@ -11,7 +11,7 @@ needed that could turn singular on the way, and the forces come with it.  The ma
 with diagonal pivots: rows that repeat others leave none and get no force.
 """
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .tree_response import forget_pushes, push, respond
 from .triples import accumulate, centripetal, column, cross, dot, minus, outward, plus, scaled, store, triple
 
@@ -98,7 +98,7 @@ def _load(s, place, force):
     accumulate(scaled(-1.0, force), s["bias"], 3)
 
 
-@part
+@kernel
 def closing_forces(tree, work, coordinates):
     """Set the forces that take the closures' accelerations away, from the solution with open loops."""
     closures = tree.closures
@@ -120,7 +120,7 @@ def push_rows(closures, work):
         push(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
 
 
-@part
+@kernel
 def _set_response_matrix(tree, work, coordinates):
     """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree, without forces."""
     closures, matrix = tree.closures, tree.closure_matrix

@@ -1,6 +1,6 @@
 """Energy of a tree, and the power of everything that is not gravity, elasticity or a spring."""
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .tree_kinematics import lump_place, lump_vector
 from .tree_loads import elastic_row_times, pulls
 from .triples import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
@@ -48,7 +48,7 @@ def lump_state(lump, s, q, y):
     return plus(triple(s["position"], 0), r), velocity
 
 
-@part
+@kernel
 def _strain(tree, q):
     """u . K u / 2 over all bodies."""
     total = 0.0
@@ -90,7 +90,7 @@ def applied_power(tree, work, coordinates, t, q, y):
     return power + _stiffening_power(tree, work, q, y) - _dissipated(tree, y)
 
 
-@part
+@kernel
 def _dissipated(tree, y):
     """Power that dampers take."""
     total = 0.0
@@ -103,7 +103,7 @@ def _dissipated(tree, y):
     return total
 
 
-@part
+@kernel
 def _stiffening_power(tree, work, q, y):
     """Power of geometric stiffening, which counts as a load: nothing answers it on the rigid motion."""
     total = 0.0

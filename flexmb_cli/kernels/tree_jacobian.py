@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .composite_mass import add_felt, set_mass
 from .profile_elimination import factorise_profile, set_profile_times, substitute_profile
 from .rows_of_numbers import product, subtract_multiple
@@ -51,7 +51,7 @@ def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
     )
 
 
-@part
+@kernel
 def renew(tree, work, coordinates, z, s):
     """Fill b, K and J at the state z."""
     set_mass(tree, work, coordinates, z, s.mass)
@@ -131,7 +131,7 @@ def set_mass_times(tree, x, s, out):
         _leave_rigid_rows(tree, s, out)
 
 
-@part
+@kernel
 def _leave_rigid_rows(tree, s, out):
     """Take b rest off the rigid rows of out."""
     for i in range(out.shape[0]):
@@ -159,7 +159,7 @@ def give_way(x, s):
         subtract_multiple(s.rows[i]["force"], s.yields[i], x)
 
 
-@part
+@kernel
 def _answer_rigid_motion(tree, x, s):
     """The elastic part of x without the coupling, less what the rigid part does to it."""
     for j in range(x.shape[0]):
@@ -174,7 +174,7 @@ def _answer_rigid_motion(tree, x, s):
         x[j] -= s.rest[j]
 
 
-@part
+@kernel
 def _set_stiffness(tree, work, K, ends):
     """Fill the upper triangle of K (NS, NS) and the ends of its rows for placed frames."""
     K.fill(0.0)
@@ -196,7 +196,7 @@ def _set_stiffness(tree, work, K, ends):
             K[m, m] += tree.springs[i]["stiffness"]
 
 
-@part
+@kernel
 def _add_damping(tree, factor, A):
     """A += factor D."""
     for b in range(tree.elastic_bodies.shape[0]):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .kane_tree import SOLVED
 from .runge_kutta import interpolate, next_factor, scaled_norm, set_dense, set_stage, step_error
@@ -108,7 +108,7 @@ def _ask(clock, phase, stage, slot, at):
     return ASKS
 
 
-@part
+@kernel
 def _begin(task, tree, clock, march, report):
     if task == MARCH:
         return _next(tree, clock, march, report)
@@ -116,7 +116,7 @@ def _begin(task, tree, clock, march, report):
     return _ask(clock, STEP_OPEN if task == CLOSE else FIRST, 0, 0, clock["t"])
 
 
-@part
+@kernel
 def _digest(task, fault, tree, work, coordinates, clock, march, report):
     """Use an evaluation, and ask for the next one or answer."""
     phase = clock["phase"]
@@ -148,7 +148,7 @@ def _digest(task, fault, tree, work, coordinates, clock, march, report):
     return _digest_first(task, clock, march)
 
 
-@part
+@kernel
 def _digest_first(task, clock, march):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     counted = march.z.shape[0] - 1
@@ -187,7 +187,7 @@ def _next(tree, clock, march, report):
     return _try_step(clock, march)
 
 
-@part
+@kernel
 def _ask_row(tree, clock, march, t):
     """The state at a report time up to the present one, and what follows from it."""
     if t == clock["t"]:
@@ -214,7 +214,7 @@ def _try_step(clock, march):
     return _ask(clock, STAGE, 1, 1, t + h * STAGE_TIMES[1])
 
 
-@part
+@kernel
 def _digest_stage(fault, tree, clock, march, report):
     """The next stage of a step, or the judgement of the whole step."""
     h, stage = _length(clock), clock["stage"] + 1
@@ -246,7 +246,7 @@ def _digest_stage(fault, tree, clock, march, report):
     return _close_step(tree, clock, march, report)
 
 
-@part
+@kernel
 def _accept(clock, march, h, rejected):
     last = h >= clock["stop"] - clock["t"]
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, rejected
@@ -256,7 +256,7 @@ def _accept(clock, march, h, rejected):
     _copy(march.trial, march.z)
 
 
-@part
+@kernel
 def _take_back(clock, march, place):
     """A shorter step from where the last one began, for closing the loops moved its end too far."""
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
@@ -290,7 +290,7 @@ def _close_step(tree, clock, march, report):
     return _ask(clock, STEP_OPEN, 0, ASIDE, clock["t"])
 
 
-@part
+@kernel
 def _observe(tree, work, coordinates, clock, march, report):
     """Fill a report row from the state that has just been evaluated."""
     row = clock["row"]

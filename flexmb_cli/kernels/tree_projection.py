@@ -7,7 +7,7 @@ not involve.
 
 import numpy as np
 
-from ._jit import kernel, part
+from ._jit import kernel
 from .tree_closures import measure_closures, push_rows, solve_rows
 from .tree_kinematics import attitude_rates, place_frames
 from .tree_motion import normalise_attitudes, parts
@@ -86,7 +86,7 @@ def _respond_to_rows(tree, work, coordinates, z):
     respond_lumps(tree, work, coordinates, q)
 
 
-@part
+@kernel
 def _close_gaps(tree, work, coordinates, z):
     """Move the coordinates by one Newton correction."""
     for i in range(tree.closures.shape[0]):
@@ -117,7 +117,7 @@ def move_coordinates(tree, coordinates, z):
     normalise_attitudes(tree, z)
 
 
-@part
+@kernel
 def _close_rates(tree, work, coordinates, z):
     """Change the speeds by the correction that is exact but for round-off."""
     for i in range(tree.closures.shape[0]):

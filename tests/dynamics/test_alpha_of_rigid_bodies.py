@@ -108,6 +108,7 @@ def hanging_mass(stiffness):
     return DynamicModel(mechanism, "forward", (mass,), springs=(spring,), gravity=(0.0, 0.0, -G))
 
 
+@pytest.mark.long_motion
 def test_a_stiff_spring_does_not_shorten_the_steps():
     """k = 1e9 N/m, 1 kg: 3e4 rad/s, of which steps of 1 ms see nothing; the stretch is 3 m g / k at most."""
     rows, analysis = march(hanging_mass(1e9), 0.6, 1e-3)

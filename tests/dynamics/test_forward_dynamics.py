@@ -123,6 +123,7 @@ def test_what_a_damper_takes_leaves_the_energy():
     assert rows.total == pytest.approx(np.full(3, rows.total[0]), abs=1e-6)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(("deck", "span"), [("IN4-BAR", 0.2), ("IN-RSSR", 0.004)])
 def test_the_effort_of_inverse_dynamics_drives_the_same_motion_forward(deck, span):
     """The driver gives way to a table of its torque, 100 knots, whose spline is good to 1e-6."""

@@ -81,6 +81,7 @@ def test_a_cantilever_that_turns_slowly_has_southwells_frequencies():
     assert min(abs(value / in_plane - 1.0) for value in omega) < 1e-3
 
 
+@pytest.mark.long_motion
 def test_a_cantilever_that_turns_fast_flaps_as_published():
     """Wright, Smith, Thresher and Wang, J. Appl. Mech. 49 (1982), 197: 13.1702 at the speed 12.
 
@@ -92,6 +93,7 @@ def test_a_cantilever_that_turns_fast_flaps_as_published():
     assert mechanism["frequency"][0] * math.tau == pytest.approx(13.1702 * unit, rel=5e-3)
 
 
+@pytest.mark.long_motion
 def test_a_soft_rod_hangs_a_little_slower_than_a_rigid_one():
     """Compound pendulum about the joint's edge: omega² = g d/(k² + d²), elastic deflection lowers it."""
     mechanism = found("decks/vsdf/pendulum.vsdf", "--equilibrium")

@@ -38,6 +38,7 @@ def march(monkeypatch):
     return rows_and_analysis
 
 
+@pytest.mark.long_motion
 def test_a_bar_swings_by_elliptic_functions_with_order_five(march):
     """rate² = m g l / J about the hinge = 3 g / (2 L)."""
     model, errors, steps = swinging_bar(), [], []
@@ -66,6 +67,7 @@ def test_speeds_and_accelerations_of_rows_inside_steps_are_those_of_the_motion(m
     assert rows.velocity_residual.max() < 1e-14
 
 
+@pytest.mark.long_motion
 def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(march, monkeypatch):
     model = timed(double_pendulum(), 0.3, 0.007)
     whole, _ = march(model)

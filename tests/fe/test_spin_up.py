@@ -67,6 +67,7 @@ def test_the_stiffened_cantilever_stays_within_3_mm_of_the_nonlinear_beam():
     assert np.abs(found - stiffened).max() < 2e-4
 
 
+@pytest.mark.long_motion
 def test_without_stiffening_the_cantilever_diverges():
     """First bending 3.8 rad/s, spin 6 rad/s: the centrifugal softening wins."""
     times = [time for time in TIP if time <= 9.0]

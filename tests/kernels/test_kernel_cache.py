@@ -67,6 +67,48 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, damage, ending):
     assert twice(tmp_path) == "42.0 1"
 
 
+def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_calls_it(tmp_path):
+    assert twice(tmp_path) == "42.0 0"
+    kept = {path.name.partition("-")[0] for path in (tmp_path / "cache").rglob("*.nbc")}
+    assert kept == {"kernel.twice"}
+    command = "import kernel; print(kernel.below(7.0), kernel.below.part.overloads)"
+    done = subprocess.run(
+        [sys.executable, "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert done.stdout.split()[-2:] == ["21.0", "OrderedDict()"], done.stderr
+
+
+BEYOND = """
+import numpy as np
+from flexmb_cli.kernels._jit import kernel, part
+
+@%s
+def third(a):
+    return a[2]
+
+@kernel
+def beyond(a):
+    return third(a)
+
+try:
+    beyond(np.zeros(2))
+except IndexError:
+    print("checked")
+"""
+
+
+@pytest.mark.parametrize("how", ["kernel", "part"])
+def test_bounds_are_checked_in_what_a_kernel_calls_too(tmp_path, how):
+    """What the third pass of scripts/test rests on."""
+    (tmp_path / "beyond.py").write_text(BEYOND % how)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "beyond.py"], capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_BOUNDSCHECK": "1"},
+    )  # fmt: skip
+    assert done.stdout.strip() == "checked", done.stderr
+
+
 def test_a_cache_that_is_lost_on_the_way_stops_nothing(tmp_path):
     assert twice(tmp_path, str(tmp_path / "cache")) == "42.0 0"
 

@@ -21,6 +21,7 @@ def test_a_nearly_flat_four_bar_stays_on_its_branch(gap):
     assert np.max(np.abs(rows.position[:, 3, :2] - expected)) <= 1e-12
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("step", [0.1, 0.5, 3.0])
 def test_a_very_nearly_flat_four_bar_stays_on_its_branch(step):
     """The narrow place is 0.003 rad wide; beyond it the other branch goes on more smoothly."""

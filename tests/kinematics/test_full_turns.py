@@ -102,6 +102,7 @@ def five_bar(time):
     return Mechanism(bodies, time, joints, held, drivers=drivers, grounds=(AT_REST,))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("bend", [0.5, 1.2, 1.5])
 def test_a_cardan_joint_turns_its_output_as_cardan_says(bend):
     """The cross: the output's arm stays normal to the input's arm and to the output's axis.

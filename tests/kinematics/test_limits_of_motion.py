@@ -59,6 +59,7 @@ def test_a_crank_asked_beyond_its_reach_and_back_between_two_rows_fails(step):
     assert rows.time[-1] <= 1.0 - np.sqrt(1.0 - (limit - 0.3))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("step", [0.1, 2.0])
 def test_a_slider_asked_beyond_its_reach_and_back_between_two_rows_fails(step):
     """x = 3.42 + 1.6 t - 0.8 t² exceeds crank + rod = 4 m at 0.476 s and is back where it began at 2 s."""
@@ -193,6 +194,7 @@ def test_a_mechanism_may_go_far_from_where_it_began(speed):
     assert np.max(np.abs(rows.position[:, 2] - expected)) <= 1e-14 * (1.0 + 30.0 * speed)
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e6])
 def test_the_unit_of_length_does_not_matter(scale):
     linkage = FourBar(4.0 * scale, scale, 3.5 * scale, 3.0 * scale)

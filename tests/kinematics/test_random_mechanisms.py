@@ -64,6 +64,7 @@ def test_estimates_a_little_off_give_the_same_motion(seed):
     assert np.max(np.abs(coordinates(rows) - known[::EVERY])) <= 1e-11 * np.max(np.abs(known))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("seed", SEEDS[::2])
 def test_the_order_of_bodies_and_joints_does_not_matter(seed):
     mechanism, _ = case(seed)
@@ -89,6 +90,7 @@ def renumbered(m: Mechanism, order) -> Mechanism:
     )
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("seed", SEEDS[::2])
 def test_the_names_of_the_axes_do_not_matter(seed):
     """x, y, z renamed y, z, x, in space and in every body: coordinates are renamed and nothing else."""

@@ -23,6 +23,7 @@ def largest_difference(found, expected):
     return float(np.max(np.abs(found - expected)) / np.max(np.abs(expected)))
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("stages", [1, 2, DENSE, SPARSE, 60])
 def test_rod_ends_of_every_stage_are_those_of_the_closed_form(stages):
     """To 1e-12 of the largest value: round-off, which a serial chain passes on from stage to stage."""
@@ -33,6 +34,7 @@ def test_rod_ends_of_every_stage_are_those_of_the_closed_form(stages):
         assert largest_difference(series, values) <= 1e-12
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("stages", [DENSE, SPARSE])
 def test_constraints_and_their_rates_are_met_on_both_sides_of_the_dense_limit(stages):
     mechanism = chain(stages)

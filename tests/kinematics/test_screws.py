@@ -82,6 +82,7 @@ def test_the_slide_is_counted_along_the_points_distance_in_the_estimates(slide):
     assert np.max(np.abs(rows.position[:, 1, 2] - expected)) <= 1e-12
 
 
+@pytest.mark.long_motion
 def test_points_that_coincide_in_the_estimates_slide_along_the_axis():
     """δ0 = 0 up to round-off, the natural way to type a screw: the sense is that of s_i."""
     for start in np.linspace(0.0, 3.0, 13):

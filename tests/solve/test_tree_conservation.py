@@ -70,6 +70,7 @@ def test_tree_under_gravity_with_springs_keeps_its_energy(seed):
     assert np.ptp(rows.total) <= 1e-8 * np.max(np.abs(rows.potential))
 
 
+@pytest.mark.long_motion
 def test_energy_audit_counts_forces_dampers_motors_and_prescribed_motion():
     tree = random_tree(5, bodies=4, time=GRID)
     settings = replace(tree.integration, rtol=1e-11, atol=1e-11)

@@ -107,6 +107,7 @@ def test_a_narrow_place_is_told_with_its_condition(dense, tmp_path):
         assert condition > 3e3
 
 
+@pytest.mark.long_motion
 @SMALL_AND_LARGE
 def test_a_lock_is_told_with_the_gap_that_remains(dense, tmp_path):
     """The crank's end is 3.777 m from the rocker's pivot at 1 s, 0.077 m beyond coupler and rocker."""
@@ -126,6 +127,7 @@ def test_a_lock_is_told_with_the_gap_that_remains(dense, tmp_path):
     assert [float(gap.removesuffix(" m")) for gap in gaps.values()] == pytest.approx([0.077] * 3, rel=0.02)
 
 
+@pytest.mark.long_motion
 @SMALL_AND_LARGE
 def test_a_dead_centre_on_the_way_is_a_lock(dense, tmp_path):
     """At 0.5 s the slider is asked for 3.42 + 0.8 - 0.2 = 4.02 m, 0.02 m beyond, half in each joint."""
@@ -177,6 +179,7 @@ def test_a_singular_position_at_rest_is_no_failure(dense, tmp_path):
     assert "warning: redundant equations, consistent with the others: one of" in line
 
 
+@pytest.mark.long_motion
 def test_a_slider_driven_to_its_dead_centre_and_no_further_stops_there(tmp_path):
     found = outcome(tmp_path, slider_crank(1, 3, (ONE_RADIAN, 4 - ONE_RADIAN, 0), (0, 2, 0.5), 1.0))
     assert found.exit_code == 1

@@ -81,6 +81,7 @@ def test_a_spring_too_stiff_for_any_step_stops_the_compiled_methods(method, tmp_
     )
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize(("method", "name"), [(2, "radau"), (3, "lsoda")])
 def test_a_spring_too_stiff_for_any_step_stops_the_library_methods(method, name, tmp_path):
     code, (fault,) = told(tmp_path, "pendulum", SHORT, cards(SPRING + f"METH\n    {method}\n"))
@@ -157,6 +158,7 @@ def test_a_loop_that_a_library_carries_over_its_position_in_line_is_told_by_its_
     )
 
 
+@pytest.mark.long_motion
 def test_the_other_formulation_stops_where_the_loop_lies_in_line(tmp_path):
     """The crank points away at 3π/2 rad: from 1.5 rad at 10 rad/s at t = 0.321239 s.
 
@@ -168,6 +170,7 @@ def test_the_other_formulation_stops_where_the_loop_lies_in_line(tmp_path):
     assert float(stopped[1]) == pytest.approx((1.5 * math.pi - 1.5) / 10.0, abs=2e-5)
 
 
+@pytest.mark.long_motion
 def test_a_node_of_a_rigid_parent_is_not_used_and_told(tmp_path):
     """The 1992 listing does not look at NP there either."""
     code, faults = told(

@@ -78,6 +78,7 @@ def test_check_names_equations_that_repeat_others_by_joint_and_line(tmp_path):
     assert line in ("    1 REVO    0    1    2    1    1    2", "    3 REVO    0    1    2    1    1    2")
 
 
+@pytest.mark.long_motion
 def test_links_that_repeat_a_joint_move_as_without_it():
     again = changed((SECOND, f"{SECOND}    3 REVO    0    1    2    1    1    2\n"))
     once, twice = vsdf_rows(RIGID), vsdf_rows(again)

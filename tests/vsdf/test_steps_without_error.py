@@ -57,6 +57,7 @@ def test_rows_of_a_driven_steady_turn_meet_the_constraints_to_round_off(method):
     assert rows.constraint_residual.max() < 1e-14
 
 
+@pytest.mark.long_motion
 def test_the_work_of_a_driver_is_the_change_of_energy():
     """½ J θ̇² for θ = 0.5 sin 60 t; positions and speeds are prescribed, and have no error of their own."""
     rows = rows_of(RADAU, 0.2, law=MotionLaw(3, (0.0, 0.5, 60.0, 0.0)))

@@ -37,6 +37,7 @@ def plants(line):
             yield float(word), float(other), line[: match.start()] + other + line[match.end() :]
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("path", ECHOES, ids=lambda path: path.stem)
 def test_one_digit_changed_in_any_number_of_an_echo_is_found(path):
     lines = path.read_text().splitlines()

@@ -94,6 +94,7 @@ def test_motion_is_listed_in_the_order_of_its_derivatives(result):
     ]
 
 
+@pytest.mark.long_motion
 def test_every_listed_name_names_just_itself(result):
     listed = names(result)
     assert len(listed) == 1 + sum(result[series.path][0].size for series in SERIES)
