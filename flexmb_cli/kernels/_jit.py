@@ -210,7 +210,7 @@ def kernel(function, **options):
     """Compile `function` with numba, or leave it alone when kernels are interpreted."""
     if _interpreted:
         return function
-    compiled = _compiled()(function, OPTIONS | options)
+    compiled = _compiled()(function, targetoptions=OPTIONS | options)
     # numba raises RuntimeError where it finds no folder that can be written: then nothing is kept.
     with contextlib.suppress(RuntimeError):
         compiled._cache = _kept_kernel()(function)

@@ -3,12 +3,15 @@
 numba by itself optimises each function that a kernel calls, makes machine code of it, and optimises it once
 more within every caller: half of the time of a first run.  Here a function that a kernel calls is brought
 into LLVM's intermediate code only; what Python calls is linked with all its parts and optimised once.
+Kernels must not call one another in a circle.
 """
 
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary, RuntimeLinker
 from numba.core.compiler import Compiler, lookup_environment
 from numba.core.registry import CPUDispatcher
 
+_MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
+_LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
 _ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
 
 
@@ -28,6 +31,7 @@ class WholeLibrary(JITCodeLibrary):
         """Link the parts, those of parts too, each once, and optimise the whole."""
         self._linking_libraries = list(_with_parts_of_parts(self._linking_libraries))
         super().finalize()
+        _refuse_missing(self._final_module)
         for variable in self._final_module.global_variables:
             constants = lookup_environment(variable.name) if variable.name.startswith(_ENVIRONMENT) else None
             if constants is not None:
@@ -35,13 +39,33 @@ class WholeLibrary(JITCodeLibrary):
 
 
 def _with_parts_of_parts(libraries):
-    found, left = {}, list(libraries)
-    while left:
-        library = left.pop()
+    """All of them, each before those that it calls.
+
+    LLVM links such a function only where something that is linked already calls it, and a part may name
+    functions that its own code no longer calls.
+    """
+    found, ended = {}, []
+
+    def visit(library):
         if library not in found:
             found[library] = None
-            left += library._linking_libraries if isinstance(library, PartLibrary) else ()
-    return found
+            for called in library._linking_libraries if isinstance(library, PartLibrary) else ():
+                visit(called)
+            ended.append(library)
+
+    for library in libraries:
+        visit(library)
+    return reversed(ended)
+
+
+def _refuse_missing(module):
+    """Code without what it calls would end the process when it runs, and be kept on the disk."""
+    there = {function.name for function in module.functions if not function.is_declaration}
+    called = {function.name for function in module.functions if function.name.startswith(_MADE_BY_NUMBA)}
+    late = {variable.name for variable in module.global_variables if variable.name.startswith(_LATE)}
+    missing = (called | {name.removeprefix(_LATE) for name in late}) - there
+    if missing:
+        raise AssertionError(f"{min(missing)} was not linked: do kernels call one another in a circle?")
 
 
 class WholeCompiler(Compiler):
@@ -78,11 +102,12 @@ class Part(CPUDispatcher):
 class Kernel(CPUDispatcher):
     """A function that is compiled whole when Python calls it, and as a part when another kernel does."""
 
-    def __init__(self, function, options: dict):
-        options = {"nopython": True, "boundscheck": None} | options
-        super().__init__(function, targetoptions=options, pipeline_class=WholeCompiler)
+    def __init__(self, function, locals=None, targetoptions: dict | None = None):
+        # Without a word of its own a part would be forced inline where its first caller is.
+        options = {"nopython": True, "boundscheck": None, "forceinline": False} | (targetoptions or {})
+        super().__init__(function, locals, options, pipeline_class=WholeCompiler)
         options = options | {"no_cpython_wrapper": True}
-        self.part = Part(function, targetoptions=options, pipeline_class=PartCompiler)
+        self.part = Part(function, locals, options, pipeline_class=PartCompiler)
 
     @property
     def _numba_type_(self):

@@ -119,7 +119,9 @@ def _compare_files(report, a, b, tolerances, same_attitude):
             continue
         if name in found[0] and name in found[1]:
             signs = partial(_signs, a, b) if flips and name in SIGNED else None
-            _compare_dataset(report, name, (found[0][name], found[1][name]), tolerance, signs)
+            # Not kept open: HDF5 has a store of megabytes for each that was read.
+            pair = found[0].pop(name), found[1].pop(name)
+            _compare_dataset(report, name, pair, tolerance, signs)
         else:
             report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
 

@@ -200,11 +200,8 @@ def _split_index(text):
     head = INDEX.match(text)
     end = head.end() if head else 3
     digits = text[:end].strip()
-    return (
-        (int(digits) if digits.isdecimal() and digits.isascii() and len(digits) <= 9 else 0),
-        text[end:],
-        end,
-    )
+    is_number = digits.isdecimal() and digits.isascii() and len(digits) <= 9
+    return (int(digits) if is_number else 0), text[end:], end
 
 
 INDEX = re.compile(r"\s*\d+(?=\s|$)")

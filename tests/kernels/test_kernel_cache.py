@@ -79,6 +79,76 @@ def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_
     assert done.stdout.split()[-2:] == ["21.0", "OrderedDict()"], done.stderr
 
 
+UNCALLED = """
+from flexmb_cli.kernels._jit import kernel
+
+THREE = 3
+
+@kernel
+def shared(x):
+    return 2.0 * x
+
+@kernel
+def never(x):
+    twice_three = 2 * THREE
+    if twice_three < THREE:
+        return shared(x)
+    return x
+
+@kernel
+def always(x):
+    return shared(x) + 1.0
+
+@kernel
+def both(x):
+    return always(x) + never(x)
+
+print(both(2.0))
+"""
+
+
+def test_a_function_that_one_part_names_and_another_calls_is_linked(tmp_path):
+    """Offered to LLVM behind the part that only names it, it was left out, and the process ended."""
+    (tmp_path / "uncalled.py").write_text(UNCALLED)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "uncalled.py"], capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert (done.stdout.strip(), done.returncode) == ("7.0", 0)
+
+
+CIRCLE = """
+from flexmb_cli.kernels._jit import kernel
+
+@kernel
+def even(n):
+    if n == 0:
+        return True
+    return odd(n - 1)
+
+@kernel
+def odd(n):
+    if n == 0:
+        return False
+    return even(n - 1)
+
+@kernel
+def both(n):
+    return even(n) and odd(n + 1)
+
+print(both(4))
+"""
+
+
+def test_kernels_that_call_one_another_in_a_circle_are_refused(tmp_path):
+    (tmp_path / "circle.py").write_text(CIRCLE)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "circle.py"], capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert done.returncode == 1 and "in a circle?" in done.stderr
+
+
 BEYOND = """
 import numpy as np
 from flexmb_cli.kernels._jit import kernel, part
