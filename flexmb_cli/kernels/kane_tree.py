@@ -8,7 +8,7 @@ inverse dynamics.  The one-way motion of thesis 4.3 is two solutions: the rigid 
 elastic ones locked at rest, then the elastic ones with the rigid ones locked.
 """
 
-from ._jit import kernel, part
+from ._jit import part
 from .tree_closures import add_closure_forces, closing_forces, forget_closing_forces
 from .tree_inertia import own_inertia
 from .tree_kinematics import lump_place, place_frames
@@ -73,7 +73,7 @@ def _prepare_turn(tree, work, coordinates, turn):
     return True
 
 
-@kernel
+@part
 def solve_tree(tree, work, coordinates, t, q, y):
     """Rates of the free coordinates, and in "drive" the efforts that hold the locked ones to theirs.
 
@@ -103,7 +103,7 @@ def solve_tree(tree, work, coordinates, t, q, y):
     return SOLVED
 
 
-@kernel
+@part
 def _eliminate_hinge(frame, s, coordinates, scale):
     """Free the inertia of a frame from its hinge coordinates, one by one."""
     for i in range(frame["rotations"]):
@@ -119,31 +119,31 @@ def _eliminate_hinge(frame, s, coordinates, scale):
     return SOLVED
 
 
-@kernel
+@part
 def _couple_rotation(I, c):
     axis = triple(c["direction"], 0)
     store(symmetric_times(symmetric(I, J_), axis), c["coupling"], 0)
     store(_transposed_H(I, axis), c["coupling"], 3)
 
 
-@kernel
+@part
 def _couple_translation(I, c):
     axis = triple(c["direction"], 0)
     store(_times_H(I, axis), c["coupling"], 0)
     store(symmetric_times(symmetric(I, M_), axis), c["coupling"], 3)
 
 
-@kernel
+@part
 def _times_H(I, v):
     return (dot(triple(I, H_), v), dot(triple(I, H_ + 3), v), dot(triple(I, H_ + 6), v))
 
 
-@kernel
+@part
 def _transposed_H(I, v):
     return (dot(column(I, H_), v), dot(column(I, H_ + 1), v), dot(column(I, H_ + 2), v))
 
 
-@kernel
+@part
 def _eliminate(s, c, part, scale):
     """Take a coordinate out of inertia and bias; False when it has no positive inertia.
 
@@ -168,7 +168,7 @@ def _eliminate(s, c, part, scale):
     return True
 
 
-@kernel
+@part
 def _subtract_outer(I, n, f, c):
     """I -= c U Uᵀ with U = (n, f)."""
     a = scaled(-c, n)
@@ -182,7 +182,7 @@ def _subtract_outer(I, n, f, c):
     accumulate((b[1] * f[1], b[1] * f[2], b[2] * f[2]), I, M_ + 3)
 
 
-@kernel
+@part
 def _hand_over(s, parent):
     """Add what is left of a frame to its parent, seen from the parent's origin."""
     I = s["inertia"]
@@ -196,7 +196,7 @@ def _hand_over(s, parent):
     _add_shifted(I, r, parent["inertia"])
 
 
-@kernel
+@part
 def _add_shifted(I, r, out):
     """Add to `out` the inertia I seen from a point that lies -r away: with R = [r x],
 
@@ -222,7 +222,7 @@ def _add_shifted(I, r, out):
     accumulate(s2, out, H_ + 6)
 
 
-@kernel
+@part
 def _accelerate_frame(frame, parent, s, coordinates):
     """Accelerations of the hinge coordinates and of the origin, from those of the parent."""
     turn = triple(parent["acceleration"], 0)
@@ -240,7 +240,7 @@ def _accelerate_frame(frame, parent, s, coordinates):
     store(a, s["acceleration"], 3)
 
 
-@kernel
+@part
 def _solve_coordinate(c, al, a):
     """What a coordinate adds to the acceleration along its axis; the effort when it is locked."""
     carried = dot(triple(c["coupling"], 0), al) + dot(triple(c["coupling"], 3), a)
@@ -251,7 +251,7 @@ def _solve_coordinate(c, al, a):
     return c["rate"]
 
 
-@kernel
+@part
 def _accelerate_lumps(frame, s, lumps, q, coordinates):
     """Accelerations of the lumps of a flexible body against it."""
     al = inward(s["axes"], triple(s["acceleration"], 0))
@@ -265,7 +265,7 @@ def _accelerate_lumps(frame, s, lumps, q, coordinates):
                 _accelerate_lump(coordinates[m], lump["mass"], carried[axis])
 
 
-@kernel
+@part
 def _accelerate_lump(c, mass, carried):
     if c["locked"] != 0:
         c["drive"] = mass * carried - c["drive"]

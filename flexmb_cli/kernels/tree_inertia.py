@@ -6,7 +6,7 @@ coordinates of that subtree stay free.  A lump that is free along axis d shows n
 only the elastic force; along the other axes it is carried with the body.
 """
 
-from ._jit import kernel
+from ._jit import part
 from .tree_kinematics import lump_place, lump_vector
 from .tree_work import H_, J_, M_
 from .triples import (
@@ -27,7 +27,7 @@ from .triples import (
 )
 
 
-@kernel
+@part
 def own_inertia(frame, s, lumps, gravity, coordinates, q, y):
     """Start inertia and bias of a frame with its own mass, loads and lumps."""
     if frame["lumps"] == 0:
@@ -38,7 +38,7 @@ def own_inertia(frame, s, lumps, gravity, coordinates, q, y):
     _add_rigid_bias(frame, s, gravity)
 
 
-@kernel
+@part
 def _rigid_inertia(frame, s):
     """J = S J S', H = [s x], M = m U; no bias yet."""
     out = s["inertia"]
@@ -56,7 +56,7 @@ def _rigid_inertia(frame, s):
         s["bias"][i] = 0.0
 
 
-@kernel
+@part
 def _rotated(A, J):
     """The six numbers of S J S', in two triples, for the rows of a symmetric J."""
     a, b, c = triple(A, 0), triple(A, 3), triple(A, 6)
@@ -64,7 +64,7 @@ def _rotated(A, J):
     return (dot(a, x), dot(b, x), dot(c, x)), (dot(b, y), dot(c, y), dot(c, z))
 
 
-@kernel
+@part
 def _add_rigid_bias(frame, s, gravity):
     """p_n = w x J w - s x g - M_k, p_f = w x (w x s) - m g - F_k of the frame without lumps."""
     w = triple(s["angular"], 0)
@@ -77,7 +77,7 @@ def _add_rigid_bias(frame, s, gravity):
     accumulate(minus(f, triple(frame["force"], 0)), s["bias"], 3)
 
 
-@kernel
+@part
 def _sum_lumps(frame, s, lumps, gravity, coordinates, q, y):
     """Sum the lumps in the body's axes."""
     w = inward(s["axes"], triple(s["angular"], 0))
@@ -91,7 +91,7 @@ def _sum_lumps(frame, s, lumps, gravity, coordinates, q, y):
         _sum_lump(lump, r, c, load, s["inertia"], s["bias"], coordinates)
 
 
-@kernel
+@part
 def _start_sums(frame, s):
     """J and M of the frame without lumps, in its own axes; a flexible body has no first moment."""
     out = s["inertia"]
@@ -105,7 +105,7 @@ def _start_sums(frame, s):
     out[M_ + 5] = frame["mass"]
 
 
-@kernel
+@part
 def _sum_lump(lump, r, c, load, inertia, bias, coordinates):
     """Add a lump at r with acceleration remainder c under an external load."""
     m = lump["coordinate"]
@@ -119,7 +119,7 @@ def _sum_lump(lump, r, c, load, inertia, bias, coordinates):
     _add_carried(inertia, r, b0, b1, b2)
 
 
-@kernel
+@part
 def _carried(mass, c, load, m, coordinates):
     """Mass that the body carries along one axis, and the force it has to pass on to the lump."""
     if m < 0:
@@ -133,7 +133,7 @@ def _carried(mass, c, load, m, coordinates):
     return 0.0, coordinate["effort"]
 
 
-@kernel
+@part
 def _add_carried(out, r, b0, b1, b2):
     """J += [r x] B [r x]ᵀ, H += [r x] B, M += B with B = diag(b0, b1, b2)."""
     x, y, z = r
@@ -151,7 +151,7 @@ def _add_carried(out, r, b0, b1, b2):
     out[M_ + 5] += b2
 
 
-@kernel
+@part
 def _turn_sums(s):
     """Turn the sums over lumps from the body's axes to inertial ones."""
     out, A = s["inertia"], s["axes"]

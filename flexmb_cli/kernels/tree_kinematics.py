@@ -10,11 +10,11 @@ with the first, and the carried point moves with 2 w x u'.
 
 import math
 
-from ._jit import kernel
+from ._jit import part
 from .triples import centripetal, column, cross, dot, outward, plus, scaled, store, triple
 
 
-@kernel
+@part
 def place_frames(tree, work, coordinates, q, y, attitudes):
     """Fill the kinematic part of `work` from coordinates, speeds and Euler parameters (balls, 4)."""
     for k in range(1, tree.frames.shape[0]):
@@ -30,7 +30,7 @@ def place_frames(tree, work, coordinates, q, y, attitudes):
         _move_frame(frame, parent, work[k], coordinates, q, y)
 
 
-@kernel
+@part
 def _place_rider(frame, rider, slopes, parent, s, q, y):
     """A rider moves with its node and is turned by three successive rotations C w."""
     _copy_axes(parent["axes"], s["axes"])
@@ -52,7 +52,7 @@ def _place_rider(frame, rider, slopes, parent, s, q, y):
     _set_motion(parent, s, outward(parent["axes"], place), slide)
 
 
-@kernel
+@part
 def _slope(rider, slopes, start, values):
     """One row of C times the elastic coordinates or their speeds."""
     total = 0.0
@@ -61,13 +61,13 @@ def _slope(rider, slopes, start, values):
     return total
 
 
-@kernel
+@part
 def _copy_axes(a, b):
     for i in range(9):
         b[i] = a[i]
 
 
-@kernel
+@part
 def _set_product(A, B, out):
     """out = A B for axes in rows of nine."""
     for row in range(0, 9, 3):
@@ -76,7 +76,7 @@ def _set_product(A, B, out):
             out[row + col] = a0 * B[col] + a1 * B[3 + col] + a2 * B[6 + col]
 
 
-@kernel
+@part
 def _set_hinge_axes(frame, parent, s):
     """S_j TD_k: the axes of P_k, from which those of O_k start."""
     if frame["framed"] != 0:
@@ -86,7 +86,7 @@ def _set_hinge_axes(frame, parent, s):
     _copy_axes(s["hinge_axes"], s["axes"])
 
 
-@kernel
+@part
 def _turn_frame(frame, parent, s, coordinates, q, y, attitudes):
     """Set S_k, w_k, the axes of the rotations and the angular remainder of hinge k."""
     w = triple(parent["angular"], 0)
@@ -111,7 +111,7 @@ def _turn_frame(frame, parent, s, coordinates, q, y, attitudes):
     store(rest, s["remainder"], 0)
 
 
-@kernel
+@part
 def _turn_about(A, axis, angle):
     """Turn axes A about one of themselves."""
     c, s = math.cos(angle), math.sin(angle)
@@ -123,7 +123,7 @@ def _turn_about(A, axis, angle):
         A[row + b] = c * z - s * x
 
 
-@kernel
+@part
 def _turn_ball(s, coordinates, first, y, w):
     """Three rotations: the speeds are the relative angular velocity in P_k axes."""
     for i in range(3):
@@ -132,7 +132,7 @@ def _turn_ball(s, coordinates, first, y, w):
     return plus(w, spin), cross(w, spin)
 
 
-@kernel
+@part
 def _set_attitude(s, attitudes, ball):
     """S_k = P_k axes times the rotation of Euler parameters, which are taken as if of length one."""
     e0, e1, e2, e3 = attitudes[ball, 0], attitudes[ball, 1], attitudes[ball, 2], attitudes[ball, 3]
@@ -151,7 +151,7 @@ def _set_attitude(s, attitudes, ball):
     _set_product(s["hinge_axes"], turn, s["axes"])
 
 
-@kernel
+@part
 def _move_frame(frame, parent, s, coordinates, q, y):
     """Set rho_k, p_k, v_k and the linear remainder."""
     offset = outward(parent["axes"], triple(frame["point"], 0))
@@ -165,7 +165,7 @@ def _move_frame(frame, parent, s, coordinates, q, y):
     _set_motion(parent, s, offset, slide)
 
 
-@kernel
+@part
 def _set_motion(parent, s, offset, slide):
     """Motion of an origin at `offset` from the parent's, which moves against the parent with `slide`."""
     w = triple(parent["angular"], 0)
@@ -175,19 +175,19 @@ def _set_motion(parent, s, offset, slide):
     store(plus(centripetal(w, offset), scaled(2.0, cross(w, slide))), s["remainder"], 3)
 
 
-@kernel
+@part
 def lump_place(lump, q):
     """r = x + u of a lump in the axes of its body, m."""
     return plus(triple(lump["position"], 0), lump_vector(lump, q))
 
 
-@kernel
+@part
 def lump_vector(lump, values):
     """Values of a lump's coordinates along axes 1, 2, 3; 0 where it is held."""
     return _along_axes(lump["coordinate"], values)
 
 
-@kernel
+@part
 def _along_axes(c, values):
     return (
         values[c[0]] if c[0] >= 0 else 0.0,
@@ -196,7 +196,7 @@ def _along_axes(c, values):
     )
 
 
-@kernel
+@part
 def attitude_rates(frame, y, attitudes, rates):
     """Fill rates[ball] with e0' = -e.s/2, e' = (e0 s - e x s)/2, s the speeds in P_k axes."""
     ball = frame["ball"]

@@ -6,12 +6,12 @@ order in the displacements and left out, as are pulls by the acceleration of the
 `tree` is a `model.tree_arrays.TreeArrays`.
 """
 
-from ._jit import kernel
+from ._jit import part
 from .rows_of_numbers import product
 from .triples import dot, outward, triple
 
 
-@kernel
+@part
 def coordinate_efforts(tree, work, t, q, y, coordinates):
     """Set the effort along each coordinate, frames being placed: -K u - D u', springs, dampers, motors."""
     for m in range(coordinates.shape[0]):
@@ -38,7 +38,7 @@ def coordinate_efforts(tree, work, t, q, y, coordinates):
             coordinates[law["coordinate"]]["effort"] += law["c0"] + law["c1"] * t
 
 
-@kernel
+@part
 def pulls(tree, work, body):
     """What pulls along a beam: square of the angular velocity across it, and gravity along it."""
     s = work[body["frame"]]
@@ -46,7 +46,7 @@ def pulls(tree, work, body):
     return dot(w, w) - dot(w, along) ** 2, dot(triple(tree.gravity, 0), along)
 
 
-@kernel
+@part
 def _subtract_product(factor, matrices, start, body, reach, x, coordinates):
     """effort -= factor A x over one body's coordinates, A beginning at `start`."""
     for i in range(body["count"]):
@@ -54,7 +54,7 @@ def _subtract_product(factor, matrices, start, body, reach, x, coordinates):
         coordinates[body["first"] + i]["effort"] -= factor * product
 
 
-@kernel
+@part
 def elastic_row_times(matrices, start, body, reach, i, x):
     """Row i of one body's matrix, which begins at `start`, times the body's part of x (NS,)."""
     first = body["first"]
@@ -63,7 +63,7 @@ def elastic_row_times(matrices, start, body, reach, i, x):
     return product(matrices[row + begin : row + end], x[first + begin : first + end])
 
 
-@kernel
+@part
 def set_prescribed(tree, t, q, y, coordinates):
     """Put the prescribed coordinates C + B t + A t²/2, their speeds and accelerations in place."""
     for i in range(tree.prescribed.shape[0]):
@@ -74,7 +74,7 @@ def set_prescribed(tree, t, q, y, coordinates):
         coordinates[m]["rate"] = p["A"]
 
 
-@kernel
+@part
 def add_body_torques(tree, t, work):
     """Take the torque laws on bodies off p_n of their frames."""
     for i in range(tree.laws.shape[0]):

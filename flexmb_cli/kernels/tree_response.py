@@ -4,13 +4,13 @@ Uses the inertias, couplings and pivots that the last solution of the tree left 
 force costs a fraction of a solution.
 """
 
-from ._jit import kernel, part
+from ._jit import part
 from .tree_kinematics import lump_place
 from .tree_riders import absorb_pushes, follow_riders, rider_share
 from .triples import accumulate, cross, dot, inward, minus, plus, scaled, store, triple
 
 
-@kernel
+@part
 def forget_pushes(work):
     """No force on any frame."""
     for k in range(work.shape[0]):
@@ -18,7 +18,7 @@ def forget_pushes(work):
             work[k]["push"][i] = 0.0
 
 
-@kernel
+@part
 def push(s, place, force):
     """Add a force at a place, both in inertial axes, to the pushes of a frame."""
     arm = minus(place, triple(s["position"], 0))
@@ -26,7 +26,7 @@ def push(s, place, force):
     accumulate(scaled(-1.0, force), s["push"], 3)
 
 
-@kernel
+@part
 def respond(tree, work, coordinates):
     """Set the responses of frames and hinge coordinates to the pushes; locked coordinates do not move."""
     frames = tree.frames
@@ -45,7 +45,7 @@ def respond(tree, work, coordinates):
             follow_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work)
 
 
-@kernel
+@part
 def _take_up(frame, s, coordinates):
     for i in range(frame["rotations"]):
         _yield_to(s["push"], coordinates[frame["first_rotation"] + i], 0)
@@ -53,7 +53,7 @@ def _take_up(frame, s, coordinates):
         _yield_to(s["push"], coordinates[frame["first_translation"] + i], 3)
 
 
-@kernel
+@part
 def _yield_to(pushes, c, part):
     """Take out of the pushes what a free coordinate does not transmit."""
     if c["locked"] != 0:
@@ -64,14 +64,14 @@ def _yield_to(pushes, c, part):
         pushes[i] += gain * c["coupling"][i]
 
 
-@kernel
+@part
 def _pass_on(s, parent):
     n, f = triple(s["push"], 0), triple(s["push"], 3)
     accumulate(plus(n, cross(triple(s["offset"], 0), f)), parent["push"], 0)
     accumulate(f, parent["push"], 3)
 
 
-@kernel
+@part
 def _follow(frame, parent, s, coordinates):
     """Response of a frame and its hinge coordinates from that of the parent."""
     al = triple(parent["response"], 0)
@@ -86,7 +86,7 @@ def _follow(frame, parent, s, coordinates):
     store(a, s["response"], 3)
 
 
-@kernel
+@part
 def _own_response(c, al, a):
     if c["locked"] != 0:
         c["response"] = 0.0

@@ -7,7 +7,7 @@ s = D w_0 + r, and the body feels Eᵀ F: six rows a rider, at a cost linear in 
 names of the arrays are those of `model.tree_riders.Riders`.
 """
 
-from ._jit import kernel, part
+from ._jit import part
 from .tree_kinematics import lump_place
 from .tree_work import H_, J_, M_
 from .triples import column, cross, outward, triple
@@ -58,13 +58,13 @@ def _start_rider(riders, r, rows, n, rider, s):
     _set_inertia(riders.own, row, rider["inertia"])
 
 
-@kernel
+@part
 def _set_row(matrix, row, a, b):
     for i in range(3):
         matrix[row, i], matrix[row, 3 + i] = a[i], b[i]
 
 
-@kernel
+@part
 def _set_inertia(out, row, I):
     """(6, 6) block [[J, H], [Hᵀ, M]] of 21 numbers."""
     place = 0
@@ -130,7 +130,7 @@ def _set_grip(riders, rows, n):
             riders.stiff[i, j] = total
 
 
-@kernel
+@part
 def _invert(A, rows, n):
     """Invert n rows of A from `rows` on in place, without exchanges.
 
@@ -181,7 +181,7 @@ def _add_carried(riders, rows, n, s):
     _add_held(riders, rows, n, s["bias"])
 
 
-@kernel
+@part
 def _add_held(riders, rows, n, bias):
     for row in range(rows, rows + n):
         for i in range(6):
@@ -203,7 +203,7 @@ def release_riders(tree, body, work, coordinates):
             out[i] += riders.given[6 * r + i]
 
 
-@kernel
+@part
 def _set_forces(riders, rows, n, X):
     for row in range(rows, rows + n):
         force = riders.held[row]
@@ -212,7 +212,7 @@ def _set_forces(riders, rows, n, X):
         riders.force[row] = force
 
 
-@kernel
+@part
 def _felt(riders, rows, n, m):
     """(Dᵀ F) of one elastic coordinate."""
     total = 0.0
@@ -221,7 +221,7 @@ def _felt(riders, rows, n, m):
     return total
 
 
-@kernel
+@part
 def _move_rider(riders, r, rows, n, X, out):
     """out = E X - W F."""
     for row in range(6 * r, 6 * r + 6):

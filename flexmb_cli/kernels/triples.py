@@ -4,16 +4,16 @@ Axes of a frame are nine numbers A, row by row: A[3 i + j]; A v turns a vector f
 to inertial ones.  Symmetric matrices are six numbers xx xy xz yy yz zz.
 """
 
-from ._jit import kernel
+from ._jit import part
 
 
-@kernel
+@part
 def triple(a, first):
     """Three places of a row of numbers."""
     return (a[first], a[first + 1], a[first + 2])
 
 
-@kernel
+@part
 def store(v, a, first):
     """Set three places of a row of numbers."""
     a[first] = v[0]
@@ -21,7 +21,7 @@ def store(v, a, first):
     a[first + 2] = v[2]
 
 
-@kernel
+@part
 def accumulate(v, a, first):
     """Add to three places of a row of numbers."""
     a[first] += v[0]
@@ -29,37 +29,37 @@ def accumulate(v, a, first):
     a[first + 2] += v[2]
 
 
-@kernel
+@part
 def plus(a, b):
     """a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
-@kernel
+@part
 def minus(a, b):
     """a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@kernel
+@part
 def scaled(c, a):
     """c a."""
     return (c * a[0], c * a[1], c * a[2])
 
 
-@kernel
+@part
 def dot(a, b):
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@part
 def cross(a, b):
     """Vector product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-@kernel
+@part
 def centripetal(w, r):
     """w x (w x r)."""
     along = dot(w, r)
@@ -67,7 +67,7 @@ def centripetal(w, r):
     return (along * w[0] - square * r[0], along * w[1] - square * r[1], along * w[2] - square * r[2])
 
 
-@kernel
+@part
 def outward(A, v):
     """A v: from the frame's axes to inertial ones."""
     return (
@@ -77,7 +77,7 @@ def outward(A, v):
     )
 
 
-@kernel
+@part
 def inward(A, v):
     """Aᵀ v: from inertial axes to the frame's."""
     return (
@@ -87,19 +87,19 @@ def inward(A, v):
     )
 
 
-@kernel
+@part
 def column(A, axis):
     """A unit vector of the frame in inertial axes."""
     return (A[axis], A[3 + axis], A[6 + axis])
 
 
-@kernel
+@part
 def symmetric_times(J, v):
     """J v for a triple of rows, see `symmetric`."""
     return (dot(J[0], v), dot(J[1], v), dot(J[2], v))
 
 
-@kernel
+@part
 def symmetric(a, first):
     """The three rows of a symmetric matrix whose six numbers begin at `first`."""
     xy, xz, yz = a[first + 1], a[first + 2], a[first + 4]
