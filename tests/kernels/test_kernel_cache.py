@@ -79,6 +79,15 @@ def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_
     assert done.stdout.split()[-2:] == ["21.0", "OrderedDict()"], done.stderr
 
 
+def ran(folder, text, **environment):
+    """A script in a process of its own, with a cache of its own."""
+    (folder / "script.py").write_text(text)
+    return subprocess.run(
+        [sys.executable, folder / "script.py"], capture_output=True, text=True, timeout=120,
+        env=os.environ | environment | {"NUMBA_CACHE_DIR": str(folder / "cache")},
+    )  # fmt: skip
+
+
 UNCALLED = """
 from flexmb_cli.kernels._jit import kernel
 
@@ -109,11 +118,7 @@ print(both(2.0))
 
 def test_a_function_that_one_part_names_and_another_calls_is_linked(tmp_path):
     """Offered to LLVM behind the part that only names it, it was left out, and the process ended."""
-    (tmp_path / "uncalled.py").write_text(UNCALLED)
-    done = subprocess.run(
-        [sys.executable, tmp_path / "uncalled.py"], capture_output=True, text=True, timeout=120,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
-    )  # fmt: skip
+    done = ran(tmp_path, UNCALLED)
     assert (done.stdout.strip(), done.returncode) == ("7.0", 0)
 
 
@@ -141,11 +146,7 @@ print(both(4))
 
 
 def test_kernels_that_call_one_another_in_a_circle_are_refused(tmp_path):
-    (tmp_path / "circle.py").write_text(CIRCLE)
-    done = subprocess.run(
-        [sys.executable, tmp_path / "circle.py"], capture_output=True, text=True, timeout=120,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
-    )  # fmt: skip
+    done = ran(tmp_path, CIRCLE)
     assert done.returncode == 1 and "in a circle?" in done.stderr
 
 
@@ -171,11 +172,7 @@ except IndexError:
 @pytest.mark.parametrize("how", ["kernel", "part"])
 def test_bounds_are_checked_in_what_a_kernel_calls_too(tmp_path, how):
     """What the third pass of scripts/test rests on."""
-    (tmp_path / "beyond.py").write_text(BEYOND % how)
-    done = subprocess.run(
-        [sys.executable, tmp_path / "beyond.py"], capture_output=True, text=True, timeout=120,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_BOUNDSCHECK": "1"},
-    )  # fmt: skip
+    done = ran(tmp_path, BEYOND % how, NUMBA_BOUNDSCHECK="1")
     assert done.stdout.strip() == "checked", done.stderr
 
 
