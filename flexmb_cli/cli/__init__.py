@@ -12,7 +12,15 @@ import sys
 import click
 
 from .. import __version__
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
+from ..errors import (
+    ANALYSIS_FAILED,
+    BAD_INPUT,
+    INTERNAL_FAULT,
+    LACK_OF_MEMORY,
+    Fault,
+    FlexmbError,
+    compiler_style,
+)
 from ..run.outcome import Terminated
 from .beam import beam
 from .check import check
@@ -115,7 +123,7 @@ def _refuse_lack(fault):
     if "--debug" in sys.argv:
         raise fault
     if isinstance(fault, MemoryError):
-        told = "not enough memory (`ulimit -v` tells a limit); what was not complete is not written"
+        told = f"{LACK_OF_MEMORY}; what was not complete is not written"
     else:
         told = f"a library cannot be loaded, for want of memory or a broken installation: {fault}"
     _tell(f"flexmb: error: {told}")

@@ -1,7 +1,7 @@
 """A DAFMS deck from its records to FMBD.OUT echo, series of units 2 and 3, and HDF5 result."""
 
 from .. import __version__
-from ..errors import AnalysisError, Fault, OutputError
+from ..errors import AnalysisError, Fault, FlexmbError, OutputError
 from ..model.tree import Tree
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
@@ -46,15 +46,15 @@ def run_dafms(
         journal.close()
         outcome.resumable = journal.begun
         raise
-    except Exception:
+    except FlexmbError:
         files.discard()
         journal.remove()
         raise
-    except BaseException:
+    except BaseException as ending:
         with Stop.later():
             journal.close()
             outcome.resumable = journal.begun
-            outcome.files = files.close_interrupted(outcome.rows)
+            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending))
         raise
     _complete(files, journal, outcome, doubts)
 
@@ -176,7 +176,7 @@ class _ResultFiles:
 
         self.deck, self.options, self.paths, self.stdout = deck, options, paths, stdout
         self.texts, self.result, self.series = [], None, None
-        self.echoed = False
+        self.echoed = self.torn = False
         if paths.files:
             make_folder(options.folder)
         try:
@@ -222,11 +222,13 @@ class _ResultFiles:
         stream.write(echo_text(self.deck, self.options.layout))
 
     def rows(self, values):
+        self.torn = True
         self._echo()
         if self.series:
             self.series.rows(values["time"], values["coordinate/q"], values["coordinate/u"])
         if self.result:
             self.result.rows(values)
+        self.torn = False
 
     def close(self, notes=()):
         from ..write.atomic import put_in_place
@@ -244,12 +246,12 @@ class _ResultFiles:
             self.result.mark("failed", message)
         return self.close()
 
-    def close_interrupted(self, rows):
-        """Keep the rows so far; where there are none, the results of an earlier run stay."""
-        if rows == 0:
+    def close_stopped(self, rows, reason):
+        """Keep the rows so far, if all files have the same; else the results of an earlier run stay."""
+        if rows == 0 or self.torn:
             self.discard()
             return ()
-        return self.close_failed("interrupted")
+        return self.close_failed(reason)
 
     def discard(self):
         for file in self._all():

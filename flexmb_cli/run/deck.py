@@ -2,7 +2,16 @@
 
 from dataclasses import replace
 
-from ..errors import INTERNAL_FAULT, AnalysisError, DeckError, Fault, FlexmbError, ModelError
+from ..errors import (
+    ANALYSIS_FAILED,
+    INTERNAL_FAULT,
+    LACK_OF_MEMORY,
+    AnalysisError,
+    DeckError,
+    Fault,
+    FlexmbError,
+    ModelError,
+)
 from ..read.deck import Deck
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
@@ -47,6 +56,10 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
         outcome.exit_code = INTERRUPTED
     except Terminated:
         outcome.exit_code = TERMINATED
+    except MemoryError:
+        # Other decks of the call may need less.
+        outcome.faults.append(Fault("error", LACK_OF_MEMORY))
+        outcome.exit_code = ANALYSIS_FAILED
     except Exception:
         if Stop.asked is None:
             raise

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from ..errors import DONE, Fault, ModelError
+from ..errors import DONE, LACK_OF_MEMORY, Fault, ModelError
 from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
@@ -42,6 +42,14 @@ class Stop:
         """Raise what was asked for and got lost."""
         if cls.asked is not None:
             raise cls.asked
+
+    @classmethod
+    def reason(cls, ending: BaseException) -> str:
+        """Why a run ended in its midst, for the rows that are kept."""
+        if cls.asked is not None or not isinstance(ending, Exception):
+            return "interrupted"
+        told = f"a fault of flexmb itself: {type(ending).__name__}: {ending}"
+        return LACK_OF_MEMORY if isinstance(ending, MemoryError) else told
 
 
 # Fields of `KinematicSettings` by the options that set them.

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..errors import AnalysisError
+from ..errors import AnalysisError, FlexmbError
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
@@ -56,12 +56,12 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
         with Stop.later():
             outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
         raise
-    except Exception:
+    except FlexmbError:
         files.discard()
         raise
-    except BaseException:
+    except BaseException as ending:
         with Stop.later():
-            outcome.files = files.close_interrupted(outcome.rows)
+            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending))
         raise
     with Stop.later():
         outcome.files = files.close(notes_of(analysis))
@@ -130,7 +130,7 @@ class ResultFiles:
 
         self.paths, self.contents = paths, contents
         self.table = self.table_file = self.result = None
-        self.begun = False
+        self.begun = self.torn = False
         if paths.files:
             make_folder(options.folder)
         if paths.out is not None:
@@ -159,11 +159,13 @@ class ResultFiles:
 
     def rows(self, rows) -> None:
         """Write report rows."""
+        self.torn = True
         self._begin()
         if self.table:
             self.table.rows(rows)
         if self.result:
             self.result.rows(self.contents.values(rows))
+        self.torn = False
 
     def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
@@ -183,12 +185,12 @@ class ResultFiles:
             self.result.mark("failed", message)
         return self.close(notes)
 
-    def close_interrupted(self, rows: int) -> tuple[str, ...]:
-        """Keep the rows so far; where there are none, the results of an earlier run stay."""
-        if rows == 0:
+    def close_stopped(self, rows: int, reason: str) -> tuple[str, ...]:
+        """Keep the rows so far, if all files have the same; else the results of an earlier run stay."""
+        if rows == 0 or self.torn:
             self.discard()
             return ()
-        return self.close_failed("interrupted", no_convergence=False)
+        return self.close_failed(reason, no_convergence=False)
 
     def discard(self) -> None:
         """Leave no file."""

@@ -8,12 +8,16 @@ import time
 from pathlib import Path
 
 import click
+import h5py
 import pytest
 
 from flexmb_cli import cli as commands
 from flexmb_cli.cli.run import stop_on_signals
+from flexmb_cli.errors import LACK_OF_MEMORY
 from flexmb_cli.run import deck
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
+from flexmb_cli.write.result_file import ResultFile
+from tests.run.dafms_runs import ENDINGS, run
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 DECK = str(DECKS / "young/IN1-1-1.dat")
@@ -40,6 +44,56 @@ def test_a_stop_that_got_lost_is_heeded_after_the_block_of_rows(tmp_path, monkey
     lost = Listener(begin=lambda rows: setattr(Stop, "asked", KeyboardInterrupt))
     outcome = deck.run_deck(str(DECKS / path), RunOptions(folder=str(tmp_path)), lost)
     assert outcome.exit_code == INTERRUPTED and outcome.files
+
+
+def raising(fault):
+    def advance(rows):
+        raise fault
+
+    return Listener(advance=advance)
+
+
+@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "dafms/pendulum.DAT"])
+def test_what_was_solved_before_the_memory_was_used_up_is_kept(tmp_path, path):
+    outcome = deck.run_deck(str(DECKS / path), RunOptions(folder=str(tmp_path)), raising(MemoryError()))
+    assert (outcome.exit_code, [fault.message for fault in outcome.faults][-1:]) == (1, [LACK_OF_MEMORY])
+    (found,) = (name for name in outcome.files if name.endswith(".h5"))
+    with h5py.File(found) as result:
+        assert (result.attrs["status"], result.attrs["message"]) == ("failed", LACK_OF_MEMORY)
+        assert len(result["time"]) == outcome.rows > 0
+
+
+def test_a_run_that_lacked_memory_goes_on_with_resume(tmp_path):
+    outcome = run("pendulum", tmp_path / "stopped", raising(MemoryError()))
+    assert outcome.resumable
+    assert run("pendulum", tmp_path / "stopped", resume=True).exit_code == 0
+    run("pendulum", tmp_path / "whole")
+    for ending in ENDINGS:
+        one, other = (tmp_path / folder / f"pendulum.{ending}" for folder in ("stopped", "whole"))
+        assert one.read_bytes() == other.read_bytes(), ending
+
+
+@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "dafms/pendulum.DAT"])
+def test_a_fault_of_flexmb_itself_keeps_what_was_solved(tmp_path, path):
+    with pytest.raises(ZeroDivisionError):
+        deck.run_deck(str(DECKS / path), RunOptions(folder=str(tmp_path)), raising(ZeroDivisionError("x")))
+    (found,) = tmp_path.glob("*.h5")
+    with h5py.File(found) as result:
+        assert result.attrs["message"] == "a fault of flexmb itself: ZeroDivisionError: x"
+        assert len(result["time"]) > 0
+
+
+def test_a_fault_in_the_midst_of_writing_a_block_leaves_the_older_results(tmp_path, monkeypatch):
+    """The table would have rows that the HDF5 file lacks."""
+    assert deck.run_deck(DECK, RunOptions(folder=str(tmp_path))).exit_code == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def torn(*arguments):
+        raise MemoryError
+
+    monkeypatch.setattr(ResultFile, "rows", torn)
+    assert deck.run_deck(DECK, RunOptions(folder=str(tmp_path))).exit_code == 1
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_a_fault_without_a_stop_stays_a_fault(monkeypatch):
