@@ -11,7 +11,7 @@ SAMPLE_RATE_LIMIT = 2.0  # Hz: what counts as slow elastic motion
 def pendulum(results, pictures) -> Section:
     """Section 4.2."""
     section = Section("DAFMS: elastic pendulum (4.2)")
-    result = run("dafms/pendulum.DAT", results)
+    (result,) = run(results, "dafms/pendulum.DAT")
     # Hinge coordinates: the angle and the length; q1 of (4.1) is the length beyond 0.1, over L = 0.4 m.
     time, q = result["time"][:], result["coordinate/q"]
     q2, q1 = q[:, 0], (q[:, 1] - 0.1) / 0.4
@@ -37,8 +37,8 @@ def pendulum(results, pictures) -> Section:
 def shaft(results, pictures) -> Section:
     """Section 4.3."""
     section = Section("DAFMS: rotating shaft with a beam (4.3)")
-    runs = {"coupled": run("dafms/shaft_beam_n10.DAT", results),
-            "one-way": run("dafms/shaft_beam_n10_unco.DAT", results)}  # fmt: skip
+    coupled, one_way = run(results, "dafms/shaft_beam_n10.DAT", "dafms/shaft_beam_n10_unco.DAT")
+    runs = {"coupled": coupled, "one-way": one_way}
     recomputed = {
         "coupled": ("0.015084", "-0.014466", "7.23197"),
         "one-way": ("0.018776", "-0.014413", "7.01051"),
@@ -74,10 +74,9 @@ def manipulator(results, pictures) -> Section:
     section = Section("DAFMS: flexible two-link manipulator (4.4)")
     figure, axes = plt.subplots(2, 1, figsize=(9, 4.5), sharex=True, layout="constrained")
     rows = []
-    for axis, (name, deck, expected) in zip(
-        axes, (("coupled", "two_link_n2", "+0.93"), ("one-way", "two_link_n2_unco", "-0.43")), strict=True
-    ):
-        result = run(f"dafms/{deck}.DAT", results)
+    found = run(results, "dafms/two_link_n2.DAT", "dafms/two_link_n2_unco.DAT")
+    told = (("coupled", "+0.93"), ("one-way", "-0.43"))
+    for axis, result, (name, expected) in zip(axes, found, told, strict=True):
         tips = [result[f"elastic/body {k}/displacement"][:, -1] for k in (1, 2)]
         slow = [_slow(tip[:, np.ptp(tip, axis=0).argmax()], result["time"][:]) for tip in tips]
         rows.append((name, expected, f"{np.corrcoef(*slow)[0, 1]:+.2f}"))

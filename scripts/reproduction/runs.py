@@ -1,5 +1,6 @@
 """Runs of decks through the command line, and their results."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -11,10 +12,9 @@ DECKS = TOP / "decks"
 PUBLISHED = TOP / "tests" / "published"
 
 
-def run(deck: str, folder: Path):
-    """The open result of `deck` (its path below decks/), run in `folder`; stops when the run fails."""
-    known = set(folder.glob("*.h5"))
-    command = [sys.executable, "-m", "flexmb_cli", "run", str(DECKS / deck), "-q", "--no-out", "-o", folder]
-    subprocess.run(command, check=True)
-    (made,) = set(folder.glob("*.h5")) - known
-    return h5py.File(made)
+def run(folder: Path, *decks: str) -> list[h5py.File]:
+    """The open results of `decks` (paths below decks/), run in `folder`; stops when a run fails."""
+    options = ("-q", "--no-out", "--json", "-o", folder)
+    command = [sys.executable, "-m", "flexmb_cli", "run", *(DECKS / deck for deck in decks), *options]
+    told = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return [h5py.File(json.loads(line)["files"][0]) for line in told.splitlines()]

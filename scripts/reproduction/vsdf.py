@@ -15,7 +15,7 @@ NONLINEAR = {0.05: (-0.01772, -0.6896), 0.1: (-0.06560, -1.0613), 0.2: (-0.06667
 def pendulum(results, pictures) -> Section:
     """The paper's example."""
     section = Section("VSDFlex: flexible pendulum of 16 bricks")
-    result = run("vsdf/pendulum.vsdf", results)
+    (result,) = run(results, "vsdf/pendulum.vsdf")
     found = result["modal/body 1/frequency"][:]
     section.text("The paper keeps nine modes and gives their range as 5 to 124 Hz.")
     rows = [(k, f, f"{g:.3f}") for k, (f, g) in enumerate(zip(FREQUENCIES, found, strict=True), start=1)]

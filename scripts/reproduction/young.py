@@ -29,8 +29,10 @@ def listings(results, pictures) -> Section:
         be 0."""
     )
     rows, causes = [], Counter()
-    for path in sorted((PUBLISHED / "young").glob("IN*.csv")):
-        cells = _cells(path, run(f"young/{path.stem}.dat", results))
+    paths = sorted((PUBLISHED / "young").glob("IN*.csv"))
+    found = run(results, *(f"young/{path.stem}.dat" for path in paths))
+    for path, result in zip(paths, found, strict=True):
+        cells = _cells(path, result)
         wrong = [cell for cell in cells if not cell["agrees"]]
         explained = [_cause(path.stem, cell) for cell in wrong]
         causes.update((path.stem, cause) for cause in explained if cause)
@@ -83,7 +85,7 @@ def coelho(results, pictures) -> Section:
     section = Section("YOUNG: the RSSR of Appendix C")
     with open(PUBLISHED / "young/coelho_rssr.csv") as file:
         table = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    result = run("young/IN-RSSR-COELHO.dat", results)
+    (result,) = run(results, "young/IN-RSSR-COELHO.dat")
     printed = {end: _vectors(table, end) for end in ENDS}
     computed = {end: _end(result, end) for end in ENDS}
     rows = []

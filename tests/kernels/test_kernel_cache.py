@@ -31,12 +31,21 @@ print(twice(7.0), sum(twice.stats.cache_hits.values()))
 """
 
 
-def twice(folder, *arguments):
+@pytest.fixture(scope="module")
+def script(tmp_path_factory):
+    """The kernel as a program, and a cache in which it is kept."""
+    path = tmp_path_factory.mktemp("kernel") / "kernel.py"
+    path.write_text(KERNEL)
+    assert twice(path, path.parent / "cache") == "42.0 0"
+    assert twice(path, path.parent / "cache") == "42.0 1"
+    return path
+
+
+def twice(script, cache, *arguments):
     """What the kernel gives in a process of its own, and how often it came from the cache."""
-    (folder / "kernel.py").write_text(KERNEL)
     done = subprocess.run(
-        [sys.executable, folder / "kernel.py", *arguments], capture_output=True, text=True, timeout=120,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache")},
+        [sys.executable, script, *arguments], capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
     )  # fmt: skip
     return done.stdout.strip() or done.stderr[-500:]
 
@@ -56,25 +65,25 @@ DAMAGES = {
 }
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, damage, ending):
-    assert twice(tmp_path) == "42.0 0"
-    assert twice(tmp_path) == "42.0 1"
-    for path in (tmp_path / "cache").rglob(f"*.{ending}"):
-        path.write_bytes(DAMAGES[damage](path.read_bytes()))
-    assert twice(tmp_path) == "42.0 0"
-    assert twice(tmp_path) == "42.0 1"
+def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, script, damage, ending):
+    cache = shutil.copytree(script.parent / "cache", tmp_path / "cache")
+    (kept,) = cache.rglob(f"*.{ending}")
+    kept.write_bytes(DAMAGES[damage](kept.read_bytes()))
+    assert twice(script, cache) == "42.0 0"
+    assert twice(script, cache) == "42.0 1"
 
 
-def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_calls_it(tmp_path):
-    assert twice(tmp_path) == "42.0 0"
-    kept = {path.name.partition("-")[0] for path in (tmp_path / "cache").rglob("*.nbc")}
-    assert kept == {"kernel.twice"}
+@pytest.mark.processes
+def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_calls_it(tmp_path, script):
+    cache = shutil.copytree(script.parent / "cache", tmp_path / "cache")
+    assert [path.name.partition("-")[0] for path in cache.rglob("*.nbc")] == ["kernel.twice"]
     command = "import kernel; print(kernel.below(7.0), kernel.below.part.overloads)"
     done = subprocess.run(
-        [sys.executable, "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=120,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
+        [sys.executable, "-c", command], cwd=script.parent, capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
     )  # fmt: skip
     assert done.stdout.split()[-2:] == ["21.0", "OrderedDict()"], done.stderr
 
@@ -116,6 +125,7 @@ print(both(2.0))
 """
 
 
+@pytest.mark.processes
 def test_a_function_that_one_part_names_and_another_calls_is_linked(tmp_path):
     """Offered to LLVM behind the part that only names it, it was left out, and the process ended."""
     done = ran(tmp_path, UNCALLED)
@@ -145,6 +155,7 @@ print(both(4))
 """
 
 
+@pytest.mark.processes
 def test_kernels_that_call_one_another_in_a_circle_are_refused(tmp_path):
     done = ran(tmp_path, CIRCLE)
     assert done.returncode == 1 and "in a circle?" in done.stderr
@@ -176,10 +187,12 @@ def test_bounds_are_checked_in_what_a_kernel_calls_too(tmp_path, how):
     assert done.stdout.strip() == "checked", done.stderr
 
 
-def test_a_cache_that_is_lost_on_the_way_stops_nothing(tmp_path):
-    assert twice(tmp_path, str(tmp_path / "cache")) == "42.0 0"
+@pytest.mark.processes
+def test_a_cache_that_is_lost_on_the_way_stops_nothing(tmp_path, script):
+    assert twice(script, tmp_path / "cache", tmp_path / "cache") == "42.0 0"
 
 
+@pytest.mark.processes
 def test_a_checkout_elsewhere_has_a_folder_of_its_own(tmp_path):
     """numba would not find its kernels in the other's, and the notice of compiling would be left out."""
     package = Path(_jit.__file__).parents[1]

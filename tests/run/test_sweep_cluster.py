@@ -96,8 +96,15 @@ def test_only_the_case_that_ends_workers_of_a_cluster_is_given_up(tmp_path, monk
     assert [result.case for result in sweep.results() if result.exit_code] == [77]
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "post://office:1"])
-def test_no_scheduler_is_told(tmp_path, address):
+def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=3)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_cluster, "PATIENCE", 1)
+    with pytest.raises(study_cluster.ClusterError, match="no Dask scheduler answers at tcp:"):
+        study_cluster.solve_on_cluster(sweep, [0], lambda cases: None, "tcp://127.0.0.1:1")
+
+
+@pytest.mark.parametrize("address", ["nowhere", "post://office:1"])
+def test_what_is_no_address_of_a_scheduler_is_told(tmp_path, address):
     done = flexmb("sweep", written(tmp_path, SMALL), "--scheduler", address, cwd=tmp_path, check=False)
     assert done.returncode == 2 and f"no Dask scheduler answers at {address}" in done.stderr
     assert "Traceback" not in done.stderr
