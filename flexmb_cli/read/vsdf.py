@@ -134,7 +134,8 @@ class _Reader:
         head = numbers[0] if numbers else None
         if card.second:
             numbers += self._read_second(card)
-        if head is None or any(fault.severity == "error" for fault in self.faults[before:]):
+        told = self.faults[before:]
+        if head is None or (told and any(fault.severity == "error" for fault in told)):
             self.counts[card.section] = self.counts.get(card.section, 0) + 1
             return
         self._keep(card, head, numbers)
@@ -222,6 +223,8 @@ def _hint(word: str) -> str:
 def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
     """Fields that repeat get a number behind their key, so that every number has its own name."""
     keys = [number.key for number in numbers]
+    if len(set(keys)) == len(keys):
+        return tuple(numbers)
     named, counts = [], {}
     for found in numbers:
         if keys.count(found.key) > 1:

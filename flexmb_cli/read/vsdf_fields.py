@@ -1,5 +1,6 @@
 """The fields of one data card: cut by columns, or by commas where the card has one."""
 
+import functools
 from typing import NamedTuple
 
 from . import number
@@ -9,11 +10,23 @@ _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
 
 
 class Field(NamedTuple):
-    """What stands in a field: its text without the blanks around it, and its first column."""
+    """What stands in a field: its text without the blanks around it, its first column, and the field's place.
+
+    `first` and `last` column of a field of fixed form, `last` 0 where text goes on; else its `index` by commas.
+    """
 
     text: str
     column: int
-    span: str
+    first: int = 0
+    last: int = 0
+    index: int = 0
+
+    @property
+    def span(self) -> str:
+        """The field's place in words."""
+        if self.index:
+            return f"field {self.index}"
+        return f"columns {self.first}-{self.last}" if self.last else f"column {self.first} on"
 
 
 class Unfit(ValueError):
@@ -46,9 +59,9 @@ def rest(line: str, columns: tuple[Column, ...]) -> Field:
     """What stands behind the last field of a card."""
     if is_free(line, columns):
         extra = _cut_by_commas(line, columns)[len(columns) :]
-        return next((field for field in extra if field.text), Field("", len(line) + 1, ""))
+        return next((field for field in extra if field.text), Field("", len(line) + 1))
     last = _edges(columns)[-1][1]
-    return _cut(line, last + 1, len(line)) if last else Field("", len(line) + 1, "")
+    return _cut(line, last + 1, len(line)) if 0 < last < len(line) else Field("", len(line) + 1)
 
 
 def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
@@ -108,6 +121,7 @@ def guide(line: str, columns: tuple[Column, ...]) -> tuple[str, ...]:
     return picture, ruler[: len(picture)]
 
 
+@functools.cache
 def _edges(columns):
     """First and last column of each field; text goes on to the end of the line, marked by 0."""
     edges, first = [], 1
@@ -116,14 +130,14 @@ def _edges(columns):
         width = WIDTHS[column.letter]
         edges.append((first, first + width - 1 if width else 0))
         first += width
-    return edges
+    return tuple(edges)
 
 
 def _cut(line, first, last):
     raw = line[first - 1 : last] if last else line[first - 1 :]
     text = raw.strip()
     column = first + (len(raw) - len(raw.lstrip()) if text else 0)
-    return Field(text, column, f"columns {first}-{last}" if last else f"column {first} on")
+    return Field(text, column, first, last)
 
 
 def _cut_on(line, last, width):
@@ -138,7 +152,7 @@ def _cut_by_commas(line, columns):
     for index, raw in enumerate(line.split(",", limit), start=1):
         text = raw.strip()
         column = first + (len(raw) - len(raw.lstrip()) if text else 0)
-        found.append(Field(text, column, f"field {index}"))
+        found.append(Field(text, column, index=index))
         first += len(raw) + 1
     missing = range(len(found) + 1, len(columns) + 1)
-    return found + [Field("", len(line) + 1, f"field {index}") for index in missing]
+    return found + [Field("", len(line) + 1, index=index) for index in missing]
