@@ -12,7 +12,7 @@ _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
 class Field(NamedTuple):
     """What stands in a field: its text without the blanks around it, its first column, and the field's place.
 
-    `first` and `last` column of a field of fixed form, `last` 0 where text goes on; else its `index` by commas.
+    `first` and `last` column of a field of fixed form, `last` 0 where text goes on; `index` of one by commas.
     """
 
     text: str
