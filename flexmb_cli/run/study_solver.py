@@ -7,7 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
+from ..errors import (
+    ANALYSIS_FAILED,
+    DONE,
+    INTERNAL_FAULT,
+    LACK_OF_MEMORY,
+    DeckError,
+    Fault,
+    FlexmbError,
+)
 from ..read.deck import Deck
 from ..read.settings import SettableDeck
 from ..read.study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
@@ -87,7 +95,9 @@ class CaseSolver:
                     part.add(values[quantity.dataset][(slice(None), *quantity.index)])
         except FlexmbError as failure:
             code, message = failure.exit_code, failure.faults[0].sentence
-        except (ArithmeticError, ValueError, MemoryError) as fault:
+        except MemoryError:
+            code, message = ANALYSIS_FAILED, LACK_OF_MEMORY
+        except (ArithmeticError, ValueError) as fault:
             code, message = INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
         return self._result(case, code, rows, taken, message)
 

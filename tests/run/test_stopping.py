@@ -63,6 +63,7 @@ def test_what_was_solved_before_the_memory_was_used_up_is_kept(tmp_path, path):
         assert len(result["time"]) == outcome.rows > 0
 
 
+@pytest.mark.long_motion
 def test_a_run_that_lacked_memory_goes_on_with_resume(tmp_path):
     outcome = run("pendulum", tmp_path / "stopped", raising(MemoryError()))
     assert outcome.resumable

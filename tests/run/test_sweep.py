@@ -19,6 +19,7 @@ from flexmb_cli.run import study_table, study_workers
 from flexmb_cli.run.outcome import Stop, Terminated
 from flexmb_cli.run.study_cases import Cases
 from flexmb_cli.run.study_parts import Parts
+from flexmb_cli.run.study_solver import CaseSolver
 from flexmb_cli.run.sweep import Sweep, give_up_case, next_case, solve_block
 from flexmb_cli.write.study_table import write_table
 from tests.run.studies import FLEXMB, RSSR, SAMPLED, SMALL, flexmb, written
@@ -50,6 +51,30 @@ def test_every_case_is_what_run_gives_with_set(tmp_path):
         assert found["result/last"][k] == omega[-1]
         np.testing.assert_array_equal(found["result/path"][k], point[:, 1])
     assert not (tmp_path / "study.h5.parts").exists()
+
+
+@pytest.mark.parametrize(
+    "fault, code, message",
+    [
+        (MemoryError(), 1, "not enough memory"),
+        (ZeroDivisionError("by zero"), 3, "a fault of flexmb itself: ZeroDivisionError: by zero"),
+    ],
+)
+def test_what_ends_one_case_is_recorded_and_the_next_is_solved(tmp_path, monkeypatch, fault, code, message):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=3)), str(tmp_path / "parts"))
+    whole, struck = CaseSolver._solution, []
+
+    def fails(solver, deck):
+        if deck is not solver.deck and not struck:
+            struck.append(deck)
+            raise fault
+        return whole(solver, deck)
+
+    monkeypatch.setattr(CaseSolver, "_solution", fails)
+    study_workers.solve_here(sweep, sweep.pending(), lambda cases: None)
+    first, *others = sweep.results()
+    assert first.exit_code == code and first.message.startswith(message)
+    assert [other.exit_code for other in others] == [0, 0]
 
 
 def test_a_latin_hypercube_has_one_case_in_every_stratum(tmp_path):
