@@ -180,7 +180,11 @@ def _records(file, cases):
         payload = file.read(length)
         if len(payload) < length or zlib.crc32(payload) != checksum:
             return
-        result = _unpacked(payload)
+        # Zeros, as behind a loss of power, are a record of no length and its checksum.
+        try:
+            result = _unpacked(payload)
+        except (struct.error, ValueError):
+            return
         if result.case != case:
             return
         yield result

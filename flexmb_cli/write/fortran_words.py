@@ -10,10 +10,14 @@ from dataclasses import replace
 
 from .fortran_format import Edit
 
+# Python makes no integer of thousands of digits; digits that only one part of a pattern can take are
+# tried once, however many a damaged word has.
+_FIXED = r"[-+]?(\d+(\.\d*)?|\.\d+)"
+_NO_NUMBER = r"\*+|[-+]?(nan|inf(inity)?)"
 _WORDS = {
-    "d": re.compile(r"[-+]?\d+|\*+"),
-    "f": re.compile(r"[-+]?(\d+\.?\d*|\.\d+)|\*+|[-+]?(nan|inf(inity)?)", re.IGNORECASE),
-    "e": re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([ed]?[-+]?\d+)?|\*+|[-+]?(nan|inf(inity)?)", re.IGNORECASE),
+    "d": re.compile(r"[-+]?\d{1,99}|\*+"),
+    "f": re.compile(rf"{_FIXED}|{_NO_NUMBER}", re.IGNORECASE),
+    "e": re.compile(rf"{_FIXED}(([ed][-+]?|[-+])\d{{1,9}})?|{_NO_NUMBER}", re.IGNORECASE),
 }
 _WORDS["E"] = _WORDS["e"]
 _BARE_EXPONENT = re.compile(r"([\d.])([-+]\d+)$")

@@ -13,7 +13,7 @@ from .listing import VSDF_LISTING, EchoLine, Listing, Section, TableError
 _RULE = "*" * 20
 _TIME, _ENERGY = re.compile(r"\s*TIME\s*="), re.compile(r"\s*ENERGY(?=[\s\d*+-])")
 _FAILED = "THE RUN ENDED BEFORE THE LAST TIME"
-_NUMBER = re.compile(r"(?<![\w.])[-+]?(\d+\.?\d*|\.\d+)([ED][-+]?\d+)?(?![\w])", re.IGNORECASE)
+_NUMBER = re.compile(r"(?<![\w.])[-+]?(\d+\.?\d*|\.\d+)([ED][-+]?\d{1,9})?(?![\w])", re.IGNORECASE)
 
 _PLACE = ("point_position", "X Y Z"), ("point_velocity", "VX VY VZ")
 _ENERGIES = (("energy", "KINETIC STRAIN GRAVITY SUM"),)
@@ -95,11 +95,16 @@ class _Scan:
 
     def _fields(self, number, line, start, edits):
         words = split_fields(line[start:], edits)
-        if words is None:
+        if words is None or _is_nameless(words, edits):
             sentence = f"{len(edits)} numbers are expected, read {line[start:].strip()!r}"
             self.faults.append(Fault("error", sentence, Place(number, start + 1, max(1, len(line) - start))))
             return ["0"] * len(edits)
         return words
+
+
+def _is_nameless(words, edits):
+    """Whether stars stand where the number of a body or node is wanted."""
+    return any(edit.kind == "d" and word.startswith("*") for word, edit in zip(words, edits, strict=True))
 
 
 def _nodes(gathered):

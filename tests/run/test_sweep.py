@@ -5,8 +5,10 @@ import json
 import os
 import random
 import signal
+import struct
 import subprocess
 import time
+import zlib
 from pathlib import Path
 
 import h5py
@@ -329,6 +331,22 @@ def test_a_damaged_length_of_a_case_takes_no_memory(tmp_path):
     part = next((tmp_path / "parts").glob("*.part"))
     part.write_bytes(b"\xff\xff\xff\xff" + part.read_bytes()[4:])
     assert list(sweep.job.stored(0)) == []
+
+
+def test_records_that_are_no_cases_count_as_torn(tmp_path):
+    """Their checksums are right: zeros behind a loss of power, a message beyond the end, half a number."""
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=400)), str(tmp_path / "parts"))
+    solve_block(sweep.job, 0)
+    part = next((tmp_path / "parts").glob("*.part"))
+    whole = part.read_bytes()
+    second = 8 + int.from_bytes(whole[:4], "little")
+    for payload in (b"", bytes(20), struct.pack("<qiiiiiI", 1, *6 * [99]), struct.pack("<q28x", 1)):
+        head = struct.pack("<II", len(payload), zlib.crc32(payload))
+        part.write_bytes(whole[:second] + head + payload + bytes(99))
+        assert len(list(sweep.job.stored(0))) == 1
+        assert next_case(sweep.job, 0) == 1
+        solve_block(sweep.job, 0)
+        assert part.read_bytes() == whole
 
 
 def test_parquet_holds_the_same_numbers(tmp_path):

@@ -4,6 +4,7 @@ Layouts: DAFMS thesis (Zhao, 1992), appendix C; the sample echoes come from its 
 """
 
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,14 @@ def test_a_line_that_cannot_be_read_is_located():
     fault = caught.value.faults[0]
     assert (fault.place.line, fault.place.column) == (16, 11)
     assert fault.sentence == "NEQ=: 1 numbers are expected, read 'Z'"
+
+
+@pytest.mark.parametrize("word", ["0.1E" + 5000 * "0", "0.1+" + 5000 * "9", 5000 * "1" + "x"])
+def test_a_word_of_thousands_of_digits_is_located(word):
+    """Python makes no integer of so many; and trying where they part took minutes."""
+    with pytest.raises(TableError) as caught:
+        parse_echo("x", re.sub(r"(BKCP\s+)\S.*", rf"\g<1>{word}", TWO_LINK, count=1))
+    assert caught.value.faults[0].sentence == f"BKCP: numbers are expected, read {word!r}"
 
 
 def test_other_texts_are_no_echo_and_no_series():

@@ -145,6 +145,22 @@ def test_a_line_that_cannot_be_read_is_located():
     assert fault.message.startswith("8 numbers are expected, read '1      51")
 
 
+@pytest.mark.parametrize(
+    ("number", "damaged"),
+    [(" 51  1.1", f" {5000 * '5'}  1.1"), (" 51  1.1", " **  1.1"), ("8.50000E+01", f"8.5E{5000 * '0'}")],
+    ids=["node of 5000 digits", "node of stars", "exponent of 5000 digits"],
+)
+def test_what_is_no_number_of_a_node_or_too_long_for_one_is_located(number, damaged):
+    with pytest.raises(TableError) as caught:
+        parse_vsdf("x", TEXT.replace(number, damaged))
+    assert caught.value.faults[0].place.line == TEXT[: TEXT.index(number)].count("\n") + 1
+
+
+def test_an_exponent_of_thousands_of_digits_in_the_head_is_told():
+    report = report_of(TEXT, TEXT.replace("5.0E-5", f"5.0E-{5000 * '0'}5"))
+    assert report.missing == ["echo of the input: 11 numbers in a, 12 in b"]
+
+
 def test_other_texts_are_no_listing():
     for text in ("", RULE, "VSDF\n", "Dear Sir,\n", f"{RULE}\nDear Sir,\n"):
         assert parse_vsdf("x", text) is None
