@@ -361,6 +361,21 @@ __main__.main()
     assert json.loads(done.stdout)["status"] == "failed"
 
 
+@pytest.mark.processes
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of memory are Unix's")
+@pytest.mark.parametrize("megabytes", [300, 340, 380])
+def test_a_limit_of_memory_ends_a_run_in_words_and_in_time(tmp_path, megabytes):
+    """OpenBLAS asks for its buffers without end where they are refused; only a kill stopped that."""
+    flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
+    limited = f"import resource; resource.setrlimit(resource.RLIMIT_AS, 2 * ({megabytes} * 2**20,)); "
+    code = f"{limited}from flexmb_cli.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "run", str(FOUR_BAR)],
+        cwd=tmp_path, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 1 and "not enough memory" in done.stderr
+
+
 def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
     place = tmp_path / "install"
     shutil.copytree(TOP / "flexmb_cli", place / "flexmb_cli", ignore=shutil.ignore_patterns("__pycache__"))

@@ -4,6 +4,7 @@ What a command needs is imported inside it, so that `--help`, `check` and `diff`
 """
 
 import contextlib
+import errno
 import gc
 import os
 import signal
@@ -81,7 +82,7 @@ def main():
     try:
         _run_command()
     except OSError as fault:
-        if fault.errno is None:
+        if fault.errno in (None, errno.ENOMEM):
             _refuse_lack(fault)  # a library that the system cannot load
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.

@@ -6,7 +6,7 @@ import sys
 import click
 
 from .deck_options import DECK, deck_options, show_faults
-from .terminal import show
+from .terminal import show, wants_debug
 
 
 @click.command()
@@ -26,7 +26,7 @@ def check(decks, changes, echo, as_json, quiet, jacobian, **options):
     _check_jacobian_option(jacobian)
     codes = []
     for path in decks:
-        report = check_deck(path, RunOptions(changes=changes, **options), jacobian)
+        report = check_deck(path, RunOptions(changes=changes, debug=wants_debug(), **options), jacobian)
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:

@@ -7,7 +7,7 @@ import click
 
 from .deck_options import DECK, deck_options, show_faults
 from .finite import AnyFinite
-from .terminal import show, tell
+from .terminal import show, tell, wants_debug
 
 
 @click.command()
@@ -41,10 +41,9 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
 
     listener = Listener(notice=lambda sentence: quiet or tell(f"flexmb: {sentence}"))
     codes = []
+    choices = RunOptions(changes=changes, debug=wants_debug(), **options)
     for path in decks:
-        report = modes_of_deck(
-            path, Wish(time, equilibrium), RunOptions(changes=changes, **options), listener
-        )
+        report = modes_of_deck(path, Wish(time, equilibrium), choices, listener)
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))

@@ -7,11 +7,11 @@ import sys
 
 import click
 
-from ..errors import ANALYSIS_FAILED, DONE, FlexmbError
+from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
 from ..run.outcome import Terminated
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
-from .terminal import show, standard_output, tell
+from .terminal import show, standard_output, tell, wants_debug
 
 # SIGHUP, which not every system has: the terminal is closed, or the connection to it.
 STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -56,7 +56,8 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     _refuse_foreign_resume(options)
     solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
-    choices = RunOptions(changes=changes, solver=solver, integration=integration, echo=echo, **options)
+    options |= {"echo": echo, "debug": wants_debug()}
+    choices = RunOptions(changes=changes, solver=solver, integration=integration, **options)
     _refuse_shared_files(decks, choices)
     stop_on_signals()
     codes = []
@@ -247,10 +248,10 @@ def _report_outcome(outcome, quiet, verbose):
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
-    elif outcome.exit_code == 1 and not quiet:
-        tell(f"{outcome.deck}: {_kept(outcome)}")
     elif outcome.exit_code == DONE and not quiet:
         tell(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}")
+    elif (outcome.exit_code in (ANALYSIS_FAILED, INTERNAL_FAULT) or outcome.files) and not quiet:
+        tell(f"{outcome.deck}: {_kept(outcome)}")
     if verbose and not quiet and outcome.statistics:
         click.echo(f"  {outcome.statistics}", err=True)
 

@@ -23,6 +23,11 @@ class TerminalText:
         self._stream.flush()
 
 
+def wants_debug() -> bool:
+    """Whether faults of flexmb itself are to be shown with their traceback."""
+    return "--debug" in sys.argv
+
+
 def standard_output():
     """Standard output; where it is a terminal, with marks."""
     return TerminalText(sys.stdout) if sys.stdout.isatty() else sys.stdout

@@ -7,7 +7,7 @@ import click
 
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
-from .terminal import show, tell
+from .terminal import show, tell, wants_debug
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
@@ -32,7 +32,7 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
     from ..write.verify_text import verify_text
 
     steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
-    choices = RunOptions(changes=changes, integration=steps, echo=echo, **options)
+    choices = RunOptions(changes=changes, integration=steps, echo=echo, debug=wants_debug(), **options)
     listener = Listener() if quiet else Listener(notice=_notice)
     codes = []
     for path in decks:

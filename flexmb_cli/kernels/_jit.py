@@ -7,12 +7,16 @@ run as plain Python on numpy arrays, and numba is never imported.
 import contextlib
 import functools
 import hashlib
+import mmap
 import os
 import pickle
 import stat
 import tempfile
 import zlib
 from pathlib import Path
+
+# Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
+TO_LOAD, TO_COMPILE = 2**27, 2**29
 
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
@@ -108,6 +112,22 @@ class Cache:
         return cls.folder is not None and not any(cls.folder.glob(f"**/{name}-*.nbi"))
 
 
+def require_memory(size: int) -> None:
+    """Raise MemoryError where a limit of the process leaves less than `size` bytes of addresses.
+
+    Short of memory OpenBLAS asks for its buffers without end, and LLVM ends the process.
+    """
+    try:
+        import resource
+    except ImportError:  # no such limits here
+        return
+    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
+        try:
+            mmap.mmap(-1, size).close()
+        except OSError as fault:
+            raise MemoryError(f"{size // 2**20} MB of addresses are needed") from fault
+
+
 def _compiling_alone(dispatcher):
     """Have `dispatcher` compiled by one of several first runs; the others wait and find it in the cache."""
     function, compile_now = dispatcher.py_func, dispatcher.compile
@@ -115,7 +135,9 @@ def _compiling_alone(dispatcher):
 
     def compile_once(signature):
         if not Cache.must_compile(name):
+            require_memory(TO_LOAD)
             return compile_now(signature)
+        require_memory(TO_COMPILE)
         with _lock(Cache.folder / f"{name}.lock"):
             return compile_now(signature)
 

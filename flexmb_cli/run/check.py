@@ -15,7 +15,7 @@ from ..read.young_dynamics import FORWARD, analysis_of
 from .check_parts import before_and_after, gaps_of, parts_of
 from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
-from .outcome import Outcome, RunOptions, refuse_warnings
+from .outcome import Outcome, RunOptions, record_fault, refuse_warnings
 
 INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
@@ -105,6 +105,8 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
         report.outcome.exit_code = failure.exit_code
         report.outcome.norms = getattr(failure, "norms", {})
         report.outcome.failed_at = getattr(failure, "time", None)
+    except Exception as fault:
+        record_fault(report.outcome, fault, options)
     return report
 
 

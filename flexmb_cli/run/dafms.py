@@ -46,15 +46,15 @@ def run_dafms(
         journal.close()
         outcome.resumable = journal.begun
         raise
-    except FlexmbError:
-        files.discard()
+    except FlexmbError as ending:
+        outcome.files = files.close_stopped(outcome.rows, str(ending), march.stopped_at)
         journal.remove()
         raise
     except BaseException as ending:
         with Stop.later():
             journal.close()
             outcome.resumable = journal.begun
-            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending))
+            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending), march.stopped_at)
         raise
     _complete(files, journal, outcome, doubts)
 
@@ -71,7 +71,7 @@ def _complete(files, journal, outcome, doubts):
     with Stop.later():
         try:
             outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
-        except OutputError:
+        except (OutputError, MemoryError):
             journal.close()
             outcome.resumable = journal.begun
             raise
@@ -161,7 +161,9 @@ class _March:
 
     @property
     def stopped_at(self):
-        """What unit 3 is told of a failure: tolerance, time aimed at, step, time, speeds and coordinates."""
+        """What unit 3 is told of a stop: tolerance, time aimed at, step, time, speeds and coordinates."""
+        if self.analysis is None:
+            return None
         clock, grid = self.analysis.clock[0], self.tree.time
         aim = grid.time(min(self.analysis.row, grid.rows - 1))
         state = self.analysis.state[: 2 * len(self.tree.coordinates)]
@@ -246,12 +248,12 @@ class _ResultFiles:
             self.result.mark("failed", message)
         return self.close()
 
-    def close_stopped(self, rows, reason):
+    def close_stopped(self, rows, reason, stopped_at):
         """Keep the rows so far, if all files have the same; else the results of an earlier run stay."""
         if rows == 0 or self.torn:
             self.discard()
             return ()
-        return self.close_failed(reason)
+        return self.close_failed(reason, stopped_at)
 
     def discard(self):
         for file in self._all():

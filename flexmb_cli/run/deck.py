@@ -2,16 +2,7 @@
 
 from dataclasses import replace
 
-from ..errors import (
-    ANALYSIS_FAILED,
-    INTERNAL_FAULT,
-    LACK_OF_MEMORY,
-    AnalysisError,
-    DeckError,
-    Fault,
-    FlexmbError,
-    ModelError,
-)
+from ..errors import INTERNAL_FAULT, AnalysisError, DeckError, Fault, FlexmbError, ModelError
 from ..read.deck import Deck
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
@@ -27,8 +18,8 @@ from .outcome import (
     Listener,
     Outcome,
     RunOptions,
-    Stop,
     Terminated,
+    record_fault,
 )
 from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
@@ -40,7 +31,7 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
     """Read, solve and write the deck at `path` ("-": standard input).
 
     `stdout` receives the OUT table of `--out -`.  Never raises for what a deck, a disk or a signal
-    can do; a fault of flexmb itself is left to the caller.
+    can do.
     """
     outcome = Outcome(path)
     try:
@@ -56,14 +47,8 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
         outcome.exit_code = INTERRUPTED
     except Terminated:
         outcome.exit_code = TERMINATED
-    except MemoryError:
-        # Other decks of the call may need less.
-        outcome.faults.append(Fault("error", LACK_OF_MEMORY))
-        outcome.exit_code = ANALYSIS_FAILED
-    except Exception:
-        if Stop.asked is None:
-            raise
-        outcome.exit_code = INTERRUPTED if Stop.asked is KeyboardInterrupt else TERMINATED
+    except Exception as fault:
+        record_fault(outcome, fault, options)
     return outcome
 
 
@@ -140,7 +125,7 @@ def _by_change(fault, options):
 
 
 def record_failure(outcome: Outcome, failure: FlexmbError, options: RunOptions) -> None:
-    """Put a failure and its exit code into `outcome`; a fault of flexmb itself is raised again."""
+    """Put a failure and its exit code into `outcome`; with `debug` a fault of flexmb itself is raised."""
     known = set(outcome.faults)
     faults = [fault for fault in failure.faults if fault not in known]
     if isinstance(failure, ModelError):
@@ -149,5 +134,5 @@ def record_failure(outcome: Outcome, failure: FlexmbError, options: RunOptions) 
     outcome.exit_code = failure.exit_code
     if isinstance(failure, AnalysisError):
         outcome.failed_at, outcome.norms = failure.time, failure.norms
-    if outcome.exit_code == INTERNAL_FAULT:
+    if outcome.exit_code == INTERNAL_FAULT and options.debug:
         raise failure

@@ -9,7 +9,7 @@ from ..read.young_dynamics import FORWARD, analysis_of
 from .dafms_tree import tree_of
 from .deck import open_deck
 from .mechanism_modes import MechanismModes, Wish, flexible_modes, tree_modes, young_modes
-from .outcome import Listener, Outcome, RunOptions
+from .outcome import Listener, Outcome, RunOptions, record_fault
 from .vsdf import mechanism_of
 
 
@@ -47,6 +47,8 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
         outcome.faults += [fault for fault in failure.faults if fault not in known]
         outcome.exit_code = failure.exit_code
         outcome.failed_at = getattr(failure, "time", None)
+    except Exception as fault:
+        record_fault(report.outcome, fault, options)
     return report
 
 

@@ -4,10 +4,12 @@ from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from ..errors import DONE, LACK_OF_MEMORY, Fault, ModelError
+from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, LACK_OF_MEMORY, Fault, FlexmbError, ModelError
 from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
+# What numpy, imports and llvmlite raise where memory is short.
+LACKING = (MemoryError, ImportError)
 
 KANE, ABSOLUTE = "kane", "absolute"
 
@@ -48,8 +50,11 @@ class Stop:
         """Why a run ended in its midst, for the rows that are kept."""
         if cls.asked is not None or not isinstance(ending, Exception):
             return "interrupted"
-        told = f"a fault of flexmb itself: {type(ending).__name__}: {ending}"
-        return LACK_OF_MEMORY if isinstance(ending, MemoryError) else told
+        if isinstance(ending, FlexmbError):
+            return str(ending)
+        # What the exception says may hold a path, and a result must not.
+        told = f"a fault of flexmb itself: {type(ending).__name__}"
+        return LACK_OF_MEMORY if isinstance(ending, LACKING) else told
 
 
 # Fields of `KinematicSettings` by the options that set them.
@@ -61,7 +66,7 @@ class RunOptions:
     """The options of `flexmb run` that concern one deck.
 
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
-    a tree: KANE or ABSOLUTE.
+    a tree: KANE or ABSOLUTE; `debug`: faults of flexmb itself are raised.
     """
 
     dialect: str = "auto"
@@ -78,6 +83,7 @@ class RunOptions:
     resume: bool = False
     formulation: str = KANE
     echo: bool = False
+    debug: bool = False
 
 
 @dataclass
@@ -139,3 +145,25 @@ def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
             replace(f, severity="error") if f.severity == "warning" else f for f in outcome.faults
         ]
         raise ModelError(outcome.faults)
+
+
+def record_fault(outcome: Outcome, fault: Exception, options: RunOptions) -> None:
+    """Put into `outcome` what no deck should bring about, so that the next one is tried.
+
+    Raised again are faults of streams, which end the command, and all of them with `options.debug`.
+    """
+    if Stop.asked is not None:
+        outcome.exit_code = INTERRUPTED if Stop.asked is KeyboardInterrupt else TERMINATED
+        return
+    of_library = isinstance(fault, OSError) and fault.errno is None  # one that cannot be loaded
+    if options.debug or (isinstance(fault, OSError) and not of_library):
+        raise fault
+    if of_library or isinstance(fault, LACKING):
+        outcome.exit_code, told = ANALYSIS_FAILED, LACK_OF_MEMORY
+    else:
+        outcome.exit_code = INTERNAL_FAULT
+        told = (
+            f"a fault of flexmb itself: {type(fault).__name__}: {fault}; please report it with the deck: "
+            "`flexmb --debug …` shows where it happened"
+        )
+    outcome.faults.append(Fault("error", told))

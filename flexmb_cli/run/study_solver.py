@@ -22,7 +22,7 @@ from ..read.study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
 from ..write.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..write.result_file import ResultFile
 from .dafms_tree import dafms_solution
-from .outcome import Listener, Outcome, RunOptions
+from .outcome import LACKING, Listener, Outcome, RunOptions, Stop
 from .study_cases import Cases
 from .vsdf import vsdf_solution
 from .young import Solution
@@ -95,10 +95,10 @@ class CaseSolver:
                     part.add(values[quantity.dataset][(slice(None), *quantity.index)])
         except FlexmbError as failure:
             code, message = failure.exit_code, failure.faults[0].sentence
-        except MemoryError:
-            code, message = ANALYSIS_FAILED, LACK_OF_MEMORY
-        except (ArithmeticError, ValueError) as fault:
-            code, message = INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
+        except Exception as fault:
+            # A stop that became another exception is none of the case's.
+            Stop.heed()
+            code, message = _told(fault)
         return self._result(case, code, rows, taken, message)
 
     def unsolved(self, case: int, code: int, message: str) -> CaseResult:
@@ -122,6 +122,13 @@ class CaseSolver:
                 "vary no times where series are kept"
             )
             raise DeckError([Fault("error", message)])
+
+
+def _told(fault):
+    """Exit code and message of a case that ended of what no deck should bring about."""
+    if isinstance(fault, LACKING):
+        return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
+    return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
 
 
 def _quantities(study, deck, solution) -> list[Quantity]:

@@ -10,7 +10,7 @@ from ..write.echo import echo
 from .absolute_march import AbsoluteMarch
 from .dafms_tree import tree_of
 from .deck import open_deck, record_failure
-from .outcome import INTERRUPTED, Listener, Outcome, RunOptions
+from .outcome import INTERRUPTED, Listener, Outcome, RunOptions, record_fault
 
 # Both march more closely than they are compared; deflections are small against a metre.
 RTOL, ATOL = 1e-11, 1e-13
@@ -86,6 +86,8 @@ def verify_deck(
         record_failure(found.outcome, failure, options)
     except KeyboardInterrupt:
         found.outcome.exit_code = INTERRUPTED
+    except Exception as fault:
+        record_fault(found.outcome, fault, options)
     return found
 
 

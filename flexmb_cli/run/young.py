@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..errors import AnalysisError, FlexmbError
+from ..errors import AnalysisError, FlexmbError, OutputError
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
@@ -56,12 +56,14 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
         with Stop.later():
             outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
         raise
-    except FlexmbError:
+    except OutputError:
         files.discard()
         raise
     except BaseException as ending:
+        if not isinstance(ending, FlexmbError):
+            outcome.faults += analysis.warnings
         with Stop.later():
-            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending))
+            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending), notes_of(analysis))
         raise
     with Stop.later():
         outcome.files = files.close(notes_of(analysis))
@@ -179,18 +181,18 @@ class ResultFiles:
     def close_failed(self, message, no_convergence, notes=()) -> tuple[str, ...]:
         """Keep the rows so far, marked as those of a failed run; the names of the files."""
         self._begin()
-        if self.table and no_convergence:
-            self.table.failed()
+        if self.table:
+            self.table.failed() if no_convergence else self.table.stopped()
         if self.result:
             self.result.mark("failed", message)
         return self.close(notes)
 
-    def close_stopped(self, rows: int, reason: str) -> tuple[str, ...]:
+    def close_stopped(self, rows: int, reason: str, notes=()) -> tuple[str, ...]:
         """Keep the rows so far, if all files have the same; else the results of an earlier run stay."""
         if rows == 0 or self.torn:
             self.discard()
             return ()
-        return self.close_failed(reason, no_convergence=False)
+        return self.close_failed(reason, False, notes)
 
     def discard(self) -> None:
         """Leave no file."""

@@ -25,7 +25,7 @@ from .vsdf_listing import parse_vsdf
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MARK_OF_FAILURE = {
-    YOUNG_TABLE: "CONVERGENCE FAILED",
+    YOUNG_TABLE: "CONVERGENCE FAILED or RUN STOPPED",
     DAFMS_ECHO: "a note of failure",
     DAFMS_SERIES: "the note of a stop",
     VSDF_LISTING: "THE RUN ENDED BEFORE THE LAST TIME",

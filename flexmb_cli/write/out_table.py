@@ -84,7 +84,7 @@ class _Scan:
             self._open_section(HEADINGS[words[0]])
         elif words[0] in ("BODY", "No") and self._open is not None:
             self._take_title(words[1:])
-        elif "CONVERGENCE FAILED" in line:
+        elif "CONVERGENCE FAILED" in line or "RUN STOPPED" in line:
             self.failed = True
         else:
             self._open = None

@@ -60,6 +60,8 @@ class VsdfTable:
         """The last line of a run that did not come to its end."""
         self.stream.write(" THE RUN ENDED BEFORE THE LAST TIME\n")
 
+    stopped = failed
+
 
 _HEADINGS = (
     "      BODY    NODE            X            Y            Z           VX           VY           VZ",

@@ -50,6 +50,7 @@ DRIVER_TITLES = (
 )
 HEAD = "\n-----------------------------\n-- KINEMATIC ANALYSIS --\n-----------------------------\n"
 FAILED = "\n\n-----CONVERGENCE FAILED-----\n"
+STOPPED = "\n\n-----RUN STOPPED-----\n"
 
 POSITION_TITLE = "BODY       X         Y         Z         e0        e1        e2        e3"
 VELOCITY_TITLE = "BODY  dX     dY     dZ     de0    de1    de2    de3    w-x    w-y    w-z"
@@ -86,6 +87,10 @@ class OutTable:
     def failed(self) -> None:
         """Write that the iterations did not converge; nothing follows."""
         self._stream.write(FAILED)
+
+    def stopped(self) -> None:
+        """Write that the run was ended before the last time; nothing follows."""
+        self._stream.write(STOPPED)
 
 
 def report_block(bodies: int, points: int, layout: str = SAFE) -> Layout:

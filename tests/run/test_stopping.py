@@ -1,26 +1,31 @@
 """A stop that lands where libraries turn it into exceptions of their own."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import click
 import h5py
 import pytest
+from click.testing import CliRunner
 
 from flexmb_cli import cli as commands
 from flexmb_cli.cli.run import stop_on_signals
-from flexmb_cli.errors import LACK_OF_MEMORY
-from flexmb_cli.run import deck
+from flexmb_cli.errors import LACK_OF_MEMORY, Fault
+from flexmb_cli.run import check, deck, modes, verify, young_dynamics
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
+from flexmb_cli.run.young import kinematic_solution
+from flexmb_cli.write.diff import compare
 from flexmb_cli.write.result_file import ResultFile
 from tests.run.dafms_runs import ENDINGS, run
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
-DECK = str(DECKS / "young/IN1-1-1.dat")
+DECK, OTHER = str(DECKS / "young/IN1-1-1.dat"), str(DECKS / "young/IN4-BAR.dat")
 
 
 def swallowing(*arguments):
@@ -76,11 +81,13 @@ def test_a_run_that_lacked_memory_goes_on_with_resume(tmp_path):
 
 @pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "dafms/pendulum.DAT"])
 def test_a_fault_of_flexmb_itself_keeps_what_was_solved(tmp_path, path):
-    with pytest.raises(ZeroDivisionError):
-        deck.run_deck(str(DECKS / path), RunOptions(folder=str(tmp_path)), raising(ZeroDivisionError("x")))
+    """What the exception says may hold a path, and is not in the result."""
+    fault = ZeroDivisionError("/home/me/x.py")
+    outcome = deck.run_deck(str(DECKS / path), RunOptions(folder=str(tmp_path)), raising(fault))
+    assert outcome.exit_code == 3 and "/home/me/x.py" in outcome.faults[-1].message
     (found,) = tmp_path.glob("*.h5")
     with h5py.File(found) as result:
-        assert result.attrs["message"] == "a fault of flexmb itself: ZeroDivisionError: x"
+        assert result.attrs["message"] == "a fault of flexmb itself: ZeroDivisionError"
         assert len(result["time"]) > 0
 
 
@@ -99,8 +106,74 @@ def test_a_fault_in_the_midst_of_writing_a_block_leaves_the_older_results(tmp_pa
 
 def test_a_fault_without_a_stop_stays_a_fault(monkeypatch):
     monkeypatch.setitem(deck.RUNNERS, "young", swallowing)
+    outcome = deck.run_deck(DECK, RunOptions())
+    assert outcome.exit_code == 3
+    assert outcome.faults[0].message.startswith("a fault of flexmb itself: SystemError: a callback")
     with pytest.raises(SystemError):
-        deck.run_deck(DECK, RunOptions())
+        deck.run_deck(DECK, RunOptions(debug=True))
+
+
+def short_of_memory(*arguments):
+    raise MemoryError
+
+
+@pytest.mark.parametrize(
+    "command, home", [("run", deck), ("check", check), ("modes", modes), ("verify", verify)]
+)
+def test_every_deck_of_a_call_is_tried_where_one_ends_of_a_fault(monkeypatch, command, home):
+    monkeypatch.setattr(home, "open_deck", short_of_memory)
+    found = CliRunner().invoke(commands.cli, [command, DECK, OTHER, "--json"])
+    assert found.exit_code == 1
+    records = [json.loads(line) for line in found.stdout.splitlines()]
+    assert [record["deck"] for record in records] == [DECK, OTHER]
+    assert [record["faults"][0]["message"] for record in records] == [LACK_OF_MEMORY] * 2
+
+
+def test_what_a_stopped_run_was_warned_of_is_told_and_kept(tmp_path, monkeypatch):
+    note = Fault("note", "two motions cross")
+    warned = partial(with_warning, note)
+    monkeypatch.setattr(young_dynamics, "kinematic_solution", warned)
+    outcome = deck.run_deck(DECK, RunOptions(folder=str(tmp_path)), raising(KeyboardInterrupt()))
+    assert note in outcome.faults
+    with h5py.File(tmp_path / "OUT1-1-1.h5") as result:
+        assert result.attrs["notes"] == "two motions cross"
+
+
+def with_warning(note, *arguments):
+    solution = kinematic_solution(*arguments)
+    solution.analysis.warnings.append(note)
+    return solution
+
+
+@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "vsdf/pendulum.vsdf"])
+def test_the_table_of_a_stopped_run_says_so(tmp_path, path):
+    """Without an HDF5 result beside it nothing else would."""
+    options = RunOptions(folder=str(tmp_path), no_h5=True)
+    outcome = deck.run_deck(str(DECKS / path), options, raising(KeyboardInterrupt()))
+    (table,) = outcome.files
+    whole, stopped = tmp_path / "whole.OUT", tmp_path / "stopped.OUT"
+    stopped.write_bytes(Path(table).read_bytes())
+    assert deck.run_deck(str(DECKS / path), options).exit_code == 0
+    whole.write_bytes(Path(table).read_bytes())
+    marks = {"young": "RUN STOPPED", "vsdf": "THE RUN ENDED BEFORE THE LAST TIME"}
+    assert any(marks[path[: path.index("/")]] in told for told in compare(whole, stopped).missing)
+
+
+def test_the_series_of_a_stopped_tree_end_with_the_note_of_a_stop(tmp_path):
+    run("pendulum", tmp_path, raising(KeyboardInterrupt()), no_h5=True)
+    rows = len((tmp_path / "pendulum.T2").read_text().splitlines())
+    assert "TOL,XEND,H,,METH,MITER,INDEX" in (tmp_path / "pendulum.T3").read_text().splitlines()[rows]
+
+
+def test_what_was_solved_before_a_warning_became_an_error_is_kept(tmp_path):
+    """Steps so coarse that the energy strays, which is told at the end."""
+    coarse = {"integration": {"rtol": 0.05, "atol": 0.5}}
+    outcome = run("spatial_rigid", tmp_path, strict=True, **coarse)
+    assert (outcome.exit_code, outcome.rows) == (2, 201)
+    with h5py.File(tmp_path / "spatial_rigid.h5") as result:
+        assert result.attrs["status"] == "failed" and "energy" in result.attrs["message"]
+        assert len(result["time"]) == 201
+    assert not (tmp_path / "spatial_rigid.resume").exists()
 
 
 def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch):
