@@ -16,8 +16,8 @@ _FIXED = r"[-+]?(\d+(\.\d*)?|\.\d+)"
 _NO_NUMBER = r"\*+|[-+]?(nan|inf(inity)?)"
 _WORDS = {
     "d": re.compile(r"[-+]?\d{1,99}|\*+"),
-    "f": re.compile(rf"{_FIXED}|{_NO_NUMBER}", re.IGNORECASE),
-    "e": re.compile(rf"{_FIXED}(([ed][-+]?|[-+])\d{{1,9}})?|{_NO_NUMBER}", re.IGNORECASE),
+    "f": re.compile(rf"{_FIXED}|{_NO_NUMBER}", re.IGNORECASE | re.ASCII),
+    "e": re.compile(rf"{_FIXED}(([ed][-+]?|[-+])\d{{1,9}})?|{_NO_NUMBER}", re.IGNORECASE | re.ASCII),
 }
 _WORDS["E"] = _WORDS["e"]
 _BARE_EXPONENT = re.compile(r"([\d.])([-+]\d+)$")

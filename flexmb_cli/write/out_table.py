@@ -205,7 +205,7 @@ def _split_index(text):
 
 
 INDEX = re.compile(r"\s*\d+(?=\s|$)")
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
 
 
 def _split_row(rest, columns):

@@ -126,6 +126,6 @@ def parse_kinds(settings) -> dict[str, Tolerance]:
 
 
 def _figure(text):
-    if not re.fullmatch(r"\s*\+?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf)\s*", text, re.IGNORECASE):
+    if not re.fullmatch(r"\s*\+?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf)\s*", text, re.IGNORECASE | re.ASCII):
         return None
     return float(text)

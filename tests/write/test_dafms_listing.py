@@ -87,9 +87,9 @@ def test_a_line_that_cannot_be_read_is_located():
     assert fault.sentence == "NEQ=: 1 numbers are expected, read 'Z'"
 
 
-@pytest.mark.parametrize("word", ["0.1E" + 5000 * "0", "0.1+" + 5000 * "9", 5000 * "1" + "x"])
-def test_a_word_of_thousands_of_digits_is_located(word):
-    """Python makes no integer of so many; and trying where they part took minutes."""
+@pytest.mark.parametrize("word", ["0.1E" + 5000 * "0", "0.1+" + 5000 * "9", 5000 * "1" + "x", "\u0130nf"])
+def test_a_word_that_python_makes_no_number_of_is_located(word):
+    """No integer of so many digits; trying where they part took minutes; a capital I with a dot."""
     with pytest.raises(TableError) as caught:
         parse_echo("x", re.sub(r"(BKCP\s+)\S.*", rf"\g<1>{word}", TWO_LINK, count=1))
     assert caught.value.faults[0].sentence == f"BKCP: numbers are expected, read {word!r}"

@@ -229,6 +229,7 @@ def test_settings_of_kinds_are_understood():
         ("spin=1", "spin=1: there is no kind 'spin'; the kinds are time, position, euler, "),
         ("omega", "omega: write omega=ATOL or omega=ATOL,RTOL with numbers not below zero"),
         ("omega=-1", "omega=-1: write omega=ATOL"),
+        ("omega=\u0130nf", "omega=\u0130nf: write omega=ATOL"),
         ("omega=nan", "omega=nan: write omega=ATOL"),
         ("omega=1,2,3", "omega=1,2,3: write omega=ATOL"),
         ("omega=1_0", "omega=1_0: write omega=ATOL"),

@@ -138,6 +138,7 @@ def test_a_title_with_fewer_columns_names_those_that_are_there():
 def test_the_mark_of_a_failed_run_is_seen():
     assert not read(BLOCK).failed
     assert read(BLOCK + "\n\n-----CONVERGENCE FAILED-----\n").failed
+    assert read(BLOCK + "\n\n-----RUN STOPPED-----\n").failed
 
 
 def test_text_that_is_no_table_is_told_from_one():
@@ -153,10 +154,11 @@ def test_a_line_with_too_few_numbers_is_located():
     ]
 
 
-def test_a_word_among_the_numbers_is_located():
-    text = BLOCK.replace("-1.7319 -1.8133", "-1.7319 -1.8l33")
+@pytest.mark.parametrize("word", ["-1.8l33", "-1.8133e", "\u0130nf"])
+def test_a_word_among_the_numbers_is_located(word):
+    text = BLOCK.replace("-1.7319 -1.8133", f"-1.7319 {word}")
     assert faults(text) == [
-        (21, 29, "point of point 1: 9 numbers are expected (X … ddZ), '-1.8l33' is no number of this table"),
+        (21, 29, f"point of point 1: 9 numbers are expected (X … ddZ), '{word}' is no number of this table"),
     ]
 
 
