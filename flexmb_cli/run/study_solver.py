@@ -128,7 +128,9 @@ def _told(fault):
     """Exit code and message of a case that ended of what no deck should bring about."""
     if isinstance(fault, LACKING):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
-    return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
+    # What the exception says may hold a path, and a result must not.
+    remedy = "`flexmb --debug run` with these numbers shows where"
+    return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
 
 
 def _quantities(study, deck, solution) -> list[Quantity]:

@@ -59,8 +59,8 @@ def test_every_case_is_what_run_gives_with_set(tmp_path):
     "fault, code, message",
     [
         (MemoryError(), 1, "not enough memory (`ulimit -v` tells a limit); `sweep --fresh` solves"),
-        (ZeroDivisionError("by zero"), 3, "a fault of flexmb itself: ZeroDivisionError: by zero"),
-        (RuntimeError("singular"), 3, "a fault of flexmb itself: RuntimeError: singular"),
+        (ZeroDivisionError("/home/me/x.py"), 3, "a fault of flexmb itself: ZeroDivisionError; `flexmb"),
+        (RuntimeError("singular"), 3, "a fault of flexmb itself: RuntimeError; `flexmb"),
     ],
 )
 def test_what_ends_one_case_is_recorded_and_the_next_is_solved(tmp_path, monkeypatch, fault, code, message):
