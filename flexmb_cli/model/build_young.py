@@ -10,6 +10,7 @@ from ..errors import Fault, ModelError
 from ..read.deck import Deck, Record
 from ..read.line_custom import with_slip_named
 from ..read.young_dynamics import FORWARD, analysis_of
+from .driver_angles import check_driver_angles
 from .equation_count import check_equation_count
 from .findings import Findings
 from .held_coordinates import check_held_coordinates
@@ -39,6 +40,7 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         tuple(parts["point"]),
     )
     check_held_coordinates(mechanism, findings)
+    check_driver_angles(mechanism, findings)
     counted = Findings()
     # Forces may move what no equation does, and repeated equations take no part in the motion.
     if analysis_of(deck) != FORWARD:

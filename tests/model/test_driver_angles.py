@@ -1,0 +1,51 @@
+"""Drivers whose angles are none: refused, or doubted, before a run follows turn after turn."""
+
+from pathlib import Path
+
+import pytest
+
+from flexmb_cli.errors import ModelError
+from flexmb_cli.model.build_young import build_young
+from flexmb_cli.model.driver_angles import check_driver_angles
+from flexmb_cli.model.findings import Findings
+from flexmb_cli.model.mechanism import Driver, Mechanism, TimeGrid
+from flexmb_cli.read.settings import apply_settings
+from flexmb_cli.read.text import read_text
+from flexmb_cli.read.young import read_young
+
+DECK = Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat"
+
+
+def built(*changes):
+    return build_young(apply_settings(read_young(read_text(str(DECK))), list(changes)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "reached"),
+    [
+        (["driver.1.C=1e30"], "1e+30"),
+        (["driver.1.B=-1e12"], "2.5e+12"),  # the deck ends at 2.5 s
+        (["driver.1.A=1e10"], "3.13e+10"),
+        # Turns back in the midst: B t + A t²/2 is -B²/(2 A) at t = -B/A = 1.25 s.
+        (["driver.1.B=2.5e9", "driver.1.A=-2e9", "driver.1.C=0"], "1.56e+09"),
+    ],
+)
+def test_an_angle_that_is_none_is_refused(changes, reached):
+    with pytest.raises(ModelError) as refused:
+        built(*changes)
+    assert f"driver 1: its angle reaches {reached} rad; beyond 1e+09 rad" in str(refused.value)
+
+
+def test_many_turns_between_two_report_times_are_doubted():
+    """1e5 rad/s for 0.1 s are 1e4 rad, 1592 turns."""
+    (note,) = built("driver.1.B=1e5")[1]
+    assert (note.severity, note.subject) == ("note", "driver 1")
+    assert note.message.startswith("it turns 1.59e+03 times between two report times")
+
+
+@pytest.mark.parametrize(("direction", "doubts"), [(1, 0), (3, 0), (4, 1), (6, 1)])
+def test_only_angles_are_looked_at(direction, doubts):
+    driver = Driver("driver 1", 0, direction, 1e30, 0.0, 0.0)
+    findings = Findings()
+    check_driver_angles(Mechanism((), TimeGrid(0.0, 1.0, 0.1), drivers=(driver,)), findings)
+    assert len(findings.faults) == doubts
