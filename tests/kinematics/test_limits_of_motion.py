@@ -16,6 +16,7 @@ from flexmb_cli.model.mechanism import Body, Distance, Driver, Joint, Mechanism,
 JOINTS = {"spherical 1", "universal 1", "revolute 1", "translational 1", "driver 1"}
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("step", [0.01, 0.25, 2.0, 50.0])
 def test_a_crank_that_cannot_turn_fully_stops_the_run_at_the_first_report_time_beyond(step):
     """Ground 4, crank 2, coupler 1.5, rocker 2.2: the crank's end stays within 3.7 m of the rocker's pivot.
@@ -34,6 +35,7 @@ def test_a_crank_that_cannot_turn_fully_stops_the_run_at_the_first_report_time_b
     assert np.max(np.abs(rows.position[:, 3, :2] - expected)) <= 1e-13
 
 
+@pytest.mark.long_motion
 def test_the_failure_names_the_worst_constraints_and_the_gap_that_remains():
     """Crank and rocker end are drawn 0.077 m apart or less at 1 s, shared among the joints between."""
     linkage = FourBar(4.0, 2.0, 1.5, 2.2)
@@ -49,6 +51,7 @@ def test_the_failure_names_the_worst_constraints_and_the_gap_that_remains():
     assert failure.norms["unit"] == "m"
 
 
+@pytest.mark.long_motion
 @pytest.mark.parametrize("step", [0.1, 2.0])
 def test_a_crank_asked_beyond_its_reach_and_back_between_two_rows_fails(step):
     """φ = 0.3 + 2 t - t² passes the limit of 1.165 rad at 0.632 s and is back where it began at 2 s."""

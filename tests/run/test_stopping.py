@@ -145,7 +145,9 @@ def with_warning(note, *arguments):
     return solution
 
 
-@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "vsdf/pendulum.vsdf"])
+@pytest.mark.parametrize(
+    "path", ["young/IN4-BAR.dat", pytest.param("vsdf/pendulum.vsdf", marks=pytest.mark.long_motion)]
+)
 def test_the_table_of_a_stopped_run_says_so(tmp_path, path):
     """Without an HDF5 result beside it nothing else would."""
     options = RunOptions(folder=str(tmp_path), no_h5=True)
