@@ -47,8 +47,9 @@ def run_dafms(
         outcome.resumable = journal.begun
         raise
     except FlexmbError as ending:
-        outcome.files = files.close_stopped(outcome.rows, str(ending), march.stopped_at)
-        journal.remove()
+        with Stop.later():
+            outcome.files = files.close_stopped(outcome.rows, str(ending), march.stopped_at)
+            journal.remove()
         raise
     except BaseException as ending:
         with Stop.later():
@@ -242,8 +243,8 @@ class _ResultFiles:
 
     def close_failed(self, message, stopped_at=None):
         self._echo()
-        if self.series and stopped_at:
-            self.series.failed(*stopped_at)
+        if self.series:
+            self.series.failed(*stopped_at) if stopped_at else self.series.stopped()
         if self.result:
             self.result.mark("failed", message)
         return self.close()

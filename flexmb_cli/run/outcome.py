@@ -1,5 +1,6 @@
 """What is asked of a run, and what became of it."""
 
+import errno
 from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -8,8 +9,6 @@ from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, LACK_OF_MEMORY, Faul
 from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
-# What numpy, imports and llvmlite raise where memory is short.
-LACKING = (MemoryError, ImportError)
 
 KANE, ABSOLUTE = "kane", "absolute"
 
@@ -54,7 +53,7 @@ class Stop:
             return str(ending)
         # What the exception says may hold a path, and a result must not.
         told = f"a fault of flexmb itself: {type(ending).__name__}"
-        return LACK_OF_MEMORY if isinstance(ending, LACKING) else told
+        return LACK_OF_MEMORY if lacks_memory(ending) else told
 
 
 # Fields of `KinematicSettings` by the options that set them.
@@ -147,6 +146,13 @@ def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
         raise ModelError(outcome.faults)
 
 
+def lacks_memory(fault: BaseException) -> bool:
+    """Whether it is what numpy, imports and llvmlite raise where memory is short."""
+    if isinstance(fault, OSError):
+        return fault.errno in (None, errno.ENOMEM)
+    return isinstance(fault, (MemoryError, ImportError)) and not isinstance(fault, ModuleNotFoundError)
+
+
 def record_fault(outcome: Outcome, fault: Exception, options: RunOptions) -> None:
     """Put into `outcome` what no deck should bring about, so that the next one is tried.
 
@@ -155,10 +161,10 @@ def record_fault(outcome: Outcome, fault: Exception, options: RunOptions) -> Non
     if Stop.asked is not None:
         outcome.exit_code = INTERRUPTED if Stop.asked is KeyboardInterrupt else TERMINATED
         return
-    of_library = isinstance(fault, OSError) and fault.errno is None  # one that cannot be loaded
-    if options.debug or (isinstance(fault, OSError) and not of_library):
+    lacking = lacks_memory(fault)
+    if options.debug or (isinstance(fault, OSError) and not lacking):
         raise fault
-    if of_library or isinstance(fault, LACKING):
+    if lacking:
         outcome.exit_code, told = ANALYSIS_FAILED, LACK_OF_MEMORY
     else:
         outcome.exit_code = INTERNAL_FAULT

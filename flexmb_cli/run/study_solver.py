@@ -22,7 +22,7 @@ from ..read.study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
 from ..write.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..write.result_file import ResultFile
 from .dafms_tree import dafms_solution
-from .outcome import LACKING, Listener, Outcome, RunOptions, Stop
+from .outcome import Listener, Outcome, RunOptions, Stop, lacks_memory
 from .study_cases import Cases
 from .vsdf import vsdf_solution
 from .young import Solution
@@ -126,7 +126,7 @@ class CaseSolver:
 
 def _told(fault):
     """Exit code and message of a case that ended of what no deck should bring about."""
-    if isinstance(fault, LACKING):
+    if lacks_memory(fault):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
     # What the exception says may hold a path, and a result must not.
     remedy = "`flexmb --debug run` with these numbers shows where"

@@ -194,6 +194,10 @@ class Series:
             chunk = state[first : first + 7]
             unit.write(Layout("  **Y**", *len(chunk) * (F(10, 5),), "\n", layout=self.layout).lines(chunk))
 
+    def stopped(self) -> None:
+        """The same note where nothing is known of the step: rows of a journal, absolute coordinates."""
+        self.units[1][0].write("  TOL,XEND,H,,METH,MITER,INDEX\n")
+
     def _layout(self, values):
         edits = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
         return Layout(*edits[: values + 1], "\n", layout=self.layout)

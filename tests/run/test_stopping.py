@@ -1,5 +1,6 @@
 """A stop that lands where libraries turn it into exceptions of their own."""
 
+import errno
 import json
 import os
 import signal
@@ -113,6 +114,27 @@ def test_a_fault_without_a_stop_stays_a_fault(monkeypatch):
         deck.run_deck(DECK, RunOptions(debug=True))
 
 
+@pytest.mark.parametrize(
+    ("fault", "code"),
+    [
+        (MemoryError(), 1),
+        (OSError(errno.ENOMEM, "Cannot allocate memory"), 1),
+        (OSError("libllvmlite.so cannot be loaded"), 1),
+        (ImportError("failed to map segment"), 1),
+        (ModuleNotFoundError("No module named 'h5py'"), 3),
+    ],
+)
+def test_want_of_memory_is_told_from_faults(monkeypatch, fault, code):
+    monkeypatch.setattr(deck, "open_deck", partial(raised, fault))
+    outcome = deck.run_deck(DECK, RunOptions())
+    assert outcome.exit_code == code
+    assert (outcome.faults[0].message == LACK_OF_MEMORY) == (code == 1)
+
+
+def raised(fault, *arguments):
+    raise fault
+
+
 def short_of_memory(*arguments):
     raise MemoryError
 
@@ -161,8 +183,13 @@ def test_the_table_of_a_stopped_run_says_so(tmp_path, path):
     assert any(marks[path[: path.index("/")]] in told for told in compare(whole, stopped).missing)
 
 
-def test_the_series_of_a_stopped_tree_end_with_the_note_of_a_stop(tmp_path):
-    run("pendulum", tmp_path, raising(KeyboardInterrupt()), no_h5=True)
+@pytest.mark.parametrize("how", ["kane", pytest.param("absolute", marks=pytest.mark.long_motion), "resumed"])
+def test_the_series_of_a_stopped_tree_end_with_the_note_of_a_stop(tmp_path, how):
+    options = {"no_h5": True, "formulation": "absolute" if how == "absolute" else "kane"}
+    outcome = run("pendulum", tmp_path, raising(KeyboardInterrupt()), **options)
+    if how == "resumed":
+        outcome = run("pendulum", tmp_path, raising(KeyboardInterrupt()), resume=True, **options)
+    assert outcome.exit_code == INTERRUPTED
     rows = len((tmp_path / "pendulum.T2").read_text().splitlines())
     assert "TOL,XEND,H,,METH,MITER,INDEX" in (tmp_path / "pendulum.T3").read_text().splitlines()[rows]
 
