@@ -363,7 +363,7 @@ __main__.main()
 
 @pytest.mark.processes
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of memory are Unix's")
-@pytest.mark.parametrize("megabytes", [300, 340, 380])
+@pytest.mark.parametrize("megabytes", [350, 365, 380])
 def test_a_limit_of_memory_ends_a_run_in_words_and_in_time(tmp_path, megabytes):
     """OpenBLAS asks for its buffers without end where they are refused; only a kill stopped that."""
     flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
