@@ -4,7 +4,6 @@ What a command needs is imported inside it, so that `--help`, `check` and `diff`
 """
 
 import contextlib
-import errno
 import gc
 import os
 import signal
@@ -22,7 +21,7 @@ from ..errors import (
     FlexmbError,
     compiler_style,
 )
-from ..run.outcome import Terminated
+from ..run.outcome import Terminated, lacks_memory
 from .beam import beam
 from .check import check
 from .diff import diff
@@ -82,8 +81,8 @@ def main():
     try:
         _run_command()
     except OSError as fault:
-        if fault.errno in (None, errno.ENOMEM):
-            _refuse_lack(fault)  # a library that the system cannot load
+        if lacks_memory(fault):
+            _refuse_lack(fault)
         _refuse_lost_folder()
         # Files are guarded where they are written: what is left are the standard streams.
         _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")

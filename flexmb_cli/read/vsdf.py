@@ -134,8 +134,7 @@ class _Reader:
         head = numbers[0] if numbers else None
         if card.second:
             numbers += self._read_second(card)
-        told = self.faults[before:]
-        if head is None or (told and any(fault.severity == "error" for fault in told)):
+        if head is None or any(fault.severity == "error" for fault in self.faults[before:]):
             self.counts[card.section] = self.counts.get(card.section, 0) + 1
             return
         self._keep(card, head, numbers)

@@ -25,7 +25,7 @@ def built(*changes):
     [
         (["driver.1.C=1e30"], "1e+30"),
         (["driver.1.B=-1e12"], "2.5e+12"),  # the deck ends at 2.5 s
-        (["driver.1.A=1e10"], "3.13e+10"),
+        (["driver.1.A=1e10"], "3.13e+10"),  # A t²/2 = 3.125e10, and B t = 2.5 pi of the deck
         # Turns back in the midst: B t + A t²/2 is -B²/(2 A) at t = -B/A = 1.25 s.
         (["driver.1.B=2.5e9", "driver.1.A=-2e9", "driver.1.C=0"], "1.56e+09"),
     ],
