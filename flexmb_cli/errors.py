@@ -9,8 +9,6 @@ from typing import NamedTuple
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 
-LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
-
 SHOWN_FAULTS = 20
 SHOWN_LINE = 160
 

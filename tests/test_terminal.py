@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.cli.terminal import TerminalText
+from flexmb_cli.cli.terminal import OutputText
 
 pytestmark = pytest.mark.processes
 
@@ -83,7 +83,8 @@ def test_a_title_does_not_steer_the_terminal_and_passes_a_pipe_untouched(tmp_pat
 
 def test_lines_of_a_listing_stay_lines():
     page = io.StringIO()
-    TerminalText(page).write("one\ntw\x1b[31mo\rx\n")
+    page.isatty = lambda: True
+    OutputText(page).write("one\ntw\x1b[31mo\rx\n")
     assert page.getvalue() == "one\ntw�[31mo�x\n"
 
 

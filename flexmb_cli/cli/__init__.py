@@ -16,12 +16,12 @@ from ..errors import (
     ANALYSIS_FAILED,
     BAD_INPUT,
     INTERNAL_FAULT,
-    LACK_OF_MEMORY,
     Fault,
     FlexmbError,
     compiler_style,
 )
-from ..run.outcome import Terminated, lacks_memory
+from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
+from ..run.outcome import Terminated
 from .beam import beam
 from .check import check
 from .diff import diff
@@ -112,9 +112,9 @@ def _run_command():
     except FlexmbError as failure:
         _report_failure(failure)
         sys.exit(failure.exit_code)
-    except (MemoryError, ImportError) as fault:
-        _refuse_lack(fault)
     except Exception as fault:
+        if lacks_memory(fault) or isinstance(fault, ImportError):
+            _refuse_lack(fault)
         _admit(fault)
 
 
@@ -122,10 +122,9 @@ def _refuse_lack(fault):
     """The machine has too little memory: no fault of flexmb, nor of the deck."""
     if "--debug" in sys.argv:
         raise fault
-    if isinstance(fault, MemoryError):
-        told = f"{LACK_OF_MEMORY}; what was not complete is not written"
-    else:
-        told = f"a library cannot be loaded, for want of memory or a broken installation: {fault}"
+    told = told_of_lack(fault)
+    if told == LACK_OF_MEMORY:
+        told = f"{told}; what was not complete is not written"
     _tell(f"flexmb: error: {told}")
     _print_json(ANALYSIS_FAILED, Fault("error", told))
     sys.exit(ANALYSIS_FAILED)

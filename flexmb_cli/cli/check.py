@@ -5,7 +5,7 @@ import sys
 
 import click
 
-from .deck_options import DECK, deck_options, show_faults
+from .deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal import show, wants_debug
 
 
@@ -25,8 +25,8 @@ def check(decks, changes, echo, as_json, quiet, jacobian, **options):
 
     _check_jacobian_option(jacobian)
     codes = []
-    for path in decks:
-        report = check_deck(path, RunOptions(changes=changes, debug=wants_debug(), **options), jacobian)
+    choices = RunOptions(changes=changes, debug=wants_debug(), **options)
+    for report in every_deck(decks, lambda deck: check_deck(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
             if echo and report.deck and not quiet:

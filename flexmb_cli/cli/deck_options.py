@@ -3,6 +3,9 @@
 import click
 
 from ..errors import compiler_style
+from ..run.outcome import Stop
+from .stops import stop_on_signals
+from .terminal import tell
 
 DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True)
 
@@ -22,6 +25,18 @@ def deck_options(command):
     for option in reversed(options):
         command = option(command)
     return command
+
+
+def every_deck(decks, examine):
+    """What `examine` finds of each deck; after one that was stopped there is no other."""
+    stop_on_signals()
+    for deck in decks:
+        Stop.heed()
+        report = examine(deck)
+        yield report
+        if report.outcome.exit_code > 128:
+            tell(f"{deck}: interrupted")
+            return
 
 
 def show_faults(outcome, quiet: bool) -> None:

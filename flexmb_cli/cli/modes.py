@@ -5,7 +5,7 @@ import sys
 
 import click
 
-from .deck_options import DECK, deck_options, show_faults
+from .deck_options import DECK, deck_options, every_deck, show_faults
 from .finite import AnyFinite
 from .terminal import show, tell, wants_debug
 
@@ -42,8 +42,8 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
     listener = Listener(notice=lambda sentence: quiet or tell(f"flexmb: {sentence}"))
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    for path in decks:
-        report = modes_of_deck(path, Wish(time, equilibrium), choices, listener)
+    wish = Wish(time, equilibrium)
+    for report in every_deck(decks, lambda deck: modes_of_deck(deck, wish, choices, listener)):
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))

@@ -2,19 +2,16 @@
 
 import json
 import os
-import signal
 import sys
 
 import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
-from ..run.outcome import Terminated
 from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
+from .stops import stop_on_signals
 from .terminal import show, standard_output, tell, wants_debug
 
-# SIGHUP, which not every system has: the terminal is closed, or the connection to it.
-STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
@@ -68,8 +65,6 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
         if as_json:
             click.echo(json.dumps(outcome.as_dict()))
         codes.append(outcome.exit_code)
-        if outcome.exit_code > 128:
-            break
     sys.exit(max(codes))
 
 
@@ -101,7 +96,9 @@ def _given(options, **names):
 
 def _outcomes(decks, options, jobs, quiet):
     if jobs > 1 and len(decks) > 1:
-        yield from _outcomes_in_parallel(decks, options, jobs)
+        from .deck_processes import outcomes_in_parallel
+
+        yield from outcomes_in_parallel(decks, options, jobs)
         return
     from ..run.deck import run_deck
     from ..run.outcome import Stop
@@ -112,60 +109,8 @@ def _outcomes(decks, options, jobs, quiet):
         with _Progress(quiet) as progress:
             outcome = run_deck(deck, options, progress.listener, standard_output())
         yield outcome
-
-
-def _outcomes_in_parallel(decks, options, jobs):
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    from ..run.deck import run_deck
-    from ..run.orphans import outlive_workers
-
-    outlive_workers()
-    context = get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(decks)), context, initializer=_begin_worker) as pool:
-        waiting = [pool.submit(run_deck, deck, options) for deck in decks]
-        try:
-            for outcome in waiting:
-                yield outcome.result()
-        except (KeyboardInterrupt, Terminated) as stop:
-            _pass_on(stop, pool)
-            yield from _ended(waiting)
-            raise
-        except BrokenProcessPool:
-            raise WorkerLost(
-                "a process that solved decks was killed from outside, or out of memory; "
-                "decks that are not named above have no new results: give them again"
-            ) from None
-
-
-class WorkerLost(FlexmbError):
-    """A process that solves decks has ended unasked (exit 1)."""
-
-    exit_code = ANALYSIS_FAILED
-
-
-def _begin_worker():
-    from ..run.orphans import end_with_parent
-
-    end_with_parent()
-    stop_on_signals()
-
-
-def _pass_on(stop, pool):
-    """Stop the workers as this process was stopped: a signal may have come to this process alone."""
-    from multiprocessing import active_children
-
-    for child in active_children():
-        os.kill(child.pid, signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM)
-    pool.shutdown(cancel_futures=True)
-
-
-def _ended(waiting):
-    """Outcomes of decks that were stopped; one whose process ended before it could say is left out."""
-    ended = [deck for deck in waiting if deck.done() and not deck.cancelled() and deck.exception() is None]
-    yield from (deck.result() for deck in ended if deck.result().exit_code > DONE)
+        if outcome.exit_code > 128:
+            return
 
 
 class _Progress:
@@ -227,21 +172,6 @@ def _dialect(deck, options):
             return recognise(stream.read(_BEGINNING).splitlines())
     except (OSError, FlexmbError):
         return options.dialect
-
-
-def stop_on_signals():
-    """Have Ctrl-C, SIGTERM and a closed terminal raised here, but for where `Stop.later` holds them back."""
-    from ..run.outcome import Stop
-
-    def stop(number, frame):
-        Stop.asked = KeyboardInterrupt if number == signal.SIGINT else Terminated
-        if not Stop.held:
-            raise Stop.asked
-
-    for number in STOPS:
-        # A shell that runs its commands in the background has them ignore Ctrl-C, `nohup` a closed terminal.
-        if number == signal.SIGTERM or signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, stop)
 
 
 def _report_outcome(outcome, quiet, verbose):

@@ -11,7 +11,7 @@ from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
 from .json_faults import faults_in_json
 from .output_file import refuse_inputs
-from .run import stop_on_signals
+from .stops import stop_on_signals
 from .terminal import tell
 
 

@@ -1,26 +1,42 @@
 """What is printed: strangers' texts and file names command no terminal; files and pipes get every byte."""
 
 import sys
+from contextlib import contextmanager
 
 import click
 
 from ..errors import visible
+from ..run.ending import StreamError
 
 
-class TerminalText:
-    """A text stream that marks what would steer the terminal behind `stream`."""
+class OutputText:
+    """Standard output for the table of a run; what would steer a terminal behind it is marked.
+
+    Its OSErrors become StreamErrors: they end the command, and not the deck alone.
+    """
 
     def __init__(self, stream):
         self._stream = stream
+        self._shown = lines_visible if stream.isatty() else str
 
     def write(self, text: str) -> int:
-        """Write `text` with marks."""
-        self._stream.write(lines_visible(text))
+        """Write `text`."""
+        with _as_stream_error():
+            self._stream.write(self._shown(text))
         return len(text)
 
     def flush(self) -> None:
-        """Hand what is buffered to the terminal."""
-        self._stream.flush()
+        """Hand what is buffered to the reader."""
+        with _as_stream_error():
+            self._stream.flush()
+
+
+@contextmanager
+def _as_stream_error():
+    try:
+        yield
+    except OSError as fault:
+        raise StreamError(*fault.args) from fault
 
 
 def wants_debug() -> bool:
@@ -28,9 +44,9 @@ def wants_debug() -> bool:
     return "--debug" in sys.argv
 
 
-def standard_output():
-    """Standard output; where it is a terminal, with marks."""
-    return TerminalText(sys.stdout) if sys.stdout.isatty() else sys.stdout
+def standard_output() -> OutputText:
+    """Standard output as a text stream."""
+    return OutputText(sys.stdout)
 
 
 def lines_visible(text: str) -> str:

@@ -5,7 +5,7 @@ import sys
 
 import click
 
-from .deck_options import DECK, deck_options, show_faults
+from .deck_options import DECK, deck_options, every_deck, show_faults
 from .finite import Finite
 from .terminal import show, tell, wants_debug
 
@@ -35,8 +35,7 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
     choices = RunOptions(changes=changes, integration=steps, echo=echo, debug=wants_debug(), **options)
     listener = Listener() if quiet else Listener(notice=_notice)
     codes = []
-    for path in decks:
-        found = verify_deck(path, choices, tolerance, listener)
+    for found in every_deck(decks, lambda deck: verify_deck(deck, choices, tolerance, listener)):
         if found.outcome.echo:
             show(found.outcome.echo, err=True)
         show_faults(found.outcome, quiet)
@@ -45,8 +44,6 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
         elif found.differences and not quiet:
             show(verify_text(found))
         codes.append(found.outcome.exit_code)
-        if codes[-1] > 128:
-            break
     sys.exit(max(codes))
 
 

@@ -7,7 +7,6 @@ run as plain Python on numpy arrays, and numba is never imported.
 import contextlib
 import functools
 import hashlib
-import mmap
 import os
 import pickle
 import stat
@@ -15,8 +14,7 @@ import tempfile
 import zlib
 from pathlib import Path
 
-# Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
-TO_LOAD, TO_COMPILE = 2**27, 2**29
+from ..memory import TO_COMPILE, TO_LOAD, require_memory
 
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
@@ -110,22 +108,6 @@ class Cache:
     def must_compile(cls, name: str) -> bool:
         """Whether the kernel `name` ("module.function") has to be compiled before its first call."""
         return cls.folder is not None and not any(cls.folder.glob(f"**/{name}-*.nbi"))
-
-
-def require_memory(size: int) -> None:
-    """Raise MemoryError where a limit of the process leaves less than `size` bytes of addresses.
-
-    Short of memory OpenBLAS asks for its buffers without end, and LLVM ends the process.
-    """
-    try:
-        import resource
-    except ImportError:  # no such limits here
-        return
-    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
-        try:
-            mmap.mmap(-1, size).close()
-        except OSError as fault:
-            raise MemoryError(f"{size // 2**20} MB of addresses are needed") from fault
 
 
 def _compiling_alone(dispatcher):

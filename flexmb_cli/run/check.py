@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..errors import Fault, FlexmbError, ModelError
+from ..errors import Fault, ModelError
 from ..model.build_young import build_young
 from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
@@ -15,7 +15,8 @@ from ..read.young_dynamics import FORWARD, analysis_of
 from .check_parts import before_and_after, gaps_of, parts_of
 from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
-from .outcome import Outcome, RunOptions, record_fault, refuse_warnings
+from .ending import ending_recorded
+from .outcome import Outcome, RunOptions, refuse_warnings
 
 INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
@@ -87,7 +88,7 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
     `jacobian`: "estimate" or a time at which to give Φ_q.  Failures become the outcome's faults.
     """
     report = CheckReport(Outcome(path))
-    try:
+    with ending_recorded(report.outcome, options):
         report.deck = open_deck(path, options, report.outcome)
         if report.deck.dialect == "dafms":
             _refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
@@ -99,14 +100,6 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
             check_vsdf(report, options)
         else:
             _check_mechanism(report, options, jacobian)
-    except FlexmbError as failure:
-        known = set(report.outcome.faults)
-        report.outcome.faults += [fault for fault in failure.faults if fault not in known]
-        report.outcome.exit_code = failure.exit_code
-        report.outcome.norms = getattr(failure, "norms", {})
-        report.outcome.failed_at = getattr(failure, "time", None)
-    except Exception as fault:
-        record_fault(report.outcome, fault, options)
     return report
 
 

@@ -102,8 +102,8 @@ class Journal:
 
     @property
     def begun(self) -> bool:
-        """Whether this run has left anything to resume."""
-        return self._file is not None
+        """Whether this run, or the one that it goes on with, has left anything to resume."""
+        return self._file is not None or self._end > self._first
 
     def close(self) -> None:
         """Leave the journal for `--resume`."""

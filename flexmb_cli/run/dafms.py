@@ -1,5 +1,8 @@
 """A DAFMS deck from its records to FMBD.OUT echo, series of units 2 and 3, and HDF5 result."""
 
+import os
+from contextlib import ExitStack, contextmanager
+
 from .. import __version__
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError
 from ..model.tree import Tree
@@ -9,8 +12,10 @@ from .absolute_march import AbsoluteMarch
 from .checkpoint import Journal
 from .compiling import tell_of_compiling
 from .dafms_tree import tree_of
+from .ending import reason_of
 from .energy_drift import EnergyDrift
-from .outcome import ABSOLUTE, Outcome, RunOptions, Stop, refuse_warnings
+from .keeping import keep_blocks
+from .outcome import ABSOLUTE, Outcome, RunOptions, Stop, Terminated, refuse_warnings
 
 
 def run_dafms(
@@ -20,22 +25,39 @@ def run_dafms(
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
-    tree = tree_of(deck, options, outcome)
-    journal, march = _beginning(deck, tree, paths, options, outcome, listener)
+    with _resumable_if_stopped(paths, options, outcome):
+        tree = tree_of(deck, options, outcome)
+        journal, march = _beginning(deck, tree, paths, options, outcome, listener)
     with Stop.later():
         files = _ResultFiles(deck, tree, paths, options, stdout)
+    with ExitStack() as complete:
+        doubts = _keep_rows(tree, march, journal, files, options, outcome, listener, complete)
+        _complete(files, journal, outcome, doubts)
+
+
+@contextmanager
+def _resumable_if_stopped(paths, options, outcome):
+    """Who stops a run before it has looked at its journal is told of it, too."""
+    try:
+        yield
+    except (KeyboardInterrupt, Terminated):
+        outcome.resumable = options.resume and os.path.isfile(paths.resume)
+        raise
+
+
+def _keep_rows(tree, march, journal, files, options, outcome, listener, complete):
+    """Write the rows as they come; what the energy makes doubtful.  Raises as `run_dafms`."""
+
+    def keep(values):
+        files.rows(values)
+        outcome.statistics = march.statistics
+        return len(values["time"])
+
     try:
         Stop.heed()
-        listener.begin(tree.time.rows)
         journal.begin(files.unfinished)
-        for values in march.blocks(options.resume):
-            with Stop.later():
-                files.rows(values)
-                outcome.rows += len(values["time"])
-                outcome.statistics = march.statistics
-            listener.advance(len(values["time"]))
-            Stop.heed()
-        doubts = _doubts_of_energy(tree, march, options, outcome)
+        keep_blocks(march.blocks(options.resume), keep, tree.time.rows, outcome, listener, complete)
+        return _doubts_of_energy(tree, march, options, outcome)
     except AnalysisError as failure:
         with Stop.later():
             outcome.files = files.close_failed(failure.args[0], march.stopped_at)
@@ -55,9 +77,8 @@ def run_dafms(
         with Stop.later():
             journal.close()
             outcome.resumable = journal.begun
-            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending), march.stopped_at)
+            outcome.files = files.close_stopped(outcome.rows, reason_of(ending), march.stopped_at)
         raise
-    _complete(files, journal, outcome, doubts)
 
 
 def _doubts_of_energy(tree, march, options, outcome):

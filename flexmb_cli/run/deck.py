@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ..errors import INTERNAL_FAULT, AnalysisError, DeckError, Fault, FlexmbError, ModelError
+from ..errors import DeckError, Fault
 from ..read.deck import Deck
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
@@ -10,17 +10,8 @@ from ..read.text import read_text
 from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
-from .outcome import (
-    ABSOLUTE,
-    INTERRUPTED,
-    SOLVER_OPTIONS,
-    TERMINATED,
-    Listener,
-    Outcome,
-    RunOptions,
-    Terminated,
-    record_fault,
-)
+from .ending import ending_recorded
+from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions
 from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
 
@@ -34,21 +25,13 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
     can do.
     """
     outcome = Outcome(path)
-    try:
+    with ending_recorded(outcome, options):
         deck = open_deck(path, options, outcome)
         if options.echo:
             outcome.echo = echo(deck)
         warn_of_foreign_options(deck, options, outcome)
         runner = RUNNERS[deck.dialect]
         runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
-    except FlexmbError as failure:
-        record_failure(outcome, failure, options)
-    except KeyboardInterrupt:
-        outcome.exit_code = INTERRUPTED
-    except Terminated:
-        outcome.exit_code = TERMINATED
-    except Exception as fault:
-        record_fault(outcome, fault, options)
     return outcome
 
 
@@ -112,27 +95,3 @@ def paths_of(deck: Deck, options: RunOptions):
         options.no_out,
         options.no_h5,
     )
-
-
-def _by_change(fault, options):
-    """A fault of the model without a place, where numbers were changed, may be theirs."""
-    told = any(change in fault.message for change in options.changes)
-    if fault.place is None and options.changes and fault.severity == "error" and not told:
-        return replace(
-            fault, message=f"{fault.message} (numbers changed by --set: {', '.join(options.changes)})"
-        )
-    return fault
-
-
-def record_failure(outcome: Outcome, failure: FlexmbError, options: RunOptions) -> None:
-    """Put a failure and its exit code into `outcome`; with `debug` a fault of flexmb itself is raised."""
-    known = set(outcome.faults)
-    faults = [fault for fault in failure.faults if fault not in known]
-    if isinstance(failure, ModelError):
-        faults = [_by_change(fault, options) for fault in faults]
-    outcome.faults += faults
-    outcome.exit_code = failure.exit_code
-    if isinstance(failure, AnalysisError):
-        outcome.failed_at, outcome.norms = failure.time, failure.norms
-    if outcome.exit_code == INTERNAL_FAULT and options.debug:
-        raise failure

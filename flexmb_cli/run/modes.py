@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass, field
 
-from ..errors import Fault, FlexmbError, ModelError
+from ..errors import Fault, ModelError
 from ..model.flexible_body import FlexibleBody
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
 from .dafms_tree import tree_of
 from .deck import open_deck
+from .ending import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, flexible_modes, tree_modes, young_modes
-from .outcome import Listener, Outcome, RunOptions, record_fault
+from .outcome import Listener, Outcome, RunOptions
 from .vsdf import mechanism_of
 
 
@@ -40,15 +41,8 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
     asked for.
     """
     report = ModesReport(Outcome(path))
-    try:
+    with ending_recorded(report.outcome, options):
         _fill(report, wish, options, listener)
-    except FlexmbError as failure:
-        outcome, known = report.outcome, set(report.outcome.faults)
-        outcome.faults += [fault for fault in failure.faults if fault not in known]
-        outcome.exit_code = failure.exit_code
-        outcome.failed_at = getattr(failure, "time", None)
-    except Exception as fault:
-        record_fault(report.outcome, fault, options)
     return report
 
 

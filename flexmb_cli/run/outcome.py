@@ -1,11 +1,10 @@
 """What is asked of a run, and what became of it."""
 
-import errno
 from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, LACK_OF_MEMORY, Fault, FlexmbError, ModelError
+from ..errors import DONE, Fault, ModelError
 from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
@@ -22,38 +21,27 @@ class Stop:
 
     Libraries in whose midst it is raised may swallow it (HDF5 calling back for a write) or turn it into an
     exception of their own (numba compiling): a run looks here between its blocks of rows.
-    `held`: it shall be noted only, for files are being opened or put in their places.
+    `held`: how many ask that it be noted only, for files are being opened or put in their places.
     """
 
     asked: type[BaseException] | None = None
-    held = False
+    held = 0
 
     @classmethod
     @contextmanager
     def later(cls):
         """Have a signal wait for `heed`: files of one run shall not be half old, half new."""
-        cls.held = True
+        cls.held += 1
         try:
             yield
         finally:
-            cls.held = False
+            cls.held -= 1
 
     @classmethod
     def heed(cls) -> None:
-        """Raise what was asked for and got lost."""
-        if cls.asked is not None:
+        """Raise what was asked for and got lost, unless it has to wait."""
+        if cls.asked is not None and not cls.held:
             raise cls.asked
-
-    @classmethod
-    def reason(cls, ending: BaseException) -> str:
-        """Why a run ended in its midst, for the rows that are kept."""
-        if cls.asked is not None or not isinstance(ending, Exception):
-            return "interrupted"
-        if isinstance(ending, FlexmbError):
-            return str(ending)
-        # What the exception says may hold a path, and a result must not.
-        told = f"a fault of flexmb itself: {type(ending).__name__}"
-        return LACK_OF_MEMORY if lacks_memory(ending) else told
 
 
 # Fields of `KinematicSettings` by the options that set them.
@@ -144,32 +132,3 @@ def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
             replace(f, severity="error") if f.severity == "warning" else f for f in outcome.faults
         ]
         raise ModelError(outcome.faults)
-
-
-def lacks_memory(fault: BaseException) -> bool:
-    """Whether it is what numpy, imports and llvmlite raise where memory is short."""
-    if isinstance(fault, OSError):
-        return fault.errno in (None, errno.ENOMEM)
-    return isinstance(fault, (MemoryError, ImportError)) and not isinstance(fault, ModuleNotFoundError)
-
-
-def record_fault(outcome: Outcome, fault: Exception, options: RunOptions) -> None:
-    """Put into `outcome` what no deck should bring about, so that the next one is tried.
-
-    Raised again are faults of streams, which end the command, and all of them with `options.debug`.
-    """
-    if Stop.asked is not None:
-        outcome.exit_code = INTERRUPTED if Stop.asked is KeyboardInterrupt else TERMINATED
-        return
-    lacking = lacks_memory(fault)
-    if options.debug or (isinstance(fault, OSError) and not lacking):
-        raise fault
-    if lacking:
-        outcome.exit_code, told = ANALYSIS_FAILED, LACK_OF_MEMORY
-    else:
-        outcome.exit_code = INTERNAL_FAULT
-        told = (
-            f"a fault of flexmb itself: {type(fault).__name__}: {fault}; please report it with the deck: "
-            "`flexmb --debug …` shows where it happened"
-        )
-    outcome.faults.append(Fault("error", told))

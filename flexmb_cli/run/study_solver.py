@@ -11,18 +11,18 @@ from ..errors import (
     ANALYSIS_FAILED,
     DONE,
     INTERNAL_FAULT,
-    LACK_OF_MEMORY,
     DeckError,
     Fault,
     FlexmbError,
 )
+from ..memory import LACK_OF_MEMORY, lacks_memory
 from ..read.deck import Deck
 from ..read.settings import SettableDeck
 from ..read.study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
 from ..write.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..write.result_file import ResultFile
 from .dafms_tree import dafms_solution
-from .outcome import Listener, Outcome, RunOptions, Stop, lacks_memory
+from .outcome import Listener, Outcome, RunOptions, Stop
 from .study_cases import Cases
 from .vsdf import vsdf_solution
 from .young import Solution

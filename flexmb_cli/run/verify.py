@@ -4,13 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import ANALYSIS_FAILED, Fault, FlexmbError, ModelError
+from ..errors import ANALYSIS_FAILED, Fault, ModelError
 from ..model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ..write.echo import echo
 from .absolute_march import AbsoluteMarch
 from .dafms_tree import tree_of
-from .deck import open_deck, record_failure
-from .outcome import INTERRUPTED, Listener, Outcome, RunOptions, record_fault
+from .deck import open_deck
+from .ending import ending_recorded
+from .outcome import Listener, Outcome, RunOptions
 
 # Both march more closely than they are compared; deflections are small against a metre.
 RTOL, ATOL = 1e-11, 1e-13
@@ -76,18 +77,12 @@ def verify_deck(
     deck can do.
     """
     found = Verification(Outcome(path), tolerance)
-    try:
+    with ending_recorded(found.outcome, options):
         tree = _tree(path, options, found.outcome)
         found.differences = differences(tree, *_motions(tree, listener or Listener()))
         found.outcome.rows = tree.time.rows
         if not found.largest.relative <= tolerance:
             found.outcome.exit_code = ANALYSIS_FAILED
-    except FlexmbError as failure:
-        record_failure(found.outcome, failure, options)
-    except KeyboardInterrupt:
-        found.outcome.exit_code = INTERRUPTED
-    except Exception as fault:
-        record_fault(found.outcome, fault, options)
     return found
 
 

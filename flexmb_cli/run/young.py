@@ -1,6 +1,7 @@
 """A YOUNG deck from its records to OUT table and HDF5 result."""
 
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 
 from ..errors import AnalysisError, FlexmbError, OutputError
@@ -8,6 +9,8 @@ from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
 from .compiling import tell_of_compiling
+from .ending import reason_of
+from .keeping import keep_blocks
 from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 
 MARCH = "kinematic_march.march"
@@ -17,7 +20,8 @@ def write_solution(solution: "Solution", deck, paths, options, outcome, listener
     """Write the rows of `solution` as they come; raises as `keep_rows`."""
     with Stop.later():
         files = ResultFiles(deck, solution.contents, paths, options, stdout)
-    keep_rows(solution.analysis, solution.rows, files, options, outcome, listener, solution.count)
+    with ExitStack() as complete:
+        keep_rows(solution, files, options, outcome, listener, complete)
 
 
 def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> "Solution":
@@ -31,22 +35,21 @@ def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listen
     return Solution(_analysis(mechanism, options, listener), mechanism.time.rows, contents, _NewtonCount())
 
 
-def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener: Listener, count) -> None:
-    """Write the rows of `analysis` as they come; `count` turns them into the solver's statistics.
+def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: Listener, complete) -> None:
+    """Write the rows of `solution` as they come; once all are there a stop waits until `complete` is closed.
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
+    analysis, count = solution.analysis, solution.count
+
+    def keep(rows):
+        files.rows(rows)
+        count.add(rows)
+        outcome.statistics = str(count)
+        return rows.time.size
+
     try:
-        Stop.heed()
-        listener.begin(rows_wanted)
-        for rows in analysis.rows():
-            with Stop.later():
-                files.rows(rows)
-                count.add(rows)
-                outcome.rows += rows.time.size
-                outcome.statistics = str(count)
-            listener.advance(rows.time.size)
-            Stop.heed()
+        keep_blocks(analysis.rows(), keep, solution.rows, outcome, listener, complete)
         analysis.warnings.extend(count.doubts)
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
@@ -63,7 +66,7 @@ def keep_rows(analysis, rows_wanted, files, options, outcome: Outcome, listener:
         if not isinstance(ending, FlexmbError):
             outcome.faults += analysis.warnings
         with Stop.later():
-            outcome.files = files.close_stopped(outcome.rows, Stop.reason(ending), notes_of(analysis))
+            outcome.files = files.close_stopped(outcome.rows, reason_of(ending), notes_of(analysis))
         raise
     with Stop.later():
         outcome.files = files.close(notes_of(analysis))
@@ -195,7 +198,11 @@ class ResultFiles:
         return self.close_failed(reason, False, notes)
 
     def discard(self) -> None:
-        """Leave no file."""
+        """Leave no file; what standard output was given already is marked."""
+        if self.begun and self.paths.out == STANDARD_OUTPUT:
+            # It may be the very thing that fails, and what ended the run is told, not this.
+            with suppress(OSError):
+                self.table.stopped()
         for file in self._all():
             file.discard()
 

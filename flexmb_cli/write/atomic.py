@@ -12,6 +12,7 @@ import zlib
 from contextlib import contextmanager, suppress
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
+from ..memory import file_lacks_memory
 
 _PREFIX, _SUFFIX = ".flexmb-", ".tmp"
 
@@ -146,12 +147,14 @@ def put_in_place(files) -> None:
 
 @contextmanager
 def located(path: str):
-    """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence."""
+    """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence, or MemoryError."""
     try:
         yield
     except BrokenPipeError:
         raise
     except OSError as error:
+        if file_lacks_memory(error):
+            raise MemoryError(str(error)) from error
         raise output_error(path, error) from error
 
 

@@ -1,5 +1,6 @@
 """Worker processes, when the process that started them is killed or stopped."""
 
+import json
 import os
 import signal
 import subprocess
@@ -9,15 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.cli.run import _ended
-from flexmb_cli.run.outcome import Outcome
-
 DECKS = Path(__file__).parents[2] / "decks"
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="groups of processes are Unix's"),
     pytest.mark.processes,
 ]
+
+knows_children = pytest.mark.skipif(
+    not Path("/proc/self/task").is_dir(), reason="needs to know the children of a process"
+)
 
 PARENT = """
 import sys, time
@@ -55,59 +57,89 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     assert group_ends(parent.pid)
 
 
-def test_only_outcomes_of_stopped_decks_are_told_after_a_stop():
-    class Told:
-        def __init__(self, outcome=None, fault=None):
-            self.outcome, self.fault = outcome, fault
+def long_deck(folder):
+    """A deck of minutes, so that it is certainly being solved."""
+    text = (DECKS / "dafms/pendulum.DAT").read_text()
+    path = folder / "long.DAT"
+    path.write_text(text.replace("\n 6000\n", "\n9000000\n"))
+    return path
 
-        def done(self):
-            return self.outcome is not None or self.fault is not None
 
-        def cancelled(self):
-            return False
+def started(command, **options):
+    """A process in a group of its own that hears Ctrl-C, whatever the shell behind the tests ignores."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "flexmb_cli", *map(str, command)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **options,
+    )  # fmt: skip
 
-        def exception(self):
-            return self.fault
 
-        def result(self):
-            return self.outcome
+def wait_until(process, holds):
+    until = time.monotonic() + 200
+    while not holds():
+        assert process.poll() is None and time.monotonic() < until
+        time.sleep(0.05)
 
-    stopped = Outcome("stopped.dat", exit_code=143)
-    waiting = [Told(Outcome("whole.dat")), Told(stopped), Told(fault=OSError()), Told()]
-    assert list(_ended(waiting)) == [stopped]
+
+def workers_of(process):
+    """Ids of the processes that solve decks."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    return [int(pid) for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+
+
+@knows_children
+def test_a_killed_process_loses_its_own_deck_only_and_every_deck_has_its_record(tmp_path):
+    short = [DECKS / "young" / name for name in ("IN1-1-1.dat", "IN1-2-1.dat", "IN4-BAR.dat")]
+    decks = [str(path) for path in (short[0], long_deck(tmp_path), *short[1:])]
+    process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path])
+    journal, last = tmp_path / "long.resume", tmp_path / "OUT4-BAR.h5"
+    wait_until(process, lambda: last.exists() and journal.exists() and journal.stat().st_size > 50_000)
+    for pid in workers_of(process):
+        os.kill(pid, signal.SIGKILL)
+    printed, said = process.communicate(timeout=60)
+    records = [json.loads(line) for line in printed.splitlines()]
+    assert [(record["deck"], record["exit_code"]) for record in records] == list(
+        zip(decks, (0, 1, 0, 0), strict=True)
+    )
+    assert "killed from outside" in records[1]["faults"][0]["message"]
+    assert process.returncode == 1 and "Traceback" not in said
+    assert journal.exists() and group_ends(process.pid)
 
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_to_the_parent_alone_stops_decks_that_run_at_once(tmp_path, sent):
     """The decks would take minutes; both keep the rows that they have, and what to do next is said."""
     decks = [str(DECKS / "dafms" / name) for name in ("pendulum.DAT", "sliding_mass.DAT")]
-    command = [
-        sys.executable,
-        "-m",
-        "flexmb_cli",
-        "run",
-        *decks,
-        "-j",
-        "2",
-        "-o",
-        tmp_path,
-        "--set",
-        "time.IT=9000000",
-    ]
-    process = subprocess.Popen(
-        command, stderr=subprocess.PIPE, text=True, start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
+    grid = ["--set", "time.IT=9000000"]
+    process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path, *grid])
     journals = [tmp_path / "pendulum.resume", tmp_path / "sliding_mass.resume"]
-    until = time.monotonic() + 200
-    while not all(path.exists() and path.stat().st_size > 50_000 for path in journals):
-        assert process.poll() is None and time.monotonic() < until
-        time.sleep(0.05)
+    wait_until(process, lambda: all(path.exists() and path.stat().st_size > 50_000 for path in journals))
     process.send_signal(sent)
-    said = process.communicate(timeout=60)[1]
+    printed, said = process.communicate(timeout=60)
     assert process.returncode == 128 + sent
-    assert "--resume goes on with it" in said
+    assert said.count("--resume goes on with it") == 2 and "Traceback" not in said
+    records = [json.loads(line) for line in printed.splitlines()]
+    assert [(record["deck"], record["status"]) for record in records] == [(d, "interrupted") for d in decks]
     assert all(path.exists() for path in journals)
+    assert group_ends(process.pid)
+
+
+@knows_children
+@pytest.mark.parametrize("both", [False, True], ids=["while processes start", "twice"])
+def test_ctrl_c_at_a_terminal_reaches_every_process_and_ends_without_a_traceback(tmp_path, both):
+    """The terminal tells the whole group; the parent passes it on once more."""
+    decks = [str(long_deck(tmp_path)), str(DECKS / "young/IN4-BAR.dat")]
+    process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path])
+    if both:
+        journal = tmp_path / "long.resume"
+        wait_until(process, lambda: journal.exists() and journal.stat().st_size > 50_000)
+    else:
+        wait_until(process, lambda: workers_of(process))
+    os.killpg(process.pid, signal.SIGINT)
+    printed, said = process.communicate(timeout=60)
+    assert process.returncode == 130 and "interrupted" in said and "Traceback" not in said
+    if both:
+        assert json.loads(printed.splitlines()[0])["rows"] > 0
     assert group_ends(process.pid)
 
 

@@ -1,12 +1,14 @@
 """A stop that lands where libraries turn it into exceptions of their own."""
 
 import errno
+import io
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -16,11 +18,16 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli import cli as commands
-from flexmb_cli.cli.run import stop_on_signals
-from flexmb_cli.errors import LACK_OF_MEMORY, Fault
-from flexmb_cli.run import check, deck, modes, verify, young_dynamics
+from flexmb_cli import memory
+from flexmb_cli.cli.stops import STOPS, stop_on_signals
+from flexmb_cli.cli.terminal import OutputText
+from flexmb_cli.errors import Fault, OutputError
+from flexmb_cli.memory import LACK_OF_MEMORY
+from flexmb_cli.run import check, dafms, deck, modes, verify, young_dynamics
+from flexmb_cli.run.ending import StreamError
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
 from flexmb_cli.run.young import kinematic_solution
+from flexmb_cli.write.atomic import located
 from flexmb_cli.write.diff import compare
 from flexmb_cli.write.result_file import ResultFile
 from tests.run.dafms_runs import ENDINGS, run
@@ -44,12 +51,67 @@ def test_a_stop_that_became_another_exception_is_still_a_stop(monkeypatch, asked
     assert deck.run_deck(DECK, RunOptions()).exit_code == code
 
 
-@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "dafms/sliding_mass.DAT"])
+@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "dafms/pendulum.DAT"])
 def test_a_stop_that_got_lost_is_heeded_after_the_block_of_rows(tmp_path, monkeypatch, path):
     monkeypatch.setattr(Stop, "asked", None)
     lost = Listener(begin=lambda rows: setattr(Stop, "asked", KeyboardInterrupt))
     outcome = deck.run_deck(str(DECKS / path), RunOptions(folder=str(tmp_path)), lost)
     assert outcome.exit_code == INTERRUPTED and outcome.files
+
+
+class StoppedAtTheEnd:
+    """Sends SIGTERM when the last row has been kept."""
+
+    def __init__(self):
+        self.left = 0
+        self.listener = Listener(partial(setattr, self, "left"), self.advance)
+
+    def advance(self, rows):
+        self.left -= rows
+        if not self.left:
+            signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("path", ["young/IN4-BAR.dat", "dafms/sliding_mass.DAT"])
+def test_a_stop_behind_the_last_row_leaves_a_complete_run(tmp_path, monkeypatch, path):
+    """It would be marked as a stopped one; the next deck is not begun."""
+    monkeypatch.setattr(Stop, "asked", None)
+    with signals_heard():
+        options = RunOptions(folder=str(tmp_path))
+        outcome = deck.run_deck(str(DECKS / path), options, StoppedAtTheEnd().listener)
+    assert outcome.exit_code == 0 and Stop.held == 0
+    (found,) = tmp_path.glob("*.h5")
+    with h5py.File(found) as result:
+        assert result.attrs["status"] == "complete"
+    with pytest.raises(Terminated):
+        Stop.heed()
+
+
+def test_who_stops_a_run_before_it_looks_at_its_journal_is_told_of_it(tmp_path, monkeypatch):
+    (tmp_path / "pendulum.resume").write_text("{")
+    monkeypatch.setattr(dafms, "tree_of", partial(raised, KeyboardInterrupt()))
+    assert run("pendulum", tmp_path, resume=True).resumable
+    assert not run("pendulum", tmp_path).resumable
+
+
+def test_a_stop_between_opening_a_journal_and_going_on_with_it_is_told_of_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(Stop, "asked", None)
+    run("pendulum", tmp_path, raising(KeyboardInterrupt()))
+    monkeypatch.setattr(Stop, "asked", Terminated)
+    outcome = run("pendulum", tmp_path, resume=True)
+    assert (outcome.exit_code, outcome.resumable) == (TERMINATED, True)
+
+
+@contextmanager
+def signals_heard(once=False):
+    """`stop_on_signals`, undone at the end."""
+    before = {number: signal.getsignal(number) for number in STOPS}
+    try:
+        stop_on_signals(once)
+        yield
+    finally:
+        for number, heard in before.items():
+            signal.signal(number, heard)
 
 
 def raising(fault):
@@ -105,6 +167,24 @@ def test_a_fault_in_the_midst_of_writing_a_block_leaves_the_older_results(tmp_pa
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.parametrize("fault", [MemoryError(), OutputError("X.h5: no space left", 1)])
+def test_a_table_on_standard_output_that_breaks_off_says_so(monkeypatch, tmp_path, fault):
+    """It has rows that the HDF5 file lacks, which is thrown away."""
+    monkeypatch.setattr(ResultFile, "rows", partial(raised, fault))
+    page = io.StringIO()
+    options = RunOptions(folder=str(tmp_path), out="-")
+    assert deck.run_deck(DECK, options, stdout=page).exit_code == 1
+    assert "TIME=" in page.getvalue() and page.getvalue().endswith("-----RUN STOPPED-----\n")
+
+
+def test_a_fault_before_the_first_row_leaves_standard_output_alone(monkeypatch, tmp_path):
+    page = io.StringIO()
+    options = RunOptions(folder=str(tmp_path), out="-")
+    fails = Listener(begin=partial(raised, MemoryError()))
+    assert deck.run_deck(DECK, options, fails, page).exit_code == 1
+    assert page.getvalue() == ""
+
+
 def test_a_fault_without_a_stop_stays_a_fault(monkeypatch):
     monkeypatch.setitem(deck.RUNNERS, "young", swallowing)
     outcome = deck.run_deck(DECK, RunOptions())
@@ -121,14 +201,59 @@ def test_a_fault_without_a_stop_stays_a_fault(monkeypatch):
         (OSError(errno.ENOMEM, "Cannot allocate memory"), 1),
         (OSError("libllvmlite.so cannot be loaded"), 1),
         (ImportError("failed to map segment"), 1),
+        (OSError("Can't write data (memory allocation failed for file family)"), 1),
         (ModuleNotFoundError("No module named 'h5py'"), 3),
+        (SystemError("returned NULL without setting an exception"), 3),
     ],
 )
 def test_want_of_memory_is_told_from_faults(monkeypatch, fault, code):
     monkeypatch.setattr(deck, "open_deck", partial(raised, fault))
     outcome = deck.run_deck(DECK, RunOptions())
     assert outcome.exit_code == code
-    assert (outcome.faults[0].message == LACK_OF_MEMORY) == (code == 1)
+    assert ("memory" in outcome.faults[0].message) == (code == 1)
+
+
+@pytest.mark.parametrize("fault", [ImportError("libc: not found"), OSError("libllvmlite.so: no such file")])
+def test_a_library_that_cannot_be_loaded_is_named(monkeypatch, fault):
+    """Whether memory is short cannot be seen from it."""
+    monkeypatch.setattr(deck, "open_deck", partial(raised, fault))
+    told = deck.run_deck(DECK, RunOptions()).faults[0].message
+    assert told.endswith(f"for want of memory or a broken installation: {fault}")
+
+
+def test_a_library_that_trips_where_no_memory_is_left_lacks_memory(monkeypatch):
+    monkeypatch.setattr(memory, "require_memory", short_of_memory)
+    monkeypatch.setattr(deck, "open_deck", partial(raised, SystemError("NULL without an exception")))
+    outcome = deck.run_deck(DECK, RunOptions())
+    assert (outcome.exit_code, outcome.faults[0].message) == (1, LACK_OF_MEMORY)
+
+
+@pytest.mark.parametrize(
+    "fault", [OSError(errno.ENOMEM, "Cannot allocate memory"), OSError("memory allocation failed")]
+)
+def test_a_file_that_lacks_memory_is_none_that_cannot_be_written(fault):
+    with pytest.raises(MemoryError), located("OUT.h5"):
+        raise fault
+
+
+def test_what_the_system_refuses_one_deck_ends_that_deck_only(monkeypatch):
+    monkeypatch.setattr(deck, "open_deck", partial(raised, OSError(errno.EMFILE, "Too many open files")))
+    found = CliRunner().invoke(commands.cli, ["run", DECK, OTHER, "--json"])
+    assert found.exit_code == 1
+    records = [json.loads(line) for line in found.stdout.splitlines()]
+    told = [(record["deck"], record["faults"][0]["message"]) for record in records]
+    assert told == [(name, "the system refused: Too many open files") for name in (DECK, OTHER)]
+
+
+def test_a_broken_standard_output_ends_the_call(monkeypatch, tmp_path):
+    class Full(io.StringIO):
+        def write(self, text):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    options = RunOptions(folder=str(tmp_path), out="-")
+    with pytest.raises(StreamError, match="No space left"):
+        deck.run_deck(DECK, options, stdout=OutputText(Full()))
+    assert not list(tmp_path.iterdir())
 
 
 def raised(fault, *arguments):
@@ -149,6 +274,19 @@ def test_every_deck_of_a_call_is_tried_where_one_ends_of_a_fault(monkeypatch, co
     records = [json.loads(line) for line in found.stdout.splitlines()]
     assert [record["deck"] for record in records] == [DECK, OTHER]
     assert [record["faults"][0]["message"] for record in records] == [LACK_OF_MEMORY] * 2
+
+
+@pytest.mark.parametrize("stop, code", [(Terminated, TERMINATED), (KeyboardInterrupt, INTERRUPTED)])
+@pytest.mark.parametrize("command, home", [("check", check), ("modes", modes), ("verify", verify)])
+def test_a_stopped_command_prints_the_record_of_its_deck_and_begins_no_other(
+    monkeypatch, command, home, stop, code
+):
+    monkeypatch.setattr("flexmb_cli.cli.deck_options.stop_on_signals", lambda: None)
+    monkeypatch.setattr(home, "open_deck", partial(raised, stop()))
+    found = CliRunner().invoke(commands.cli, [command, DECK, OTHER, "--json"])
+    assert found.exit_code == code and f"{DECK}: interrupted" in found.stderr
+    (record,) = (json.loads(line) for line in found.stdout.splitlines())
+    assert (record["deck"], record["status"]) == (DECK, "interrupted")
 
 
 def test_what_a_stopped_run_was_warned_of_is_told_and_kept(tmp_path, monkeypatch):
@@ -207,9 +345,7 @@ def test_what_was_solved_before_a_warning_became_an_error_is_kept(tmp_path):
 
 def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch):
     monkeypatch.setattr(Stop, "asked", None)
-    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
-    try:
-        stop_on_signals()
+    with signals_heard():
         with Stop.later():
             signal.raise_signal(signal.SIGTERM)
             assert Stop.asked is Terminated
@@ -217,9 +353,15 @@ def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch)
             Stop.heed()
         with pytest.raises(Terminated):
             signal.raise_signal(signal.SIGTERM)
-    finally:
-        signal.signal(signal.SIGINT, before[0])
-        signal.signal(signal.SIGTERM, before[1])
+
+
+def test_a_process_that_was_told_to_stop_twice_is_stopped_once(monkeypatch):
+    """The terminal and the parent tell it: the second may come when only the outcome is to be sent."""
+    monkeypatch.setattr(Stop, "asked", None)
+    with signals_heard(once=True):
+        with pytest.raises(Terminated):
+            signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGINT)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGTERM is Unix's")

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.cli.run import stop_on_signals
+from flexmb_cli.cli.stops import stop_on_signals
 from flexmb_cli.errors import ModelError
 from flexmb_cli.run import study_table, study_workers
 from flexmb_cli.run.outcome import Stop, Terminated

@@ -1,0 +1,56 @@
+"""Want of memory: foreseen before libraries fail of it, and told from other faults afterwards."""
+
+import errno
+import mmap
+
+LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
+# Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
+TO_LOAD, TO_COMPILE = 2**27, 2**29
+# HDF5's own word, in an OSError without a number.
+_OF_HDF5 = "memory allocation failed"
+
+
+def require_memory(size: int) -> None:
+    """Raise MemoryError where a limit of the process leaves less than `size` bytes of addresses.
+
+    Short of memory OpenBLAS asks for its buffers without end, and LLVM ends the process.
+    """
+    try:
+        import resource
+    except ImportError:  # no such limits here
+        return
+    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
+        try:
+            mmap.mmap(-1, size).close()
+        except OSError as fault:
+            raise MemoryError(f"{size // 2**20} MB of addresses are needed") from fault
+
+
+def lacks_memory(fault: BaseException) -> bool:
+    """Whether it is what numpy, HDF5, imports and llvmlite raise where memory is short."""
+    if isinstance(fault, OSError):
+        return fault.errno is None or file_lacks_memory(fault)
+    if isinstance(fault, SystemError):
+        # Libraries in C end so, too, where they ask for memory and do not look whether they got it.
+        return not _is_there(TO_LOAD)
+    return isinstance(fault, (MemoryError, ImportError)) and not isinstance(fault, ModuleNotFoundError)
+
+
+def file_lacks_memory(fault: OSError) -> bool:
+    """Whether it is what the system, or HDF5, raises of a file where memory is short."""
+    return fault.errno == errno.ENOMEM or _OF_HDF5 in str(fault)
+
+
+def told_of_lack(fault: BaseException) -> str:
+    """The sentence for a `fault` that `lacks_memory`: what a library says may be another thing after all."""
+    if isinstance(fault, ImportError) or (isinstance(fault, OSError) and fault.errno is None):
+        return f"a library cannot be loaded, for want of memory or a broken installation: {fault}"
+    return LACK_OF_MEMORY
+
+
+def _is_there(size):
+    try:
+        require_memory(size)
+    except MemoryError:
+        return False
+    return True

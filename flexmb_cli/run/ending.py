@@ -1,0 +1,90 @@
+"""How a deck ends that does not come to its last time: what is told of it, and its exit code."""
+
+from contextlib import contextmanager
+from dataclasses import replace
+
+from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
+from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
+from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
+
+_REPORT = "please report it with the deck: `flexmb --debug …` shows where it happened"
+
+
+class StreamError(OSError):
+    """A standard stream cannot be written: that ends the command, not one of its decks."""
+
+
+@contextmanager
+def ending_recorded(outcome: Outcome, options: RunOptions):
+    """Whatever ends a deck in here goes into its `outcome`, so that the next one is tried.
+
+    Raised on are a StreamError, and with `options.debug` faults of flexmb itself.
+    """
+    try:
+        yield
+    except FlexmbError as failure:
+        _record_failure(outcome, failure, options)
+    except (KeyboardInterrupt, Terminated) as stop:
+        outcome.exit_code = _code_of(type(stop))
+    except Exception as fault:
+        _record_fault(outcome, fault, options)
+
+
+def reason_of(ending: BaseException) -> str:
+    """Why a run ended in its midst, for the rows that are kept."""
+    if Stop.asked is not None or not isinstance(ending, Exception):
+        return "interrupted"
+    if isinstance(ending, FlexmbError):
+        return str(ending)
+    # What the exception says may hold a path, and a result must not.
+    if lacks_memory(ending):
+        return LACK_OF_MEMORY
+    if isinstance(ending, OSError):
+        return f"the system refused: {ending.strerror}"
+    return f"a fault of flexmb itself: {type(ending).__name__}"
+
+
+def _code_of(stop):
+    return INTERRUPTED if stop is KeyboardInterrupt else TERMINATED
+
+
+def _record_failure(outcome, failure, options):
+    known = set(outcome.faults)
+    faults = [fault for fault in failure.faults if fault not in known]
+    if isinstance(failure, ModelError):
+        faults = [_by_change(fault, options) for fault in faults]
+    outcome.faults += faults
+    outcome.exit_code = failure.exit_code
+    if isinstance(failure, AnalysisError):
+        outcome.failed_at, outcome.norms = failure.time, failure.norms
+    if outcome.exit_code == INTERNAL_FAULT and options.debug:
+        raise failure
+
+
+def _by_change(fault, options):
+    """A fault of the model without a place, where numbers were changed, may be theirs."""
+    told = any(change in fault.message for change in options.changes)
+    if fault.place is None and options.changes and fault.severity == "error" and not told:
+        return replace(
+            fault, message=f"{fault.message} (numbers changed by --set: {', '.join(options.changes)})"
+        )
+    return fault
+
+
+def _record_fault(outcome, fault, options):
+    """A stop that became another exception, or a fault of the machine or of flexmb itself."""
+    if Stop.asked is not None:
+        outcome.exit_code = _code_of(Stop.asked)
+        return
+    if options.debug or isinstance(fault, StreamError):
+        raise fault
+    outcome.exit_code = ANALYSIS_FAILED
+    if lacks_memory(fault):
+        told = told_of_lack(fault)
+    elif isinstance(fault, OSError):
+        named = f": {fault.filename}" if fault.filename else ""
+        told = f"the system refused: {fault.strerror}{named}"
+    else:
+        outcome.exit_code = INTERNAL_FAULT
+        told = f"a fault of flexmb itself: {type(fault).__name__}: {fault}; {_REPORT}"
+    outcome.faults.append(Fault("error", told))
