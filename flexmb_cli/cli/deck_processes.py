@@ -61,14 +61,17 @@ class _Work:
     def go_on(self, jobs):
         """Give decks to `jobs` processes, and wait until one has ended."""
         while self.waiting and len(self.running) < jobs:
-            index, deck = self.waiting.popleft()
-            try:
-                pool, future = self._begun(deck)
-                self.running[future] = index, deck, pool
-            except (OSError, RuntimeError) as fault:  # a thread that cannot be started is the latter
-                self.ended[index] = _failed(deck, f"no process can be started for this deck: {fault}")
+            with Stop.later():
+                self._begin(*self.waiting.popleft())
         Stop.heed()
         self._take_ended(FIRST_COMPLETED)
+
+    def _begin(self, index, deck):
+        try:
+            pool, future = self._begun(deck)
+            self.running[future] = index, deck, pool
+        except (OSError, RuntimeError) as fault:  # a thread that cannot be started is the latter
+            self.ended[index] = _failed(deck, f"no process can be started for this deck: {fault}")
 
     def _begun(self, deck):
         with stops_blocked():
@@ -90,13 +93,17 @@ class _Work:
             pool.shutdown(wait=False, cancel_futures=True)
 
     def _take_ended(self, awaited):
-        for future in wait(self.running, return_when=awaited).done:
-            index, deck, pool = self.running.pop(future)
-            try:
-                self.ended[index] = future.result()
-                self.idle.append(pool)
-            except BrokenExecutor:
-                self.ended[index] = _failed(deck, KILLED)
+        ended = wait(self.running, return_when=awaited).done
+        with Stop.later():
+            for future in ended:
+                self._take(*self.running.pop(future), future)
+
+    def _take(self, index, deck, pool, future):
+        try:
+            self.ended[index] = future.result()
+            self.idle.append(pool)
+        except BrokenExecutor:
+            self.ended[index] = _failed(deck, KILLED)
 
 
 def _failed(deck, told):
@@ -125,4 +132,5 @@ def _solve(deck, options):
     try:
         return run_deck(deck, options)
     finally:
-        Stop.held = 1
+        # Who stopped this deck from outside did not mean the next one.
+        Stop.held, Stop.asked = 1, None

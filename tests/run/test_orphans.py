@@ -58,10 +58,10 @@ def test_workers_end_with_a_parent_that_is_killed(tmp_path):
 
 
 def long_deck(folder):
-    """A deck of minutes, so that it is certainly being solved."""
+    """A deck of so many rows that it is certainly being solved."""
     text = (DECKS / "dafms/pendulum.DAT").read_text()
     path = folder / "long.DAT"
-    path.write_text(text.replace("\n 6000\n", "\n9000000\n"))
+    path.write_text(text.replace("\n 6000\n", "\n99999\n"))
     return path
 
 
@@ -122,6 +122,22 @@ def test_a_signal_to_the_parent_alone_stops_decks_that_run_at_once(tmp_path, sen
     assert [(record["deck"], record["status"]) for record in records] == [(d, "interrupted") for d in decks]
     assert all(path.exists() for path in journals)
     assert group_ends(process.pid)
+
+
+@knows_children
+def test_a_process_that_was_stopped_from_outside_solves_the_next_deck(tmp_path):
+    """It was meant for the deck then; the command goes on."""
+    first, second = str(long_deck(tmp_path)), str(DECKS / "young/IN4-BAR.dat")
+    other = tmp_path / "other.DAT"
+    other.write_text(Path(first).read_text())
+    process = started(["run", first, str(other), second, "-j", 2, "--json", "-o", tmp_path])
+    journals = [tmp_path / "long.resume", tmp_path / "other.resume"]
+    wait_until(process, lambda: all(path.exists() and path.stat().st_size > 50_000 for path in journals))
+    for pid in workers_of(process):
+        os.kill(pid, signal.SIGTERM)
+    printed, _ = process.communicate(timeout=60)
+    assert [json.loads(line)["exit_code"] for line in printed.splitlines()] == [143, 143, 0]
+    assert process.returncode == 143
 
 
 @knows_children
