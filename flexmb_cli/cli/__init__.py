@@ -21,7 +21,7 @@ from ..errors import (
     compiler_style,
 )
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
-from ..run.outcome import Terminated
+from ..run.outcome import Stop, Terminated
 from .beam import beam
 from .check import check
 from .diff import diff
@@ -32,6 +32,7 @@ from .new import new
 from .plot import plot
 from .report import report
 from .run import run
+from .stops import ignore_stops, pass_over_stops
 from .sweep import sweep
 from .table import table
 from .terminal import lines_visible
@@ -75,7 +76,7 @@ def main():
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     _end_in_order()
-    sys.unraisablehook = _pass_over_stops
+    sys.unraisablehook = pass_over_stops
     os.environ.update(dict.fromkeys(THREADS, "1"))  # read when numpy is imported, by a command
     _open_closed_streams()
     try:
@@ -87,6 +88,9 @@ def main():
         # Files are guarded where they are written: what is left are the standard streams.
         _tell(f"flexmb: error: standard input or output: {fault.strerror or fault}")
         os._exit(ANALYSIS_FAILED)  # what waits in the broken stream would fail once more at exit
+    finally:
+        if Stop.asked is not None:
+            ignore_stops()
 
 
 def _run_command():
@@ -165,12 +169,6 @@ def _refuse_lost_folder():
     except OSError:
         _tell("flexmb: error: the current folder does not exist any more")
         sys.exit(BAD_INPUT)
-
-
-def _pass_over_stops(lost):
-    """A stop that came in the midst of Python's own clearing up is not raised there; it is no traceback."""
-    if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated):
-        sys.__unraisablehook__(lost)
 
 
 def _end_in_order():

@@ -3,7 +3,6 @@
 import click
 
 from ..errors import compiler_style
-from ..run.outcome import Stop
 from .stops import stop_on_signals
 from .terminal import tell
 
@@ -28,15 +27,13 @@ def deck_options(command):
 
 
 def every_deck(decks, examine):
-    """What `examine` finds of each deck; after one that was stopped there is no other."""
+    """What `examine` finds of each deck, also of those that it is not asked for any more after a stop."""
     stop_on_signals()
     for deck in decks:
-        Stop.heed()
         report = examine(deck)
         yield report
         if report.outcome.exit_code > 128:
             tell(f"{deck}: interrupted")
-            return
 
 
 def show_faults(outcome, quiet: bool) -> None:

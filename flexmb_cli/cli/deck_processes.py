@@ -5,16 +5,17 @@ A pool of one process for each of the jobs: whichever is killed takes no other a
 
 import os
 import signal
+import sys
 from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, ProcessPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing import active_children, get_context
 
 from ..errors import ANALYSIS_FAILED, Fault
 from ..run.outcome import Outcome, RunOptions, Stop, Terminated
-from .stops import stop_on_signals, stops_blocked, unblock_stops
+from .stops import pass_over_stops, stop_on_signals, stops_blocked, unblock_stops
 
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; a DAFMS "
@@ -23,10 +24,7 @@ KILLED = (
 
 
 def outcomes_in_parallel(decks, options: RunOptions, jobs: int) -> Iterator[Outcome]:
-    """What became of every deck, in order; after a stop, of those that had been begun.
-
-    Raises KeyboardInterrupt or Terminated where none of them could tell.
-    """
+    """What became of every deck, in order; after a stop, of those that had been begun."""
     from ..run.orphans import outlive_workers
 
     outlive_workers()
@@ -38,10 +36,8 @@ def outcomes_in_parallel(decks, options: RunOptions, jobs: int) -> Iterator[Outc
             yield work.ended.pop(index)
     except (KeyboardInterrupt, Terminated) as stop:
         work.stop(signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM)
-        if not work.ended:
-            raise
         yield from (outcome for _, outcome in sorted(work.ended.items()))
-    except GeneratorExit:
+    except BaseException:
         work.stop(signal.SIGTERM)
         raise
     finally:
@@ -60,11 +56,11 @@ class _Work:
 
     def go_on(self, jobs):
         """Give decks to `jobs` processes, and wait until one has ended."""
-        while self.waiting and len(self.running) < jobs:
-            with Stop.later():
-                self._begin(*self.waiting.popleft())
-        Stop.heed()
-        self._take_ended(FIRST_COMPLETED)
+        while self.waiting and len(self.running) < jobs and Stop.asked is None:
+            self._begin(*self.waiting.popleft())
+        with Stop.released():
+            wait(self.running, return_when=FIRST_COMPLETED)
+        self._take_ended()
 
     def _begin(self, index, deck):
         try:
@@ -85,18 +81,18 @@ class _Work:
     def stop(self, number):
         """Stop the processes as this one was: a signal may have come to this process alone."""
         for child in active_children():
-            os.kill(child.pid, number)
-        self._take_ended(ALL_COMPLETED)
+            with suppress(ProcessLookupError):
+                os.kill(child.pid, number)
+        wait(self.running)
+        self._take_ended()
 
     def leave(self):
         for pool in [*self.idle, *(pool for _, _, pool in self.running.values())]:
             pool.shutdown(wait=False, cancel_futures=True)
 
-    def _take_ended(self, awaited):
-        ended = wait(self.running, return_when=awaited).done
-        with Stop.later():
-            for future in ended:
-                self._take(*self.running.pop(future), future)
+    def _take_ended(self):
+        for future in [future for future in self.running if future.done()]:
+            self._take(*self.running.pop(future), future)
 
     def _take(self, index, deck, pool, future):
         try:
@@ -118,19 +114,16 @@ def _begin_process():
     from ..run.orphans import end_with_parent
 
     end_with_parent()
-    # At rest a stop is only noted: where nothing catches it, it would end in a traceback.  The terminal may
-    # tell what the parent tells as well, when the deck has ended already and only its outcome is to be sent.
-    Stop.held = 1
-    stop_on_signals(once=True)
+    sys.unraisablehook = pass_over_stops
+    stop_on_signals()
     unblock_stops()
 
 
 def _solve(deck, options):
     from ..run.deck import run_deck
 
-    Stop.held = 0
     try:
         return run_deck(deck, options)
     finally:
         # Who stopped this deck from outside did not mean the next one.
-        Stop.held, Stop.asked = 1, None
+        Stop.asked = None

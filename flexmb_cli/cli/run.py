@@ -51,6 +51,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
 
     _refuse_mixed_output(as_json, options)
     _refuse_foreign_resume(options)
+    _refuse_parallel_input(decks, jobs)
     solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
     options |= {"echo": echo, "debug": wants_debug()}
@@ -58,7 +59,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     _refuse_shared_files(decks, choices)
     stop_on_signals()
     codes = []
-    for outcome in _outcomes(decks, choices, jobs, quiet):
+    for outcome in _all_outcomes(decks, choices, jobs, quiet):
         if outcome.echo:
             show(outcome.echo, err=True)
         _report_outcome(outcome, quiet, verbose)
@@ -81,6 +82,11 @@ def _refuse_mixed_output(as_json, options):
             raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
 
 
+def _refuse_parallel_input(decks, jobs):
+    if jobs > 1 and len(decks) > 1 and "-" in decks:
+        raise click.UsageError("standard input goes to one process only: with -j give every deck by its name")
+
+
 def _refuse_foreign_resume(options):
     if options["resume"] and options["formulation"] == "absolute":
         raise click.UsageError(
@@ -94,6 +100,17 @@ def _given(options, **names):
     return {key: value for key, value in values.items() if value is not None}
 
 
+def _all_outcomes(decks, options, jobs, quiet):
+    """What became of every deck; one that was not begun before a stop is as if stopped at its first row."""
+    from ..run.outcome import Outcome, Stop
+
+    left = list(decks)
+    for outcome in _outcomes(decks, options, jobs, quiet):
+        left.remove(outcome.deck)
+        yield outcome
+    yield from (Outcome(deck, Stop.code()) for deck in left)
+
+
 def _outcomes(decks, options, jobs, quiet):
     if jobs > 1 and len(decks) > 1:
         from .deck_processes import outcomes_in_parallel
@@ -104,13 +121,12 @@ def _outcomes(decks, options, jobs, quiet):
     from ..run.outcome import Stop
 
     for deck in decks:
-        Stop.heed()
+        if Stop.asked is not None:
+            return
         # The bar ends its line before anything is said of the outcome.
         with _Progress(quiet) as progress:
             outcome = run_deck(deck, options, progress.listener, standard_output())
         yield outcome
-        if outcome.exit_code > 128:
-            return
 
 
 class _Progress:

@@ -8,7 +8,7 @@ from pathlib import PurePath
 import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
-from ..run.outcome import INTERRUPTED, TERMINATED, Terminated
+from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .json_faults import faults_in_json
 from .output_file import refuse_inputs
 from .stops import stop_on_signals
@@ -41,7 +41,7 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     made = _begun(study, output, parts, fresh, as_json)
     stop_on_signals()
     try:
-        with faults_in_json(as_json, {"study": study}, study):
+        with faults_in_json(as_json, {"study": study}, study), Stop.released():
             _solve(made, jobs, scheduler, quiet)
             failures = _first_failures(made)
             _write(made, output)

@@ -16,7 +16,7 @@ from .check_parts import before_and_after, gaps_of, parts_of
 from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
 from .ending import ending_recorded
-from .outcome import Outcome, RunOptions, refuse_warnings
+from .outcome import Outcome, RunOptions, Stop, refuse_warnings
 
 INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
@@ -88,7 +88,7 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
     `jacobian`: "estimate" or a time at which to give Φ_q.  Failures become the outcome's faults.
     """
     report = CheckReport(Outcome(path))
-    with ending_recorded(report.outcome, options):
+    with ending_recorded(report.outcome, options), Stop.released():
         report.deck = open_deck(path, options, report.outcome)
         if report.deck.dialect == "dafms":
             _refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")

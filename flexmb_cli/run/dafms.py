@@ -1,7 +1,7 @@
 """A DAFMS deck from its records to FMBD.OUT echo, series of units 2 and 3, and HDF5 result."""
 
 import os
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 
 from .. import __version__
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError
@@ -25,13 +25,12 @@ def run_dafms(
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
-    with _resumable_if_stopped(paths, options, outcome):
+    with _resumable_if_stopped(paths, options, outcome), Stop.released():
         tree = tree_of(deck, options, outcome)
         journal, march = _beginning(deck, tree, paths, options, outcome, listener)
     with Stop.later():
         files = _ResultFiles(deck, tree, paths, options, stdout)
-    with ExitStack() as complete:
-        doubts = _keep_rows(tree, march, journal, files, options, outcome, listener, complete)
+        doubts = _keep_rows(tree, march, journal, files, options, outcome, listener)
         _complete(files, journal, outcome, doubts)
 
 
@@ -45,7 +44,7 @@ def _resumable_if_stopped(paths, options, outcome):
         raise
 
 
-def _keep_rows(tree, march, journal, files, options, outcome, listener, complete):
+def _keep_rows(tree, march, journal, files, options, outcome, listener):
     """Write the rows as they come; what the energy makes doubtful.  Raises as `run_dafms`."""
 
     def keep(values):
@@ -54,14 +53,12 @@ def _keep_rows(tree, march, journal, files, options, outcome, listener, complete
         return len(values["time"])
 
     try:
-        Stop.heed()
         journal.begin(files.unfinished)
-        keep_blocks(march.blocks(options.resume), keep, tree.time.rows, outcome, listener, complete)
+        keep_blocks(march.blocks(options.resume), keep, tree.time.rows, outcome, listener)
         return _doubts_of_energy(tree, march, options, outcome)
     except AnalysisError as failure:
-        with Stop.later():
-            outcome.files = files.close_failed(failure.args[0], march.stopped_at)
-            journal.remove()
+        outcome.files = files.close_failed(failure.args[0], march.stopped_at)
+        journal.remove()
         raise
     except OutputError:
         files.discard()
@@ -69,15 +66,13 @@ def _keep_rows(tree, march, journal, files, options, outcome, listener, complete
         outcome.resumable = journal.begun
         raise
     except FlexmbError as ending:
-        with Stop.later():
-            outcome.files = files.close_stopped(outcome.rows, str(ending), march.stopped_at)
-            journal.remove()
+        outcome.files = files.close_stopped(outcome.rows, str(ending), march.stopped_at)
+        journal.remove()
         raise
     except BaseException as ending:
-        with Stop.later():
-            journal.close()
-            outcome.resumable = journal.begun
-            outcome.files = files.close_stopped(outcome.rows, reason_of(ending), march.stopped_at)
+        journal.close()
+        outcome.resumable = journal.begun
+        outcome.files = files.close_stopped(outcome.rows, reason_of(ending), march.stopped_at)
         raise
 
 
@@ -90,14 +85,13 @@ def _doubts_of_energy(tree, march, options, outcome):
 
 def _complete(files, journal, outcome, doubts):
     """Put the results in their places; where they cannot be, the journal stays for the next attempt."""
-    with Stop.later():
-        try:
-            outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
-        except (OutputError, MemoryError):
-            journal.close()
-            outcome.resumable = journal.begun
-            raise
-        journal.remove()
+    try:
+        outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
+    except (OutputError, MemoryError):
+        journal.close()
+        outcome.resumable = journal.begun
+        raise
+    journal.remove()
 
 
 def _beginning(deck, tree, paths, options, outcome, listener):

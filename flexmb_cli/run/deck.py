@@ -11,7 +11,7 @@ from ..write.echo import echo
 from ..write.file_names import result_paths
 from .dafms import run_dafms
 from .ending import ending_recorded
-from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions
+from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
 from .vsdf import run_vsdf
 from .young_dynamics import run_young_deck
 
@@ -26,7 +26,8 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
     """
     outcome = Outcome(path)
     with ending_recorded(outcome, options):
-        deck = open_deck(path, options, outcome)
+        with Stop.released():
+            deck = open_deck(path, options, outcome)
         if options.echo:
             outcome.echo = echo(deck)
         warn_of_foreign_options(deck, options, outcome)

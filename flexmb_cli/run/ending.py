@@ -24,8 +24,10 @@ def ending_recorded(outcome: Outcome, options: RunOptions):
         yield
     except FlexmbError as failure:
         _record_failure(outcome, failure, options)
-    except (KeyboardInterrupt, Terminated) as stop:
-        outcome.exit_code = _code_of(type(stop))
+    except KeyboardInterrupt:
+        outcome.exit_code = INTERRUPTED
+    except Terminated:
+        outcome.exit_code = TERMINATED
     except Exception as fault:
         _record_fault(outcome, fault, options)
 
@@ -42,10 +44,6 @@ def reason_of(ending: BaseException) -> str:
     if isinstance(ending, OSError):
         return f"the system refused: {ending.strerror}"
     return f"a fault of flexmb itself: {type(ending).__name__}"
-
-
-def _code_of(stop):
-    return INTERRUPTED if stop is KeyboardInterrupt else TERMINATED
 
 
 def _record_failure(outcome, failure, options):
@@ -74,7 +72,7 @@ def _by_change(fault, options):
 def _record_fault(outcome, fault, options):
     """A stop that became another exception, or a fault of the machine or of flexmb itself."""
     if Stop.asked is not None:
-        outcome.exit_code = _code_of(Stop.asked)
+        outcome.exit_code = Stop.code()
         return
     if options.debug or isinstance(fault, StreamError):
         raise fault

@@ -10,7 +10,7 @@ from .dafms_tree import tree_of
 from .deck import open_deck
 from .ending import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, flexible_modes, tree_modes, young_modes
-from .outcome import Listener, Outcome, RunOptions
+from .outcome import Listener, Outcome, RunOptions, Stop
 from .vsdf import mechanism_of
 
 
@@ -41,7 +41,7 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
     asked for.
     """
     report = ModesReport(Outcome(path))
-    with ending_recorded(report.outcome, options):
+    with ending_recorded(report.outcome, options), Stop.released():
         _fill(report, wish, options, listener)
     return report
 

@@ -19,9 +19,10 @@ class Terminated(BaseException):
 class Stop:
     """What a signal asked for: KeyboardInterrupt or Terminated, None before.
 
+    `held`: how many ask that it be noted only.  A command notes it, and lets it be raised while a deck is
+    read or solved (`released`): files and records are never half done.
     Libraries in whose midst it is raised may swallow it (HDF5 calling back for a write) or turn it into an
     exception of their own (numba compiling): a run looks here between its blocks of rows.
-    `held`: how many ask that it be noted only, for files are being opened or put in their places.
     """
 
     asked: type[BaseException] | None = None
@@ -30,7 +31,7 @@ class Stop:
     @classmethod
     @contextmanager
     def later(cls):
-        """Have a signal wait for `heed`: files of one run shall not be half old, half new."""
+        """Have a signal wait for `heed`."""
         cls.held += 1
         try:
             yield
@@ -38,10 +39,31 @@ class Stop:
             cls.held -= 1
 
     @classmethod
+    @contextmanager
+    def released(cls):
+        """Have a signal raised at once, also one that has come already."""
+        before, cls.held = cls.held, 0
+        try:
+            cls.heed()
+            yield
+        finally:
+            cls.held = before
+
+    @classmethod
+    def too_late(cls) -> None:
+        """From here to the end of `released` nothing is left to be stopped."""
+        cls.held += 1
+
+    @classmethod
     def heed(cls) -> None:
         """Raise what was asked for and got lost, unless it has to wait."""
         if cls.asked is not None and not cls.held:
             raise cls.asked
+
+    @classmethod
+    def code(cls) -> int:
+        """The exit code of what was asked for."""
+        return INTERRUPTED if cls.asked is KeyboardInterrupt else TERMINATED
 
 
 # Fields of `KinematicSettings` by the options that set them.

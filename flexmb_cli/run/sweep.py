@@ -14,6 +14,7 @@ from ..read.dialects import CHOOSES, read_deck
 from ..read.study import Study
 from ..read.study_file import read_study
 from ..read.text import read_text
+from .outcome import Stop
 from .study_lock import StudyLock
 from .study_parts import Part, Parts
 from .study_solver import CaseResult, CaseSolver
@@ -208,6 +209,7 @@ def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda ca
         for case in missing:
             part.append(solver.solve(case))
             advance(1)
+            Stop.heed()
         return BlockDone(block, len(missing), part.failed)
 
 

@@ -11,7 +11,7 @@ from .absolute_march import AbsoluteMarch
 from .dafms_tree import tree_of
 from .deck import open_deck
 from .ending import ending_recorded
-from .outcome import Listener, Outcome, RunOptions
+from .outcome import Listener, Outcome, RunOptions, Stop
 
 # Both march more closely than they are compared; deflections are small against a metre.
 RTOL, ATOL = 1e-11, 1e-13
@@ -77,7 +77,7 @@ def verify_deck(
     deck can do.
     """
     found = Verification(Outcome(path), tolerance)
-    with ending_recorded(found.outcome, options):
+    with ending_recorded(found.outcome, options), Stop.released():
         tree = _tree(path, options, found.outcome)
         found.differences = differences(tree, *_motions(tree, listener or Listener()))
         found.outcome.rows = tree.time.rows
@@ -118,6 +118,7 @@ def _motions(tree, listener):
 def _heard(blocks, listener):
     for block in blocks:
         yield block
+        Stop.heed()
         listener.advance(len(block["time"] if isinstance(block, dict) else block.time))
 
 

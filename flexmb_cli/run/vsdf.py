@@ -8,7 +8,7 @@ from ..read.deck import Deck
 from ..write.file_names import STANDARD_INPUT, ResultPaths
 from .compiling import tell_of_compiling
 from .energy_drift import ConstrainedDrift
-from .outcome import Outcome, RunOptions, refuse_warnings
+from .outcome import Outcome, RunOptions, Stop, refuse_warnings
 from .young import Contents, Solution, write_solution
 from .young_dynamics import StepCount
 
@@ -23,7 +23,8 @@ def run_vsdf(deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outco
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
-    solution = vsdf_solution(deck, options, outcome, listener)
+    with Stop.released():
+        solution = vsdf_solution(deck, options, outcome, listener)
     write_solution(solution, deck, paths, options, outcome, listener, stdout)
 
 

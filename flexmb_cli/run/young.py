@@ -1,7 +1,7 @@
 """A YOUNG deck from its records to OUT table and HDF5 result."""
 
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 
 from ..errors import AnalysisError, FlexmbError, OutputError
@@ -20,8 +20,7 @@ def write_solution(solution: "Solution", deck, paths, options, outcome, listener
     """Write the rows of `solution` as they come; raises as `keep_rows`."""
     with Stop.later():
         files = ResultFiles(deck, solution.contents, paths, options, stdout)
-    with ExitStack() as complete:
-        keep_rows(solution, files, options, outcome, listener, complete)
+        keep_rows(solution, files, options, outcome, listener)
 
 
 def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> "Solution":
@@ -35,8 +34,8 @@ def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listen
     return Solution(_analysis(mechanism, options, listener), mechanism.time.rows, contents, _NewtonCount())
 
 
-def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: Listener, complete) -> None:
-    """Write the rows of `solution` as they come; once all are there a stop waits until `complete` is closed.
+def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: Listener) -> None:
+    """Write the rows of `solution` as they come.
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
@@ -49,15 +48,14 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
         return rows.time.size
 
     try:
-        keep_blocks(analysis.rows(), keep, solution.rows, outcome, listener, complete)
+        keep_blocks(analysis.rows(), keep, solution.rows, outcome, listener)
         analysis.warnings.extend(count.doubts)
         outcome.faults += analysis.warnings
         refuse_warnings(outcome, options)
     except AnalysisError as failure:
         analysis.warnings.extend(count.doubts)
         outcome.faults += analysis.warnings
-        with Stop.later():
-            outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
+        outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
         raise
     except OutputError:
         files.discard()
@@ -65,11 +63,9 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
     except BaseException as ending:
         if not isinstance(ending, FlexmbError):
             outcome.faults += analysis.warnings
-        with Stop.later():
-            outcome.files = files.close_stopped(outcome.rows, reason_of(ending), notes_of(analysis))
+        outcome.files = files.close_stopped(outcome.rows, reason_of(ending), notes_of(analysis))
         raise
-    with Stop.later():
-        outcome.files = files.close(notes_of(analysis))
+    outcome.files = files.close(notes_of(analysis))
 
 
 def notes_of(analysis) -> tuple[str, ...]:

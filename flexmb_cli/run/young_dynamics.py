@@ -9,7 +9,7 @@ from ..read.young_dynamics import INVERSE, analysis_of
 from ..write.file_names import ResultPaths
 from .compiling import tell_of_compiling
 from .energy_drift import ConstrainedDrift
-from .outcome import Listener, Outcome, RunOptions, refuse_warnings
+from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 from .young import Contents, Solution, kinematic_solution, write_solution
 
 TOO_COARSE = (
@@ -25,7 +25,8 @@ def run_young_deck(
 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
-    solution = young_solution(deck, options, outcome, listener)
+    with Stop.released():
+        solution = young_solution(deck, options, outcome, listener)
     write_solution(solution, deck, paths, options, outcome, listener, stdout)
 
 

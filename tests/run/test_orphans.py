@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -141,22 +142,46 @@ def test_a_process_that_was_stopped_from_outside_solves_the_next_deck(tmp_path):
 
 
 @knows_children
-@pytest.mark.parametrize("both", [False, True], ids=["while processes start", "twice"])
-def test_ctrl_c_at_a_terminal_reaches_every_process_and_ends_without_a_traceback(tmp_path, both):
-    """The terminal tells the whole group; the parent passes it on once more."""
-    decks = [str(long_deck(tmp_path)), str(DECKS / "young/IN4-BAR.dat")]
+@pytest.mark.parametrize("begun", [False, True], ids=["while processes start", "while they solve"])
+def test_ctrl_c_at_a_terminal_reaches_every_process_and_ends_without_a_traceback(tmp_path, begun):
+    """The terminal tells the whole group, the parent passes it on, and the user does it again."""
+    decks = [str(long_deck(tmp_path)), str(DECKS / "young/IN4-BAR.dat"), str(DECKS / "young/IN1-1-1.dat")]
     process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path])
-    if both:
-        journal = tmp_path / "long.resume"
-        wait_until(process, lambda: journal.exists() and journal.stat().st_size > 50_000)
+    journal = tmp_path / "long.resume"
+    if begun:
+        wait_until(process, lambda: journal.exists() and journal.stat().st_size > 200_000)
     else:
         wait_until(process, lambda: workers_of(process))
-    os.killpg(process.pid, signal.SIGINT)
+    for _ in range(3):
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.03)
     printed, said = process.communicate(timeout=60)
     assert process.returncode == 130 and "interrupted" in said and "Traceback" not in said
-    if both:
-        assert json.loads(printed.splitlines()[0])["rows"] > 0
+    records = [json.loads(line) for line in printed.splitlines()]
+    assert [record["deck"] for record in records] == decks
+    assert (records[0]["rows"] > 0) == begun and records[0]["status"] == "interrupted"
     assert group_ends(process.pid)
+
+
+@knows_children
+def test_decks_that_were_not_begun_before_a_stop_are_not_called_complete(tmp_path):
+    """Those that run may come to their end; the others are to be seen in the exit code."""
+    decks = [str(DECKS / "young" / name) for name in ("IN1-1-1.dat", "IN1-2-1.dat", "IN4-BAR.dat")]
+    script = tmp_path / "stopped.py"
+    script.write_text(
+        "import signal, sys; from flexmb_cli.cli import main; from flexmb_cli.cli import deck_processes\n"
+        "take = deck_processes._Work._take\n"
+        "def stopped(work, *ended):\n"
+        "    take(work, *ended); signal.raise_signal(signal.SIGTERM)\n"
+        "deck_processes._Work._take = stopped\n"
+        "if __name__ == '__main__': main()\n"
+    )
+    command = [sys.executable, str(script), "run", *decks, "-j", "2", "--json", "-o", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200)
+    records = [json.loads(line) for line in done.stdout.splitlines()]
+    assert sorted(record["deck"] for record in records) == sorted(decks)
+    assert done.returncode == 143 and records[-1]["status"] == "interrupted"
 
 
 def test_a_dead_worker_does_not_end_its_parent(tmp_path):

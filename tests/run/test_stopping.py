@@ -79,7 +79,7 @@ def test_a_stop_behind_the_last_row_leaves_a_complete_run(tmp_path, monkeypatch,
     with signals_heard():
         options = RunOptions(folder=str(tmp_path))
         outcome = deck.run_deck(str(DECKS / path), options, StoppedAtTheEnd().listener)
-    assert outcome.exit_code == 0 and Stop.held == 0
+    assert outcome.exit_code == 0 and Stop.asked is Terminated
     (found,) = tmp_path.glob("*.h5")
     with h5py.File(found) as result:
         assert result.attrs["status"] == "complete"
@@ -95,21 +95,21 @@ def test_who_stops_a_run_before_it_looks_at_its_journal_is_told_of_it(tmp_path, 
 
 
 def test_a_stop_between_opening_a_journal_and_going_on_with_it_is_told_of_it(tmp_path, monkeypatch):
-    monkeypatch.setattr(Stop, "asked", None)
     run("pendulum", tmp_path, raising(KeyboardInterrupt()))
-    monkeypatch.setattr(Stop, "asked", Terminated)
-    outcome = run("pendulum", tmp_path, resume=True)
+    early = Listener(begin=partial(raised, Terminated()))
+    outcome = run("pendulum", tmp_path, early, resume=True)
     assert (outcome.exit_code, outcome.resumable) == (TERMINATED, True)
 
 
 @contextmanager
-def signals_heard(once=False):
+def signals_heard():
     """`stop_on_signals`, undone at the end."""
     before = {number: signal.getsignal(number) for number in STOPS}
     try:
-        stop_on_signals(once)
+        stop_on_signals()
         yield
     finally:
+        Stop.held = 0
         for number, heard in before.items():
             signal.signal(number, heard)
 
@@ -278,15 +278,24 @@ def test_every_deck_of_a_call_is_tried_where_one_ends_of_a_fault(monkeypatch, co
 
 @pytest.mark.parametrize("stop, code", [(Terminated, TERMINATED), (KeyboardInterrupt, INTERRUPTED)])
 @pytest.mark.parametrize("command, home", [("check", check), ("modes", modes), ("verify", verify)])
-def test_a_stopped_command_prints_the_record_of_its_deck_and_begins_no_other(
+def test_a_stopped_command_prints_records_of_all_decks_and_begins_no_other(
     monkeypatch, command, home, stop, code
 ):
+    begun = []
+
+    def stopped(path, *arguments):
+        begun.append(path)
+        Stop.asked = stop
+        raise stop
+
+    monkeypatch.setattr(Stop, "asked", None)
     monkeypatch.setattr("flexmb_cli.cli.deck_options.stop_on_signals", lambda: None)
-    monkeypatch.setattr(home, "open_deck", partial(raised, stop()))
+    monkeypatch.setattr(home, "open_deck", stopped)
     found = CliRunner().invoke(commands.cli, [command, DECK, OTHER, "--json"])
     assert found.exit_code == code and f"{DECK}: interrupted" in found.stderr
-    (record,) = (json.loads(line) for line in found.stdout.splitlines())
-    assert (record["deck"], record["status"]) == (DECK, "interrupted")
+    records = [json.loads(line) for line in found.stdout.splitlines()]
+    told = [(record["deck"], record["status"]) for record in records]
+    assert told == [(DECK, "interrupted"), (OTHER, "interrupted")] and begun == [DECK]
 
 
 def test_what_a_stopped_run_was_warned_of_is_told_and_kept(tmp_path, monkeypatch):
@@ -345,23 +354,32 @@ def test_what_was_solved_before_a_warning_became_an_error_is_kept(tmp_path):
 
 def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch):
     monkeypatch.setattr(Stop, "asked", None)
-    with signals_heard():
+    with signals_heard(), pytest.raises(Terminated), Stop.released():
         with Stop.later():
             signal.raise_signal(signal.SIGTERM)
             assert Stop.asked is Terminated
-        with pytest.raises(Terminated):
-            Stop.heed()
-        with pytest.raises(Terminated):
-            signal.raise_signal(signal.SIGTERM)
+        Stop.heed()
 
 
-def test_a_process_that_was_told_to_stop_twice_is_stopped_once(monkeypatch):
-    """The terminal and the parent tell it: the second may come when only the outcome is to be sent."""
+def test_who_is_told_to_stop_twice_is_stopped_once(monkeypatch):
+    """The second would come in the midst of keeping what there is."""
     monkeypatch.setattr(Stop, "asked", None)
-    with signals_heard(once=True):
+    with signals_heard(), Stop.released():
         with pytest.raises(Terminated):
             signal.raise_signal(signal.SIGTERM)
         signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            Stop.heed()
+
+
+def test_a_stop_is_raised_only_where_it_is_released(monkeypatch):
+    monkeypatch.setattr(Stop, "asked", None)
+    with signals_heard():
+        signal.raise_signal(signal.SIGTERM)
+        Stop.heed()
+        with pytest.raises(Terminated), Stop.released():
+            pytest.fail("it had come before")
+        assert Stop.held == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGTERM is Unix's")

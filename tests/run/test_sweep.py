@@ -317,9 +317,10 @@ def test_a_stop_while_the_table_is_written_waits_until_it_is_whole(tmp_path, mon
     interrupts = signal.getsignal(signal.SIGINT)
     try:
         stop_on_signals()
-        with pytest.raises(Terminated):
+        with pytest.raises(Terminated), Stop.released():
             study_table.write_study_table(str(tmp_path / "s.h5"), sweep)
     finally:
+        Stop.held = 0
         signal.signal(signal.SIGTERM, before)
         signal.signal(signal.SIGINT, interrupts)
     assert len(table(tmp_path / "s.h5")["case"]) == 5
