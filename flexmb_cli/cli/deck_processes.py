@@ -126,4 +126,4 @@ def _solve(deck, options):
         return run_deck(deck, options)
     finally:
         # Who stopped this deck from outside did not mean the next one.
-        Stop.asked = None
+        Stop.asked, Stop.held = None, 1

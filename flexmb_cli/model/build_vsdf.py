@@ -5,6 +5,7 @@ from pathlib import Path
 from ..errors import Fault, ModelError
 from ..read.deck import Deck
 from .deck_values import DeckValues
+from .driver_angles import check_motion_laws
 from .findings import Findings
 from .mechanism import TimeGrid
 from .stepped_time import unsteppable
@@ -45,6 +46,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     }
     if not bodies:
         findings.error("", "the deck has no body", None)
+    check_motion_laws(parts["motions"], time, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
     gravity = values.record("gravity")

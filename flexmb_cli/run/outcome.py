@@ -42,8 +42,9 @@ class Stop:
     @contextmanager
     def released(cls):
         """Have a signal raised at once, also one that has come already."""
-        before, cls.held = cls.held, 0
+        before = cls.held
         try:
+            cls.held = 0
             cls.heed()
             yield
         finally:

@@ -6,9 +6,10 @@ import pytest
 
 from flexmb_cli.errors import ModelError
 from flexmb_cli.model.build_young import build_young
-from flexmb_cli.model.driver_angles import check_driver_angles
+from flexmb_cli.model.driver_angles import check_driver_angles, check_motion_laws
 from flexmb_cli.model.findings import Findings
 from flexmb_cli.model.mechanism import Driver, Mechanism, TimeGrid
+from flexmb_cli.model.motion_law import POLYNOMIAL, SINE, Motion, MotionLaw, table_law
 from flexmb_cli.read.settings import apply_settings
 from flexmb_cli.read.text import read_text
 from flexmb_cli.read.young import read_young
@@ -41,6 +42,46 @@ def test_many_turns_between_two_report_times_are_doubted():
     (note,) = built("driver.1.B=1e5")[1]
     assert (note.severity, note.subject) == ("note", "driver 1")
     assert note.message.startswith("it turns 1.59e+03 times between two report times")
+
+
+def doubts_of(kind, law, end=2.0):
+    findings = Findings()
+    check_motion_laws((Motion("motion 1", kind, 0, law),), TimeGrid(0.0, end, 0.1), findings)
+    return [(fault.severity, fault.message[: fault.message.index(";")]) for fault in findings.faults]
+
+
+@pytest.mark.parametrize(
+    ("law", "reached"),
+    [
+        (MotionLaw(POLYNOMIAL, (0.0, 1e30, 0.0, 0.0)), "2e+30"),
+        (MotionLaw(POLYNOMIAL, (0.0, 0.0, 0.0, 1e9)), "8e+09"),  # c3 t³ at 2 s
+        (MotionLaw(SINE, (2e9, 1.0, 1.0, 0.0)), "2e+09"),
+        (table_law([0.0, 1.0, 2.0], [0.0, 3e12, 0.0]), "3e+12"),
+    ],
+)
+def test_an_angle_by_a_law_that_is_none_is_refused(law, reached):
+    assert doubts_of("ANGL", law) == [("error", f"its angle reaches {reached} rad")]
+    assert doubts_of("TRAX", law) == []
+
+
+def test_many_turns_by_a_law_are_doubted():
+    """The sine of 1e8 rad/s and 1 rad moves at up to 1e8 rad/s: 1.6e6 turns in 0.1 s."""
+    findings = Findings()
+    motion = Motion("motion 1", "ROTZ", 0, MotionLaw(SINE, (0.0, 1.0, 1e8, 0.0)))
+    check_motion_laws((motion,), TimeGrid(0.0, 2.0, 0.1), findings)
+    (note,) = findings.faults
+    assert note.severity == "note" and note.message.startswith("it turns 1.59e+06 times between")
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        MotionLaw(POLYNOMIAL, (0.0, 0.0, 0.0, 1e308)),
+        table_law([0.0, 1e-300, 1.0], [0.0, 1.0, 1.0]),  # a slope of 1e300, a curvature of 1e600
+    ],
+)
+def test_a_law_without_finite_rates_is_refused(law):
+    assert doubts_of("TRAX", law) == [("error", "its law or a derivative is no finite number")]
 
 
 @pytest.mark.parametrize(("direction", "doubts"), [(1, 0), (3, 0), (4, 1), (6, 1)])
