@@ -10,6 +10,7 @@ from .motion_law import Motion
 
 LARGEST_ANGLE = 1e9  # rad; beyond it a double leaves less than ten digits to a position within a turn
 MANY_TURNS = 1000.0  # between two report times, each of which is followed
+LARGEST_RATE = 1e100  # its square still is a number
 SAMPLES = 101  # even times of a run at which a law of motion is looked at
 TURNS = ("ANGL", "ROTX", "ROTY", "ROTZ")
 
@@ -34,13 +35,15 @@ def check_motion_laws(motions: tuple[Motion, ...], grid: TimeGrid, findings: Fin
     """The same for motions by laws, and refuse those that are no numbers."""
     for motion in motions:
         values, rates, _ = told = _sampled(motion.law, grid)
-        if not np.isfinite(told).all():
-            message = "its law or a derivative is no finite number; of a table, two points lie too close"
+        if not (np.abs(told) <= LARGEST_RATE).all():
+            message = (
+                f"its law or a derivative is beyond {LARGEST_RATE:.0e}, or no number; of a table, two points "
+                "lie too close"
+            )
             findings.error(motion.name, message, motion.place)
         elif motion.kind in TURNS and np.abs(values).max() > LARGEST_ANGLE:
-            message = (
-                f"its angle reaches {np.abs(values).max():.3g} rad; {_NO_ANGLE}: constants are in rad and s"
-            )
+            angle = np.abs(values).max()
+            message = f"its angle reaches {angle:.3g} rad; {_NO_ANGLE}: constants are in rad and s"
             findings.error(motion.name, message, motion.place)
         elif motion.kind in TURNS and (turns := np.abs(rates).max() * grid.step / math.tau) > MANY_TURNS:
             message = f"it turns {turns:.3g} times between two report times: are its constants in rad and s?"
@@ -50,8 +53,10 @@ def check_motion_laws(motions: tuple[Motion, ...], grid: TimeGrid, findings: Fin
 def _sampled(law, grid):
     """Value, rate and acceleration of a law at even times and at the points of its table, (3, times)."""
     times = np.concatenate([np.linspace(grid.start, grid.end, SAMPLES), law.times])
-    with np.errstate(all="ignore"):
+    try:
         return np.array([law.at(float(t)) for t in times if grid.start <= t <= grid.end]).T
+    except ValueError:  # the sine of an infinite number
+        return np.full((3, 1), np.nan)
 
 
 def _largest_angle(driver: Driver, grid: TimeGrid) -> float:
