@@ -180,7 +180,7 @@ def test_decks_that_were_not_begun_before_a_stop_are_not_called_complete(tmp_pat
     command = [sys.executable, str(script), "run", *decks, "-j", "2", "--json", "-o", str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=200)
     records = [json.loads(line) for line in done.stdout.splitlines()]
-    assert sorted(record["deck"] for record in records) == sorted(decks)
+    assert sorted(record["deck"] for record in records) == sorted(decks), done.stderr
     assert done.returncode == 143 and records[-1]["status"] == "interrupted"
 
 
