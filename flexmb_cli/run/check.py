@@ -138,8 +138,9 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
         _jit.interpret()
     from ..solve.kinematics import KinematicAnalysis
+    from ..solve.settings import KinematicSettings
 
-    analysis = KinematicAnalysis(mechanism)
+    analysis = KinematicAnalysis(mechanism, KinematicSettings(most_ranked=RANK_LIMIT))
     report.counts = _counts(mechanism, analysis)
     before = gaps_of(analysis, analysis.arrays, analysis.arrays.q)
     if jacobian == "estimate":

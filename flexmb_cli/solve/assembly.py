@@ -60,6 +60,15 @@ def assembly_failure(evaluator: Evaluator, gap, t, most_iterations: int = ENOUGH
     return AnalysisError(about("error", message, *(one.equation for one in worst)), t, gap_norms(worst))
 
 
+def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
+    """The position closes, but Newton finds no way there, and singular values would take hours."""
+    message = (
+        f"at t = {t:.6g} s equations repeat others, or something moves that nothing determines; of "
+        f"{equations} equations flexmb does not look for which (of {most} at most): leave bodies out until it does"
+    )
+    return AnalysisError(Fault("error", message), t)
+
+
 def _few(iterations):
     if iterations >= ENOUGH:
         return ""

@@ -8,7 +8,13 @@ from ..errors import Fault
 from ..kernels import kinematic_march
 from ..model.arrays import KinematicArrays, kinematic_arrays
 from ..model.mechanism import Mechanism
-from .assembly import assemble_by_search, assembly_failure, free_motion_error, redundancy_warning
+from .assembly import (
+    assemble_by_search,
+    assembly_failure,
+    free_motion_error,
+    redundancy_warning,
+    too_large_to_rank,
+)
 from .crossing import row_across
 from .diagnosis import CLOSED, mobility, moves_freely
 from .kinematic_system import kinematic_system, rows_of, with_dependent_columns
@@ -105,6 +111,11 @@ class KinematicAnalysis:
         """How many steps or rows the kernel is given at a time: an interrupt waits for them."""
         return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
 
+    @property
+    def _budget(self):
+        """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
+        return self._at_once(MOST_STEPS) + 1
+
     def marcher(self) -> Callable:
         """The march of this mechanism, by dense or by sparse factors: see `kinematic_march.march`."""
         if not self.evaluator.is_large:
@@ -119,7 +130,7 @@ class KinematicAnalysis:
         """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
         out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
         while clock[kinematic_march.TIME] < t:
-            clock[kinematic_march.BUDGET] = attempts or self._at_once(MOST_STEPS)
+            clock[kinematic_march.BUDGET] = attempts or self._budget
             march(state, motion, clock, np.array([t]), out, audit)
             if attempts or clock[kinematic_march.BUDGET] > 0.0:
                 break
@@ -129,7 +140,7 @@ class KinematicAnalysis:
         """Fill rows until all are reached or the way is barred; returns how many were."""
         reached, march = 0, self.marcher()
         while reached < times.size:
-            self.clock[kinematic_march.BUDGET] = self._at_once(MOST_STEPS)
+            self.clock[kinematic_march.BUDGET] = self._budget
             rest = slice(reached, None)
             reached += march(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
             if self.clock[kinematic_march.BUDGET] > 0.0:
@@ -154,6 +165,8 @@ class KinematicAnalysis:
         if np.max(np.abs(gap)) > CLOSED:
             refuse_contradicted_drive(self.mechanism, self.settings)
             raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
+        if q.size > self.settings.most_ranked:
+            raise too_large_to_rank(q.size, self.settings.most_ranked, t)
         found = mobility(evaluator, q, t, near)
         for motion in found.motions:
             if moves_freely(evaluator, q, t, near, motion):
