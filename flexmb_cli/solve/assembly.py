@@ -64,7 +64,8 @@ def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
     """The position closes, but Newton finds no way there, and singular values would take hours."""
     message = (
         f"at t = {t:.6g} s equations repeat others, or something moves that nothing determines; of "
-        f"{equations} equations flexmb does not look for which (of {most} at most): leave bodies out until it does"
+        f"{equations} equations flexmb does not look for which (of {most} at most): leave bodies out until "
+        "it does"
     )
     return AnalysisError(Fault("error", message), t)
 

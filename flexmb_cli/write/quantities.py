@@ -22,6 +22,7 @@ from .quantity_names import TIME, families, folded, time_family
 from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
 
 NOTHING = "an empty name"
+TIMES_AT_ONCE = 2**20
 SHOWS_ALL = "; --list shows all"
 
 
@@ -75,9 +76,18 @@ def open_result(path) -> Iterator[h5py.File]:
             if not isinstance(file.get(TIME), h5py.Dataset):
                 raise ResultError(path, "this HDF5 file is no result of flexmb: it has no dataset /time")
             check_shapes(file, {TIME: "t"}, {})
+            _check_times(file[TIME])
             yield file
     except Damaged as fault:
         raise ResultError(path, f"a damaged result: {fault}") from fault
+
+
+def _check_times(times):
+    """Rows are found by their times: `Damaged` where these do not ascend."""
+    for start in range(0, len(times), TIMES_AT_ONCE):
+        part = times[max(0, start - 1) : start + TIMES_AT_ONCE]
+        if not (np.isfinite(part).all() and (np.diff(part) > 0).all()):
+            raise Damaged("the times of its rows do not ascend, or are no numbers")
 
 
 def _other_kind(path, error):

@@ -203,3 +203,18 @@ def test_a_disk_that_fails_is_told(tmp_path):
         with pytest.raises(ResultError, match="/energy/total cannot be read"):
             read(file, quantities)
         disk.fails = False
+
+
+@pytest.mark.parametrize("times", [{3: float("nan")}, {39: float("inf")}, {20: 0.0}, {1: 0.0}])
+def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
+    """Rows are found by them; 16 are looked at together, so that 20 and 1 are in two blocks."""
+    monkeypatch.setattr("flexmb_cli.write.quantities.TIMES_AT_ONCE", 16)
+    path = write_result(tmp_path / "r.h5", 40)
+    with open_result(path):
+        pass
+    with h5py.File(path, "a") as file:
+        for row, time in times.items():
+            file["time"][row] = time
+    told = "r.h5: a damaged result: the times of its rows do not ascend, or are no numbers"
+    with pytest.raises(ResultError, match=told), open_result(path):
+        pass
