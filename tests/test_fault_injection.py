@@ -51,3 +51,12 @@ def test_a_broken_rule_is_told_with_its_folder(tmp_path):
     assert done.returncode == 1
     assert "is neither the old one, nor the new one, nor marked partial" in done.stderr
     assert "failing_run_keeps_the_old 0" in done.stderr
+
+
+def test_a_stop_at_any_instruction_leaves_a_record_and_whole_files():
+    """Some of them: the script goes on as long as it is told."""
+    deck = SCRIPT.parents[2] / "decks" / "young" / "IN1-1-1.dat"
+    command = [sys.executable, SCRIPT.parent / "instructions.py", deck, "--seconds", "3", "--seed", "5"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "'interrupted'" in done.stdout and "'complete'" in done.stdout

@@ -2,7 +2,7 @@
 
 Example: .venv/bin/python scripts/faults/instructions.py decks/young/IN1-1-1.dat --seconds 60 --seed 1
 A rule is broken where the signal leaves the run as an exception, where a temporary file stays, where the
-files are not those told, or where the exit code and the status in the HDF5 result differ.  Exit 1 when any is.
+files are not those told, or where the exit code and the status in the HDF5 result differ.  Exit 1 if so.
 """
 
 import argparse
