@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from click.testing import CliRunner
 
 from flexmb_cli import cli as commands
 from flexmb_cli import memory
-from flexmb_cli.cli.stops import STOPS, stop_on_signals
+from flexmb_cli.cli.stops import stop_on_signals
 from flexmb_cli.cli.terminal import OutputText
 from flexmb_cli.errors import Fault, OutputError
 from flexmb_cli.memory import LACK_OF_MEMORY
@@ -76,15 +75,14 @@ class StoppedAtTheEnd:
 def test_a_stop_behind_the_last_row_leaves_a_complete_run(tmp_path, monkeypatch, path):
     """It would be marked as a stopped one; the next deck is not begun."""
     monkeypatch.setattr(Stop, "asked", None)
-    with signals_heard():
-        options = RunOptions(folder=str(tmp_path))
-        outcome = deck.run_deck(str(DECKS / path), options, StoppedAtTheEnd().listener)
+    stop_on_signals()
+    options = RunOptions(folder=str(tmp_path))
+    outcome = deck.run_deck(str(DECKS / path), options, StoppedAtTheEnd().listener)
     assert outcome.exit_code == 0 and Stop.asked is Terminated
     (found,) = tmp_path.glob("*.h5")
     with h5py.File(found) as result:
         assert result.attrs["status"] == "complete"
-    with pytest.raises(Terminated):
-        Stop.heed()
+    assert Stop.asked is Terminated
 
 
 def test_who_stops_a_run_before_it_looks_at_its_journal_is_told_of_it(tmp_path, monkeypatch):
@@ -99,19 +97,6 @@ def test_a_stop_between_opening_a_journal_and_going_on_with_it_is_told_of_it(tmp
     early = Listener(begin=partial(raised, Terminated()))
     outcome = run("pendulum", tmp_path, early, resume=True)
     assert (outcome.exit_code, outcome.resumable) == (TERMINATED, True)
-
-
-@contextmanager
-def signals_heard():
-    """`stop_on_signals`, undone at the end."""
-    before = {number: signal.getsignal(number) for number in STOPS}
-    try:
-        stop_on_signals()
-        yield
-    finally:
-        Stop.held = 0
-        for number, heard in before.items():
-            signal.signal(number, heard)
 
 
 def raising(fault):
@@ -354,7 +339,8 @@ def test_what_was_solved_before_a_warning_became_an_error_is_kept(tmp_path):
 
 def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch):
     monkeypatch.setattr(Stop, "asked", None)
-    with signals_heard(), pytest.raises(Terminated), Stop.released():
+    stop_on_signals()
+    with pytest.raises(Terminated), Stop.released():
         with Stop.later():
             signal.raise_signal(signal.SIGTERM)
             assert Stop.asked is Terminated
@@ -364,7 +350,8 @@ def test_a_stop_while_files_are_opened_or_put_in_their_places_waits(monkeypatch)
 def test_who_is_told_to_stop_twice_is_stopped_once(monkeypatch):
     """The second would come in the midst of keeping what there is."""
     monkeypatch.setattr(Stop, "asked", None)
-    with signals_heard(), Stop.released():
+    stop_on_signals()
+    with Stop.released():
         with pytest.raises(Terminated):
             signal.raise_signal(signal.SIGTERM)
         signal.raise_signal(signal.SIGINT)
@@ -374,12 +361,12 @@ def test_who_is_told_to_stop_twice_is_stopped_once(monkeypatch):
 
 def test_a_stop_is_raised_only_where_it_is_released(monkeypatch):
     monkeypatch.setattr(Stop, "asked", None)
-    with signals_heard():
-        signal.raise_signal(signal.SIGTERM)
-        Stop.heed()
-        with pytest.raises(Terminated), Stop.released():
-            pytest.fail("it had come before")
-        assert Stop.held == 1
+    stop_on_signals()
+    signal.raise_signal(signal.SIGTERM)
+    Stop.heed()
+    with pytest.raises(Terminated), Stop.released():
+        pytest.fail("it had come before")
+    assert Stop.held == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGTERM is Unix's")

@@ -307,22 +307,15 @@ def test_a_stop_while_the_table_is_written_waits_until_it_is_whole(tmp_path, mon
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=5)), str(tmp_path / "parts"))
     study_workers.solve_here(sweep, sweep.pending(), lambda cases: None)
     monkeypatch.setattr(Stop, "asked", None)
-    before = signal.getsignal(signal.SIGTERM)
 
     def stopped(path, head, rows):
         signal.raise_signal(signal.SIGTERM)
         write_table(path, head, rows)
 
     monkeypatch.setattr(study_table, "write_table", stopped)
-    interrupts = signal.getsignal(signal.SIGINT)
-    try:
-        stop_on_signals()
-        with pytest.raises(Terminated), Stop.released():
-            study_table.write_study_table(str(tmp_path / "s.h5"), sweep)
-    finally:
-        Stop.held = 0
-        signal.signal(signal.SIGTERM, before)
-        signal.signal(signal.SIGINT, interrupts)
+    stop_on_signals()
+    with pytest.raises(Terminated), Stop.released():
+        study_table.write_study_table(str(tmp_path / "s.h5"), sweep)
     assert len(table(tmp_path / "s.h5")["case"]) == 5
     assert (tmp_path / "parts").is_dir()
 

@@ -1,0 +1,18 @@
+"""What every test leaves as it found it."""
+
+import signal
+
+import pytest
+
+from flexmb_cli.cli.stops import STOPS
+from flexmb_cli.run.outcome import Stop
+
+
+@pytest.fixture(autouse=True)
+def stops_as_before():
+    """A command that is called in this process hears signals, and holds them, until the process ends."""
+    before = {number: signal.getsignal(number) for number in STOPS}
+    yield
+    Stop.asked, Stop.held = None, 0
+    for number, heard in before.items():
+        signal.signal(number, heard)
