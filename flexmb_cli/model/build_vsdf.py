@@ -5,9 +5,9 @@ from pathlib import Path
 from ..errors import Fault, ModelError
 from ..read.deck import Deck
 from .deck_values import DeckValues
-from .driver_angles import check_motion_laws
 from .findings import Findings
 from .mechanism import TimeGrid
+from .motion_angles import check_motion_laws
 from .stepped_time import unsteppable
 from .vsdf_bodies import build_bodies, build_ground
 from .vsdf_joints import build_joints, build_motions, build_pins, build_tables

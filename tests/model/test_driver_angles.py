@@ -6,9 +6,10 @@ import pytest
 
 from flexmb_cli.errors import ModelError
 from flexmb_cli.model.build_young import build_young
-from flexmb_cli.model.driver_angles import check_driver_angles, check_motion_laws
+from flexmb_cli.model.driver_angles import check_driver_angles
 from flexmb_cli.model.findings import Findings
 from flexmb_cli.model.mechanism import Driver, Mechanism, TimeGrid
+from flexmb_cli.model.motion_angles import check_motion_laws
 from flexmb_cli.model.motion_law import POLYNOMIAL, SINE, Motion, MotionLaw, table_law
 from flexmb_cli.read.settings import apply_settings
 from flexmb_cli.read.text import read_text

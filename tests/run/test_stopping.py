@@ -354,8 +354,8 @@ def test_who_is_told_to_stop_twice_is_stopped_once(monkeypatch):
     with Stop.released():
         with pytest.raises(Terminated):
             signal.raise_signal(signal.SIGTERM)
-        signal.raise_signal(signal.SIGINT)
-        with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGTERM)
+        with pytest.raises(Terminated):
             Stop.heed()
 
 

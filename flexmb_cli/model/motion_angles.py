@@ -1,0 +1,42 @@
+"""Laws of motion of VSDF decks that are no numbers, no angles, or turn more than a report time can show."""
+
+import math
+
+import numpy as np
+
+from .driver_angles import LARGEST_ANGLE, MANY_TURNS, NO_ANGLE
+from .findings import Findings
+from .mechanism import TimeGrid
+from .motion_law import Motion
+
+LARGEST_RATE = 1e100  # its square still is a number
+SAMPLES = 101  # even times of a run at which a law is looked at
+TURNS = ("ANGL", "ROTX", "ROTY", "ROTZ")
+
+
+def check_motion_laws(motions: tuple[Motion, ...], grid: TimeGrid, findings: Findings) -> None:
+    """Refuse laws that are no numbers and angles that are none; doubt `MANY_TURNS` in a report step."""
+    for motion in motions:
+        values, rates, _ = told = _sampled(motion.law, grid)
+        if not (np.abs(told) <= LARGEST_RATE).all():
+            message = (
+                f"its law or a derivative is beyond {LARGEST_RATE:.0e}, or no number; of a table, two points "
+                "lie too close"
+            )
+            findings.error(motion.name, message, motion.place)
+        elif motion.kind in TURNS and np.abs(values).max() > LARGEST_ANGLE:
+            angle = np.abs(values).max()
+            message = f"its angle reaches {angle:.3g} rad; {NO_ANGLE}: constants are in rad and s"
+            findings.error(motion.name, message, motion.place)
+        elif motion.kind in TURNS and (turns := np.abs(rates).max() * grid.step / math.tau) > MANY_TURNS:
+            message = f"it turns {turns:.3g} times between two report times: are its constants in rad and s?"
+            findings.note(motion.name, message, motion.place)
+
+
+def _sampled(law, grid):
+    """Value, rate and acceleration of a law at even times and at the points of its table, (3, times)."""
+    times = np.concatenate([np.linspace(grid.start, grid.end, SAMPLES), law.times])
+    try:
+        return np.array([law.at(float(t)) for t in times if grid.start <= t <= grid.end]).T
+    except ValueError:  # the sine of an infinite number
+        return np.full((3, 1), np.nan)
