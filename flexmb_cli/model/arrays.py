@@ -83,7 +83,7 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
     for body in range(len(mechanism.bodies)):
         _add_normalisation(rows, attitudes, mechanism, body)
     return KinematicArrays(
-        constraints=np.stack(rows.records),
+        constraints=rows.array,
         equations=tuple(rows.equations),
         q=attitudes.estimates(),
         bodies_of=np.array(rows.bodies, dtype=np.int64).reshape(-1, 2),
@@ -122,6 +122,14 @@ class _Rows:
         self.records.append(record)
         self.equations += equations
         self.bodies += [(i, j)] * len(equations)
+
+    @property
+    def array(self):
+        """The records in order; `np.stack` would promote their fields pair by pair."""
+        array = np.zeros(len(self.records), dtype=CONSTRAINT)
+        for k, record in enumerate(self.records):
+            array[k] = record
+        return array
 
     def hold(self, owner, place, body, direction, value):
         """A coordinate held at a value; an angle holds e1, e2 or e3 at sin(angle/2)."""

@@ -22,6 +22,7 @@ INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
 FARTHEST_STEPS = 100_000  # seconds of computing for a four-bar, and nothing tells how far it is
 RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
+ASSEMBLY_LIMIT = 20_000  # coordinates, which take a second or two
 
 
 @dataclass
@@ -135,6 +136,11 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     from ..kernels import _jit
 
     equations = 7 * len(mechanism.bodies)
+    if equations > ASSEMBLY_LIMIT:
+        report.counts = parts_of(mechanism) | {"coordinates": equations}
+        message = f"{equations} coordinates are more than the {ASSEMBLY_LIMIT} that check assembles; run does"
+        report.outcome.faults.append(Fault("note", message))
+        return
     if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
         _jit.interpret()
     from ..solve.kinematics import KinematicAnalysis

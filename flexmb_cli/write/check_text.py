@@ -2,6 +2,7 @@
 
 COLUMNS = ("x", "y", "z", "e0", "e1", "e2", "e3")
 MOST_NAMES = 8
+MOST_GAPS = 500
 
 
 def check_text(report) -> str:
@@ -13,23 +14,38 @@ def check_text(report) -> str:
         f"  bodies {counts['bodies']}, joints: {joints}",
         f"  simplified {counts['simplified']}, distance {counts['distance']}, drivers {counts['drivers']}, "
         f"grounded bodies {counts['grounds']}, points of interest {counts['points']}",
-        f"  equations {counts['equations']}, coordinates {counts['coordinates']}, "
-        f"degrees of freedom without drivers {counts['degrees_of_freedom']}, "
-        f"report times {counts['report_times']}",
+        _size_line(counts),
         *assembly_lines(report),
         *_rank_lines(report),
     ]
     return "".join(f"{line}\n" for line in lines)
 
 
+def _size_line(counts):
+    times = f"report times {counts['report_times']}"
+    if "equations" not in counts:  # too large to be assembled
+        return f"  coordinates {counts['coordinates']}, {times}"
+    return (
+        f"  equations {counts['equations']}, coordinates {counts['coordinates']}, "
+        f"degrees of freedom without drivers {counts['degrees_of_freedom']}, {times}"
+    )
+
+
 def assembly_lines(report):
-    """Gaps of the estimates and of the assembled position, owner by owner."""
+    """Gaps of the estimates and of the assembled position, owner by owner; of very many the widest."""
     if not report.gaps:
         return
     yield f"  assembly at t = {report.time:.6g} s: largest residual per constraint, estimates → assembled"
-    width = max(len(owner) for owner, *_ in report.gaps)
-    for owner, before, after, unit in report.gaps:
+    shown = (
+        sorted(report.gaps, key=lambda gap: -gap[1])[:MOST_GAPS]
+        if len(report.gaps) > MOST_GAPS
+        else report.gaps
+    )
+    width = max(len(owner) for owner, *_ in shown)
+    for owner, before, after, unit in shown:
         yield f"    {owner:<{width}}  {before:9.2e} → {after:9.2e} {'m' if unit == 'm' else ''}".rstrip()
+    if len(shown) < len(report.gaps):
+        yield f"    and {len(report.gaps) - len(shown)} with narrower gaps of the estimates; --json has all"
 
 
 def _rank_lines(report):

@@ -4,8 +4,13 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+from flexmb_cli.run import check as run_check
+from flexmb_cli.run.outcome import RunOptions
+from flexmb_cli.write import check_text
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 
@@ -53,3 +58,20 @@ def test_echo_and_jacobian_are_not_dropped():
     assert {len(row) for row in jacobian["matrix"]} == {28}
     plain = CliRunner().invoke(command, [str(DECKS / "young/IN4-BAR.dat"), "--json"])
     assert "jacobian" not in json.loads(plain.stdout) and not plain.stderr
+
+
+def test_what_is_too_large_to_be_assembled_is_counted(monkeypatch):
+    monkeypatch.setattr(run_check, "ASSEMBLY_LIMIT", 27)
+    report = run_check.check_deck(str(DECKS / "young/IN4-BAR.dat"), RunOptions())
+    assert report.outcome.exit_code == 0 and report.as_dict()["assembly"] == []
+    assert "  coordinates 28, report times 26\n" in check_text.check_text(report)
+    (note,) = report.outcome.faults
+    assert note.message == "28 coordinates are more than the 27 that check assembles; run does"
+
+
+def test_of_very_many_gaps_the_widest_are_listed(monkeypatch):
+    monkeypatch.setattr(check_text, "MOST_GAPS", 2)
+    gaps = [("ground 1", 0.5, 0.0, "m"), ("driver 1", 2.0, 0.0, "1"), ("joint 1", 1.0, 0.0, "m")]
+    lines = list(check_text.assembly_lines(SimpleNamespace(gaps=gaps, time=0.0)))
+    assert [line.split()[0] for line in lines[1:3]] == ["driver", "joint"]
+    assert lines[3] == "    and 1 with narrower gaps of the estimates; --json has all"
