@@ -34,9 +34,21 @@ def check_motion_laws(motions: tuple[Motion, ...], grid: TimeGrid, findings: Fin
 
 
 def _sampled(law, grid):
-    """Value, rate and acceleration of a law at even times and at the points of its table, (3, times)."""
-    times = np.concatenate([np.linspace(grid.start, grid.end, SAMPLES), law.times])
+    """Value, rate and acceleration of a law at even times, or at the points of its table, (3, times)."""
+    # Each look into a table goes through all of its points.
+    times = (grid.start, grid.end) if law.times else np.linspace(grid.start, grid.end, SAMPLES)
     try:
-        return np.array([law.at(float(t)) for t in times if grid.start <= t <= grid.end]).T
+        told = np.array([law.at(float(t)) for t in times]).T
     except ValueError:  # the sine of an infinite number
         return np.full((3, 1), np.nan)
+    return np.hstack([told, _at_points(law, grid)]) if law.times else told
+
+
+def _at_points(law, grid):
+    """The same at the points of a table that the run reaches; of the rates a bound."""
+    t, f, g = (np.array(column) for column in (law.times, law.values, law.curvature))
+    h = np.diff(t)
+    with np.errstate(over="ignore"):
+        rates = np.abs(np.diff(f)) / h + h * np.maximum(np.abs(g[:-1]), np.abs(g[1:])) / 2
+    reached = (grid.start <= t) & (t <= grid.end)
+    return np.array([f, np.append(rates, rates[-1]), g])[:, reached]

@@ -36,11 +36,9 @@ def assembly_lines(report):
     if not report.gaps:
         return
     yield f"  assembly at t = {report.time:.6g} s: largest residual per constraint, estimates → assembled"
-    shown = (
-        sorted(report.gaps, key=lambda gap: -gap[1])[:MOST_GAPS]
-        if len(report.gaps) > MOST_GAPS
-        else report.gaps
-    )
+    shown = report.gaps
+    if len(shown) > MOST_GAPS:
+        shown = sorted(shown, key=lambda gap: -gap[1])[:MOST_GAPS]
     width = max(len(owner) for owner, *_ in shown)
     for owner, before, after, unit in shown:
         yield f"    {owner:<{width}}  {before:9.2e} → {after:9.2e} {'m' if unit == 'm' else ''}".rstrip()
