@@ -1,17 +1,18 @@
 """Decks solved in several processes at once.
 
-A pool of one process for each of the jobs: whichever is killed takes no other along, and its deck is known.
+Each process has a line of its own: whichever is killed takes no other along, and its deck is known.  No
+executor: its threads tell one another of a killed process while Python ends, and fail at closed lines.
 """
 
 import os
 import signal
 import sys
+import traceback
 from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, ProcessPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, field
-from multiprocessing import active_children, get_context
+from multiprocessing import connection, get_context
 
 from ..errors import ANALYSIS_FAILED, Fault
 from ..run.outcome import Outcome, RunOptions, Stop, Terminated
@@ -46,7 +47,7 @@ def outcomes_in_parallel(decks, options: RunOptions, jobs: int) -> Iterator[Outc
 
 @dataclass
 class _Work:
-    """`waiting` (index, deck), `running` (index, deck, pool) by its future, `ended` outcomes by index."""
+    """`waiting` (index, deck), `running` (index, deck, worker) by its line, `ended` outcomes by index."""
 
     options: RunOptions
     waiting: deque
@@ -59,55 +60,78 @@ class _Work:
         while self.waiting and len(self.running) < jobs and Stop.asked is None:
             self._begin(*self.waiting.popleft())
         with Stop.released():
-            wait(self.running, return_when=FIRST_COMPLETED)
-        self._take_ended()
+            ready = connection.wait(self.running) if self.running else []
+        self._take_ended(ready)
 
     def _begin(self, index, deck):
         try:
-            pool, future = self._begun(deck)
-            self.running[future] = index, deck, pool
-        except (OSError, RuntimeError) as fault:  # a thread that cannot be started is the latter
+            worker = self._begun(deck)
+            self.running[worker.line] = index, deck, worker
+        except OSError as fault:
             self.ended[index] = _failed(deck, f"no process can be started for this deck: {fault}")
 
     def _begun(self, deck):
-        with stops_blocked():
-            if self.idle:
-                pool = self.idle.pop()
-                with suppress(BrokenExecutor):  # killed while it had nothing to do
-                    return pool, pool.submit(_solve, deck, self.options)
-            pool = _pool()
-            return pool, pool.submit(_solve, deck, self.options)
+        if self.idle:
+            worker = self.idle.pop()
+            with suppress(OSError):  # killed while it had nothing to do
+                worker.line.send(deck)
+                return worker
+        worker = _Worker(self.options)
+        worker.line.send(deck)
+        return worker
 
     def stop(self, number):
         """Stop the processes as this one was: a signal may have come to this process alone."""
-        for child in active_children():
+        for _, _, worker in self.running.values():
             with suppress(ProcessLookupError):
-                os.kill(child.pid, number)
-        wait(self.running)
-        self._take_ended()
+                os.kill(worker.process.pid, number)
+        while self.running:
+            self._take_ended(connection.wait(self.running))
 
     def leave(self):
-        for pool in [*self.idle, *(pool for _, _, pool in self.running.values())]:
-            pool.shutdown(wait=False, cancel_futures=True)
+        for worker in self.idle:
+            worker.line.close()
+        for worker in self.idle:
+            worker.process.join()
 
-    def _take_ended(self):
-        for future in [future for future in self.running if future.done()]:
-            self._take(*self.running.pop(future), future)
+    def _take_ended(self, lines):
+        for line in lines:
+            self._take(*self.running.pop(line))
 
-    def _take(self, index, deck, pool, future):
+    def _take(self, index, deck, worker):
         try:
-            self.ended[index] = future.result()
-            self.idle.append(pool)
-        except BrokenExecutor:
+            outcome = worker.line.recv()
+        except (EOFError, OSError):
+            worker.process.join()
             self.ended[index] = _failed(deck, KILLED)
+            return
+        self.idle.append(worker)
+        if isinstance(outcome, BaseException):
+            raise outcome
+        self.ended[index] = outcome
+
+
+class _Worker:
+    """A process that solves deck after deck; `line` takes a deck, and gives what became of it."""
+
+    def __init__(self, options):
+        spawn = get_context("spawn")
+        self.line, theirs = spawn.Pipe()
+        self.process = spawn.Process(target=_serve, args=(theirs, options))
+        with theirs, stops_blocked():
+            self.process.start()
 
 
 def _failed(deck, told):
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", told)])
 
 
-def _pool():
-    return ProcessPoolExecutor(1, get_context("spawn"), initializer=_begin_process)
+def _serve(line, options):
+    """Solve what comes through `line` until nothing more can come."""
+    _begin_process()
+    with suppress(EOFError, OSError):
+        while True:
+            line.send(_solve(line.recv(), options))
 
 
 def _begin_process():
@@ -124,6 +148,9 @@ def _solve(deck, options):
 
     try:
         return run_deck(deck, options)
+    except Exception as fault:  # of flexmb itself, with --debug
+        fault.add_note("".join(traceback.format_exception(fault)))
+        return fault
     finally:
         # Who stopped this deck from outside did not mean the next one.
         Stop.asked, Stop.held = None, 1

@@ -76,7 +76,8 @@ def _pool(job, blocks, jobs, keep):
             child.join()
         raise
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        # Its threads would otherwise close their lines while Python, at its end, still writes to them.
+        pool.shutdown(cancel_futures=True)
 
 
 def _begin_process(begun):
