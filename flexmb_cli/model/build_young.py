@@ -6,6 +6,7 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 from collections import defaultdict
 from collections.abc import Sequence
 
+from ..collector import without_collector
 from ..errors import Fault, ModelError
 from ..read.deck import Deck, Record
 from ..read.line_custom import with_slip_named
@@ -21,6 +22,7 @@ from .young_parts import part_of
 _HOLDERS = ("ground", "simplified", "driver")
 
 
+@without_collector()
 def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     """The mechanism that `deck` describes, and the doubts about it.
 

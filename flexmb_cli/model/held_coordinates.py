@@ -42,7 +42,7 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
     3. A body has one rotational driver at most, and then no other angle than zero.
     4. The squares of e1, e2, e3 of one body do not exceed 1 together.
     """
-    grounds = _first_grounds(mechanism, findings)
+    grounds = _worth_looking_at(_first_grounds(mechanism, findings), mechanism)
     holds = [*_of_grounds(grounds), *_of_simplified(mechanism), *_of_drivers(mechanism)]
     by_body: dict[int, list[_Hold]] = {}
     for hold in holds:
@@ -69,6 +69,16 @@ def _first_grounds(mechanism, findings):
             )
             findings.error(ground.name, message, ground.place)
     return first.values()
+
+
+def _worth_looking_at(grounds, mechanism):
+    """Of grounds that nothing else holds only those that no attitude may have: there may be thousands."""
+    others = {item.body for item in (*mechanism.simplified, *mechanism.drivers)}
+    return [
+        ground
+        for ground in grounds
+        if ground.body in others or sum(math.sin(angle / 2) ** 2 for angle in ground.values[3:]) > 1.0
+    ]
 
 
 def _of_grounds(grounds):

@@ -19,6 +19,7 @@ PARALLEL = 1e-9
 DOUBTFUL_ANGLE = 20 * math.pi
 _FIRST_ANGLE = 4
 _EULER = ("e0", "e1", "e2", "e3")
+_GROUND = ("x", "y", "z", "alpha", "beta", "gamma")
 
 
 def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object, list[Fault]]:
@@ -37,6 +38,8 @@ def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object,
 
 def _fits_doubles(record, findings):
     """Products of huge numbers leave the doubles, and no mechanism is that large."""
+    if not [value for value in record.values if isinstance(value, float) and abs(value) > LARGEST]:
+        return True
     huge = [
         number
         for number in record.numbers
@@ -51,32 +54,31 @@ def _fits_doubles(record, findings):
 
 
 def _names_bodies(record, bodies, findings):
-    numbers = [number for number in record.numbers if number.key in ("body", "I", "J")]
-    outside = [number for number in numbers if not 1 <= number.value <= bodies]
-    for number in outside:
-        message = f"body number {number.value} is outside 1..{bodies}"
-        findings.error(record.subject, message, number.place)
+    keys = [key for key in ("body", "I", "J") if key in record]
+    outside = [key for key in keys if not 1 <= record[key] <= bodies]
+    for key in outside:
+        message = f"body number {record[key]} is outside 1..{bodies}"
+        findings.error(record.subject, message, record.at(key).place)
     if outside:
         return False
-    if len(numbers) == 2 and numbers[0].value == numbers[1].value:
-        message = f"I and J are both body {numbers[0].value}; two bodies are needed"
-        findings.error(record.subject, message, numbers[1].place)
+    if "J" in keys and record["I"] == record["J"]:
+        message = f"I and J are both body {record['I']}; two bodies are needed"
+        findings.error(record.subject, message, record.at("J").place)
         return False
     return True
 
 
 def _names_direction(record, findings):
-    for number in record.numbers:
-        if number.key == "direction" and not 1 <= number.value <= 6:
-            message = f"direction {number.value} is outside 1..6 (1 2 3: along x y z; 4 5 6: about x y z)"
-            findings.error(record.subject, message, number.place)
-            return False
-    return True
+    if "direction" not in record or 1 <= record["direction"] <= 6:
+        return True
+    message = f"direction {record['direction']} is outside 1..6 (1 2 3: along x y z; 4 5 6: about x y z)"
+    findings.error(record.subject, message, record.at("direction").place)
+    return False
 
 
 def _body(record: Record, findings) -> Body:
     r = record["x"], record["y"], record["z"]
-    p = tuple(record[f"e{k}"] for k in range(4))
+    p = tuple(map(record.__getitem__, _EULER))
     # Scaled by the largest first: squares of very large or small parameters leave the doubles.
     length = math.hypot(*p)
     if length == 0.0:
@@ -193,17 +195,17 @@ def _simplified(record: Record, findings) -> Simplified:
 
 
 def _ground(record: Record, findings) -> Ground:
-    for key in ("alpha", "beta", "gamma"):
+    for key in _GROUND[3:]:
         _doubt_degrees(record, key, findings)
-    values = tuple(record[key] for key in ("x", "y", "z", "alpha", "beta", "gamma"))
+    values = tuple(map(record.__getitem__, _GROUND))
     return Ground(record.subject, record["body"] - 1, values, record.place)
 
 
 def _doubt_degrees(record, key, findings):
-    angle = record.at(key)
-    if abs(angle.value) > DOUBTFUL_ANGLE:
-        message = f"angles are in rad; {key} {angle.value:.6g} would be {angle.value / math.tau:.3g} turns"
-        findings.warn(record.subject, message, angle.place)
+    angle = record[key]
+    if abs(angle) > DOUBTFUL_ANGLE:
+        message = f"angles are in rad; {key} {angle:.6g} would be {angle / math.tau:.3g} turns"
+        findings.warn(record.subject, message, record.at(key).place)
 
 
 def _distance(record: Record, findings) -> Distance:

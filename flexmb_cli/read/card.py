@@ -5,6 +5,7 @@ of lines, and does not nest.
 """
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -32,6 +33,51 @@ class Word(NamedTuple):
 
 def words(lines: Sequence[str]) -> Iterator[Word]:
     """The words of `lines`, as far as they are asked for; the last may be `UNCLOSED`."""
+    for number, start, texts in _by_lines(lines):
+        columns = _columns(lines[number - 1], start) if texts != [UNCLOSED] else [start + 1]
+        for text, column in zip(texts, columns, strict=True):
+            yield Word(text, number, column)
+
+
+class Words:
+    """The words of `lines` as in `words`, in large numbers: each is placed only when it is looked at."""
+
+    def __init__(self, lines: Sequence[str]):
+        self.texts: list[str] = []
+        self._lines = lines
+        self._unread = _by_lines(lines)
+        self._first: list[int] = []  # of the words of each line that has any
+        self._begun: list[tuple[int, int]] = []  # number of that line, and where its words begin
+        self._placed: dict[int, list[int]] = {}
+
+    def __getstate__(self):
+        """For another process: what is read so far."""
+        return vars(self) | {"_unread": iter(())}
+
+    def reach(self, wanted: int) -> None:
+        """Read on until there are `wanted` words, or no more."""
+        while len(self.texts) < wanted and (line := next(self._unread, None)):
+            number, start, texts = line
+            self._first.append(len(self.texts))
+            self._begun.append((number, start))
+            self.texts += texts
+
+    def __getitem__(self, index: int) -> Word:
+        text, line = self.texts[index], bisect_right(self._first, index) - 1
+        number, start = self._begun[line]
+        is_first = index == self._first[line]
+        if text == UNCLOSED or (is_first and self._lines[number - 1].startswith(text, start)):
+            return Word(text, number, start + 1)
+        if is_first:
+            return Word(text, number, next(_columns(self._lines[number - 1], start)))
+        # All of the line at once: it may hold the whole deck.
+        if line not in self._placed:
+            self._placed[line] = list(_columns(self._lines[number - 1], start))
+        return Word(text, number, self._placed[line][index - self._first[line]])
+
+
+def _by_lines(lines) -> Iterator[tuple[int, int, list[str]]]:
+    """Number of each line that has words, where in it they begin to stand, and the words."""
     opened = None
     for number, line in enumerate(lines, start=1):
         start = 0
@@ -40,14 +86,22 @@ def words(lines: Sequence[str]) -> Iterator[Word]:
             if not start:
                 continue
             opened = None
-        for found in _WORD_OR_COMMENT.finditer(line, start):
-            text = found.group()
-            if text[0] != "{":
-                yield Word(text, number, found.start() + 1)
-            elif text[-1] != "}":
-                opened = Word(UNCLOSED, number, found.start() + 1)
+        texts = _WORD_OR_COMMENT.findall(line, start)
+        if "{" in line:
+            if texts and texts[-1][0] == "{" and texts[-1][-1] != "}":
+                opened = number, len(line) - len(texts[-1]), [UNCLOSED]
+            texts = [text for text in texts if text[0] != "{"]
+        if texts:
+            yield number, start, texts
     if opened:
         yield opened
+
+
+def _columns(line, start):
+    """Columns of the words that stand in `line` from `start` on."""
+    for found in _WORD_OR_COMMENT.finditer(line, start):
+        if found.group()[0] != "{":
+            yield found.start() + 1
 
 
 def end_of(lines: Sequence[str]) -> Place:

@@ -1,6 +1,8 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from ..errors import Fault, Place
 
@@ -65,16 +67,30 @@ class Record:
         """Place of the record's first number."""
         return self.numbers[0].place if self.numbers else None
 
+    @cached_property
+    def values(self) -> tuple[float | int | str, ...]:
+        """Values of the numbers."""
+        return tuple(number.value for number in self.numbers)
+
+    @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where among the numbers each key stands first."""
+        return {number.key: k for k, number in reversed([*enumerate(self.numbers)])}
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.positions
+
     def __getitem__(self, key: str):
         """Value of the number called `key`."""
-        return self.at(key).value
+        return self.values[self.positions[key]]
 
     def at(self, key: str) -> Number:
         """The number called `key`, with its place."""
-        for number in self.numbers:
-            if number.key == key:
-                return number
-        raise KeyError(key)
+        return self.numbers[self.positions[key]]
+
+    def with_numbers(self, numbers: Iterable[Number]) -> "Record":
+        """The record with other numbers."""
+        return Record(self.section, self.number, self.subject, tuple(numbers))
 
     def vector(self, key: str) -> tuple[float, float, float]:
         """The three components `key`.x, `key`.y, `key`.z."""
@@ -115,11 +131,8 @@ class Deck:
     def with_values(self, changes: dict[str, float]) -> "Deck":
         """A copy in which the numbers named in `changes` have other values (`--set`)."""
         records = tuple(
-            replace(
-                record,
-                numbers=tuple(
-                    replace(n, value=changes.get(f"{record.prefix}.{n.key}", n.value)) for n in record.numbers
-                ),
+            record.with_numbers(
+                replace(n, value=changes.get(f"{record.prefix}.{n.key}", n.value)) for n in record.numbers
             )
             for record in self.records
         )

@@ -1,12 +1,11 @@
 """The dialects: what each begins with, and its reader."""
 
-import gc
 from collections.abc import Callable, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import import_module
 from itertools import islice
 
+from ..collector import without_collector
 from ..errors import DeckError, Fault
 from . import number
 from .card import Word, words
@@ -34,7 +33,7 @@ def read_deck(source: DeckText, dialect: str = AUTO) -> Deck:
     The warnings about the text stand before those of the reader.  Raises DeckError.
     """
     name = recognise(source.lines) if dialect == AUTO else dialect
-    with _without_garbage_collection():
+    with without_collector():
         deck = _reader(name)(source)
     return replace(deck, warnings=(*source.warnings, *deck.warnings))
 
@@ -49,18 +48,6 @@ def recognise(lines: Sequence[str]) -> str:
         raise DeckError([Fault("error", f"the deck is empty; {_beginnings()}")])
     message = f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
     raise DeckError([Fault("error", message, first.place)])
-
-
-@contextmanager
-def _without_garbage_collection():
-    """A reader makes records by the hundred thousand and no cycles: looking for some doubles its time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 def _reader(name):

@@ -79,7 +79,7 @@ class SettableDeck:
             index, position = self._places[name]
             numbers = list(records[index].numbers)
             numbers[position] = changed
-            records[index] = replace(records[index], numbers=tuple(numbers))
+            records[index] = records[index].with_numbers(numbers)
             if changed.key == "direction" and self.deck.dialect == YOUNG:
                 turned.add(index)
         for index in turned:

@@ -4,14 +4,14 @@ Liang Yong, YOUNG dissertation (1996), chapters 4 and 5, Appendix B.  What follo
 never looked at, as in the historic program.
 """
 
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import islice
 
-from ..errors import DeckError, Fault
+from ..errors import DeckError, Fault, Place
 from . import number
-from .card import UNCLOSED, Word, end_of, words
+from .card import UNCLOSED, Word, Words, end_of, words
 from .deck import Deck, DeckText, Number, Record
 from .line_custom import slips, with_slip_named
 from .young_sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
@@ -41,20 +41,23 @@ class _Reading:
     """The words of a deck as they are taken, and the faults found on the way."""
 
     source: DeckText
-    taken: list[Word] = field(default_factory=list)
+    taken: int = 0
     faults: list[Fault] = field(default_factory=list)
     errors: int = 0
 
     def __post_init__(self):
-        self.words = words(self.source.lines)
+        self.words = Words(self.source.lines)
 
-    def take(self, wanted: int) -> list[Word]:
-        """The next `wanted` words, fewer at the end of the deck."""
-        found = list(islice(self.words, min(wanted, sys.maxsize)))
-        if found and found[-1].text == UNCLOSED:
-            self.error(found.pop(), "", "a comment is opened here and never closed with }")
-        self.taken += found
-        return found
+    def take(self, wanted: int) -> range:
+        """Places of the next `wanted` words, fewer at the end of the deck."""
+        first, texts = self.taken, self.words.texts
+        self.words.reach(first + wanted)
+        self.taken = min(first + wanted, len(texts))
+        if self.taken > first and texts[self.taken - 1] == UNCLOSED:
+            self.taken -= 1
+            self.error(self.words[self.taken], "", "a comment is opened here and never closed with }")
+            texts.pop()
+        return range(first, self.taken)
 
     def error(self, word: Word, subject: str, message: str):
         self.errors += 1
@@ -77,10 +80,11 @@ def _read_counts(reading):
     if len(found) < len(COUNTS.columns):
         subject = "counts" if found else ""
         reading.early_end(subject, _too_few_counts(len(found)))
-    for word, count in zip(found, record.numbers, strict=True):
+    for place, count in zip(found, record.numbers, strict=True):
         least = 1 if count.key == "NBODY" else 0
         if count.value is not None and count.value < least:
-            reading.error(word, "counts", f"{count.key} must be at least {least}; read {count.value}")
+            message = f"{count.key} must be at least {least}; read {count.value}"
+            reading.error(reading.words[place], "counts", message)
     if reading.errors:
         raise DeckError(with_slip_named(reading.faults, _slip_of_counts(reading, record)))
     return record
@@ -108,7 +112,7 @@ def _read_sections(reading, counts):
             where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
             message = (
                 f"the deck ends {where}; by its counts the deck needs "
-                f"{wanted + len(COUNTS.columns)} numbers, it has {len(reading.taken)}"
+                f"{wanted + len(COUNTS.columns)} numbers, it has {reading.taken}"
             )
             reading.early_end(_subject(section, number_of_record), message)
             break
@@ -137,36 +141,64 @@ def labelled(record: Record) -> Record:
     if section is None:
         return record
     turning = any(n.key == "direction" and n.value in (4, 5, 6) for n in record.numbers)
-    numbers = tuple(
+    return record.with_numbers(
         replace(number, meaning=column.label(turning)[0], unit=column.label(turning)[1])
         for column, number in zip(section.columns, record.numbers, strict=True)
     )
-    return replace(record, numbers=numbers)
+
+
+class _Read(Record):
+    """A record of a deck; what is more of its numbers than their values is made when it is looked at."""
+
+    def __init__(self, section: Section, number: int, values: tuple, words: Words, first: int):
+        vars(self).update(
+            section=section.name, number=number, subject=_subject(section, number), made={}, values=values,
+            positions=section.positions, _section=section, _words=words, _first=first,
+        )  # fmt: skip
+
+    @cached_property
+    def numbers(self) -> tuple[Number, ...]:
+        return tuple(map(self._number, range(len(self.values))))
+
+    @property
+    def place(self) -> Place | None:
+        return self._words[self._first].place
+
+    def at(self, key: str) -> Number:
+        return self._number(self.positions[key])
+
+    def _number(self, k):
+        word, column = self._words[self._first + k], self._section.columns[k]
+        label = column.label(_turns(self._section, self.values))
+        return Number(column.key, self.values[k], *label, word.place, word.text)
 
 
 def _record(reading, section, number_of_record, found):
-    subject = _subject(section, number_of_record)
-    pairs = list(zip(section.columns, found, strict=False))
-    values = [_value(reading, subject, column, word) for column, word in pairs]
-    turning = _turns(section, values)
-    numbers = tuple(
-        Number(column.key, value, *column.label(turning), word.place, word.text)
-        for (column, word), value in zip(pairs, values, strict=True)
-    )
-    return Record(section.name, number_of_record, subject, numbers)
-
-
-def _value(reading, subject, column, word):
+    texts = reading.words.texts[found.start : found.stop]
     try:
-        value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
-    except number.Misspelt as fault:
-        reading.error(word, subject, f"{column.key} {fault}")
-        return None
-    if doubt:
-        reading.warn(
-            word, subject, f"{column.key} {doubt}" if column.is_integer else f"{column.key}: {doubt}"
-        )
-    return value
+        read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
+        values, doubts = zip(*read, strict=True) if read else ((), ())
+    except number.Misspelt:
+        values, doubts = (), (True,)
+    if any(doubts):
+        values = tuple(_values(reading, section, number_of_record, found))
+    return _Read(section, number_of_record, values, reading.words, found.start)
+
+
+def _values(reading, section, number_of_record, found):
+    """The values of a record, None for a word that is no number; each of its faults is reported."""
+    subject = _subject(section, number_of_record)
+    for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
+        word = reading.words[place]
+        try:
+            value, doubt = spelled(word.text)
+        except number.Misspelt as fault:
+            reading.error(word, subject, f"{column.key} {fault}")
+            value, doubt = None, ""
+        if doubt:
+            colon = "" if column.is_integer else ":"
+            reading.warn(word, subject, f"{column.key}{colon} {doubt}")
+        yield value
 
 
 def _turns(section, values):
@@ -183,18 +215,22 @@ def _slips_of(reading, counts):
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
     wanted = sum(size for _, size in _blocks(counts)) + len(COUNTS.columns)
     behind = _words_behind(reading)
-    if len(reading.taken) == wanted and not behind:
+    if reading.taken == wanted and not behind:
         return ()
     # No record is empty, so the words taken bound the number of records worth listing.
-    expected = islice(_expected(counts), len(reading.taken))
+    expected = islice(_expected(counts), reading.taken)
     sizes = [(_subject(section, k), len(section.columns)) for section, k in expected]
-    return slips([*reading.taken, *behind], [(COUNTS.subject, len(COUNTS.columns)), *sizes])
+    taken = islice(words(reading.source.lines), reading.taken)
+    return slips([*taken, *behind], [(COUNTS.subject, len(COUNTS.columns)), *sizes])
 
 
 def _words_behind(reading):
     """The rest of the last number's line and the next line; nothing when the number ends its line."""
-    behind = list(islice(reading.words, 2 * LONGEST_RECORD))
-    last = reading.taken[-1].line
+    end = reading.taken
+    reading.words.reach(end + 2 * LONGEST_RECORD)
+    known = min(end + 2 * LONGEST_RECORD, len(reading.words.texts))
+    behind = [reading.words[place] for place in range(end, known)]
+    last = reading.words[end - 1].line
     if not behind or behind[0].line != last:
         return []
     next_line = next((word.line for word in behind if word.line != last), last)
@@ -205,8 +241,9 @@ def _slip_of_counts(reading, record):
     """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
     reading.take(2 * len(BODIES.columns))
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
-    first_lines = sorted({word.line for word in reading.taken})[:2]
-    near = [word for word in reading.taken if word.line in first_lines]
+    taken = list(islice(words(reading.source.lines), reading.taken))
+    first_lines = sorted({word.line for word in taken})[:2]
+    near = [word for word in taken if word.line in first_lines]
     return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 

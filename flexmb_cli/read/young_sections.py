@@ -4,8 +4,11 @@ Liang Yong, YOUNG dissertation (1996), chapter 5 and the reading procedures of t
 in m, angles in rad, times in s; points in the axes of their body.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+
+from . import number
 
 
 @dataclass(frozen=True)
@@ -42,10 +45,19 @@ class Section:
     columns: tuple[Column, ...]
 
     @cached_property
+    def spellings(self) -> tuple[Callable[[str], tuple[float, str]], ...]:
+        """What makes a number of the word in each column, see `number`."""
+        return tuple(number.integer if column.is_integer else number.real for column in self.columns)
+
+    @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where among the columns each key stands."""
+        return {column.key: k for k, column in enumerate(self.columns)}
+
+    @cached_property
     def direction(self) -> int | None:
         """Where among the columns the direction stands, None when the records have none."""
-        keys = [column.key for column in self.columns]
-        return keys.index("direction") if "direction" in keys else None
+        return self.positions.get("direction")
 
 
 def _whole(key, meaning):

@@ -1,13 +1,20 @@
 """Words, comments and places of free-format text."""
 
+import pickle
+
 import pytest
 
 from flexmb_cli.errors import Place
-from flexmb_cli.read.card import UNCLOSED, end_of, words
+from flexmb_cli.read.card import UNCLOSED, Words, end_of, words
 
 
 def found(*lines):
-    return [tuple(word) for word in words(lines)]
+    """The words read one by one; read in large numbers and placed afterwards they must be the same."""
+    several = Words(lines)
+    several.reach(100)
+    one_by_one = [tuple(word) for word in words(lines)]
+    assert [tuple(several[k]) for k in reversed(range(len(several.texts)))] == one_by_one[::-1]
+    return one_by_one
 
 
 def test_blanks_tabs_and_line_ends_separate_words_and_columns_count_characters():
@@ -21,6 +28,16 @@ def test_comments_may_stand_anywhere_and_over_several_lines():
         ("3", 2, 5),
         ("5", 4, 3),
     ]
+
+
+def test_words_in_large_numbers_are_read_as_far_as_they_are_asked_for():
+    several = Words(["1 2", "{ 3", "} 4 5", "{"])
+    several.reach(3)
+    assert several.texts == ["1", "2", "4", "5"]
+    assert several[2] == ("4", 3, 3) and several[3] == ("5", 3, 5)
+    several.reach(9)
+    assert pickle.loads(pickle.dumps(several))[3] == ("5", 3, 5)
+    assert several.texts[4:] == [UNCLOSED] and several[4] == (UNCLOSED, 4, 1)
 
 
 def test_comments_do_not_nest():
