@@ -102,6 +102,16 @@ def test_a_missing_file_is_named_in_front_by_every_command(flexmb, arguments, wh
     assert (code, told) == (2, f"{where}: error: no such file\n")
 
 
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [("run", "--out"), ("run", "--h5"), ("run", "-o"), ("sweep", "-o"), ("sweep", "--parts"), ("new", "-o")]
+    + [(command, "-o") for command in ("plot", "report", "export")],
+)
+def test_an_empty_name_of_a_result_is_no_place_to_write_to(flexmb, command, option):
+    code, _, told = flexmb(command, "young" if command == "new" else FOUR_BAR, option, "")
+    assert code == 2 and "an empty name; give a path" in told and f"'{option}'" in told
+
+
 def test_a_folder_in_place_of_a_study_is_what_is_complained_of(flexmb):
     assert flexmb("sweep", ".")[2] == ".: error: is a directory, not a study\n"
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from .terminal import tell
+from .written_place import WrittenPlace
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
@@ -12,7 +13,7 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 @click.command()
 @click.argument("result", metavar="RESULT.h5")
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
-@click.option("-o", "--output", metavar="FILE",
+@click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def export(result, form, output, quiet):

@@ -10,6 +10,7 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..run.outcome import Terminated
 from .terminal import standard_output, tell
+from .written_place import WrittenPlace
 
 _NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
@@ -27,6 +28,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
 @click.option(
     "-o",
     "--output",
+    type=WrittenPlace(),
     metavar="PATH",
     help="Deck to write, - for standard output; IN-NEW.dat, NEW.DAT or NEW.vsdf if not given.",
 )

@@ -7,12 +7,13 @@ import click
 
 from .finite import AnyFinite
 from .terminal import tell
+from .written_place import WrittenPlace
 
 
 @click.command()
 @click.argument("result", metavar="RESULT.h5")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option("-o", "--output", metavar="FILE",
+@click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="A .png, .svg or .pdf file [default: the result's name with .png].")  # fmt: skip
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",
               help="Draw the same of another result, with other dashes; can be given again.")  # fmt: skip

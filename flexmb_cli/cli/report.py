@@ -3,11 +3,12 @@
 import click
 
 from .terminal import tell
+from .written_place import WrittenPlace
 
 
 @click.command()
 @click.argument("result", metavar="RESULT.h5")
-@click.option("-o", "--output", metavar="PAGE.html",
+@click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
               help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def report(result, output, quiet):

@@ -11,6 +11,7 @@ from .deck_options import DECK, deck_options, show_faults
 from .finite import Finite
 from .stops import stop_on_signals
 from .terminal import show, standard_output, tell, wants_debug
+from .written_place import WrittenPlace
 
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
@@ -22,9 +23,10 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
 @DECK
 @deck_options
 @click.option("-v", "--verbose", is_flag=True, help="Add solver statistics; -q silences them, too.")
-@click.option("-o", "--output-dir", "folder", default=".", metavar="DIR", help="Folder of the results.")
-@click.option("--out", metavar="PATH|-", help="OUT table; - is standard output.")
-@click.option("--h5", metavar="PATH", help="HDF5 result.")
+@click.option("-o", "--output-dir", "folder", default=".", type=WrittenPlace(), metavar="DIR",
+              help="Folder of the results.")  # fmt: skip
+@click.option("--out", type=WrittenPlace(), metavar="PATH|-", help="OUT table; - is standard output.")
+@click.option("--h5", type=WrittenPlace(), metavar="PATH", help="HDF5 result.")
 @click.option("--no-out", is_flag=True, help="Write no OUT table.")
 @click.option("--no-h5", is_flag=True, help="Write no HDF5 result.")
 @click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,

@@ -13,14 +13,17 @@ from .json_faults import faults_in_json
 from .output_file import refuse_inputs
 from .stops import stop_on_signals
 from .terminal import tell
+from .written_place import WrittenPlace
 
 
 @click.command()
 @click.argument("study")
-@click.option("-o", "--output", metavar="PATH", help="Table: .h5, or .parquet.  [default: STUDY's name, .h5]")
+@click.option("-o", "--output", type=WrittenPlace(), metavar="PATH",
+              help="Table: .h5, or .parquet.  [default: STUDY's name, .h5]")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @click.option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler.")
-@click.option("--parts", metavar="DIR", help="Folder of the cases so far, which all workers must share; "
+@click.option("--parts", type=WrittenPlace(), metavar="DIR",
+              help="Folder of the cases so far, which all workers must share; "
               "goes away at the end.  [default: beside the table]")  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")

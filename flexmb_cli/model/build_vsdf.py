@@ -73,6 +73,8 @@ def _time(values, findings):
     elif 0 < end < output:
         message = f"rows are {output:g} s apart and the run ends at {end:g} s: only that of t = 0 is written"
         findings.warn("TIME", message, record.at("output").place)
+    elif told := TimeGrid(0.0, end, output).left_out:
+        findings.note("TIME", told, record.at("end").place)
     return TimeGrid(0.0, end, output, record.place)
 
 

@@ -222,6 +222,8 @@ def _refuse_place(path, target):
     # `realpath` drops the stroke with which a user says that a folder is meant.
     if os.path.isdir(target) or path.endswith("/"):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if os.path.islink(target):  # followed to its end it is a link still: one that leads back to itself
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
     if len(os.fsencode(os.path.basename(target))) > 255:
         raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
 

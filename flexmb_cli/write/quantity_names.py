@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import h5py
 
-from .stored_result import Damaged, attribute, datasets, is_number, place_of, scale_of, texts
+from ..errors import visible
+from .stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
@@ -75,7 +76,7 @@ def families(result: h5py.File) -> list[Family]:
     """Every dataset of numbers along time, the time first."""
     found = datasets(result)
     time = place_of(result[TIME])
-    paths = [path for path, item in found.items() if path != TIME and _runs_along(time, item)]
+    paths = [path for path, item in found.items() if path != TIME and _runs_along(time, path, item)]
     labels = _Labels(result, found)
     return [_family(result, path, labels) for path in (TIME, *sorted(paths, key=_rank))]
 
@@ -90,9 +91,13 @@ def folded(text: str) -> str:
     return text.lower().replace(" ", "_")
 
 
-def _runs_along(time, dataset):
+def _runs_along(time, path, dataset):
     scale = scale_of(dataset, 0) if dataset.ndim else None
-    return scale is not None and place_of(scale) == time and is_number(dataset)
+    if scale is None or place_of(scale) != time:
+        return False
+    if is_text(dataset):
+        raise Damaged(f"/{visible(path)} has text in place of numbers")
+    return is_number(dataset)
 
 
 def _rank(path):

@@ -128,4 +128,6 @@ def parse_kinds(settings) -> dict[str, Tolerance]:
 def _figure(text):
     if not re.fullmatch(r"\s*\+?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf)\s*", text, re.IGNORECASE | re.ASCII):
         return None
-    return float(text)
+    figure = float(text)
+    # 1e999 is too large for a number, and no way of writing inf.
+    return None if math.isinf(figure) and "inf" not in text.lower() else figure

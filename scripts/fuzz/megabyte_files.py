@@ -4,6 +4,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import fe_seeds
@@ -30,6 +31,7 @@ FILLINGS = {
     "letters": "a",
     "bad words": "x\n",
 }
+BODY, TIME = "0 0 0 1 0 0 0\n", "0 1 1\n"
 FE_FILLINGS = ("one line", "digits", "blank lines", "the same card", "bad words")
 COMMANDS = {"study": "sweep", "listing": "diff"}
 
@@ -48,7 +50,7 @@ def cases(seeds: Path) -> Iterator[Case]:
     for kind, head in HEADS.items():
         for name, filling in FILLINGS.items():
             yield _text(kind, name, head + _filled(filling))
-    for kind, name, text in _in_good_order():
+    for kind, name, text in chain(_in_good_order(), _whole_mechanisms()):
         yield _text(kind, name, text)
     yield from _bricks(seeds / "bricks")
     yield from _results(seeds / "journal")
@@ -68,6 +70,21 @@ def _text(kind, filling, text):
         return [COMMANDS.get(kind, "check"), path, *([path] if kind == "listing" else options)], b""
 
     return Case(kind, filling, prepare)
+
+
+def _whole_mechanisms():
+    """YOUNG decks that end where they should: bodies and constraints as many as a megabyte holds."""
+    n = SIZE // 31
+    grounds = "".join(f"{k} 0 0 0 0 0 0\n" for k in range(1, n + 1))
+    grounded = f"{n} 0 0 0 0 0 0 0 0 0 0 {n}\n{n * BODY}{grounds}{TIME}"
+    yield "young", "grounded bodies", grounded
+    yield "young", "grounded bodies in a line", grounded.replace("\n", " ")
+    held = (SIZE // 8) * "1 1 0\n"
+    yield "young", "simplified", f"2 0 0 0 0 0 0 0 0 {SIZE // 8} 0 0\n{2 * BODY}{held}{TIME}"
+    held = (SIZE // 9) * "1 2 1 0\n"
+    yield "young", "distances", f"2 0 0 0 0 0 0 0 0 0 {SIZE // 9} 0\n{2 * BODY}{held}{TIME}"
+    moved = (SIZE // 11) * "1 1 0 0 0\n"
+    yield "young", "drivers", f"2 {SIZE // 11} 0 0 0 0 0 0 0 0 0 0\n{2 * BODY}{moved}{TIME}"
 
 
 def _in_good_order():

@@ -194,6 +194,11 @@ WITHOUT_EFFECT = [
         changed(("       1.0      0.01\n", "       1.0       5.0\n")),
         ["28:18: warning: TIME: rows are 5 s apart and the run ends at 1 s: only that of t = 0 is written"],
     ),
+    (
+        "an end that is no row",
+        changed(("       1.0      0.01\n", "       1.0       0.3\n")),
+        ["28:8: note: TIME: no row stands at the end 1 s: the last within whole steps is at 0.9 s"],
+    ),
 ]  # fmt: skip
 
 BESIDE_FIELDS = [

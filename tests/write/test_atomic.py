@@ -69,6 +69,14 @@ def test_a_link_stays_a_link(tmp_path):
     assert (tmp_path / "results" / "OUT1.dat").read_text() == "new"
 
 
+def test_a_link_that_leads_back_to_itself_is_left_alone(tmp_path):
+    link = tmp_path / "OUT1.dat"
+    link.symlink_to(link)
+    with pytest.raises(OutputError, match="Too many levels of symbolic links"):
+        ReplacedText(link)
+    assert link.is_symlink() and os.listdir(tmp_path) == ["OUT1.dat"]
+
+
 def test_a_device_is_written_to_and_never_replaced(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)

@@ -233,6 +233,7 @@ def test_settings_of_kinds_are_understood():
         ("omega=nan", "omega=nan: write omega=ATOL"),
         ("omega=1,2,3", "omega=1,2,3: write omega=ATOL"),
         ("omega=1_0", "omega=1_0: write omega=ATOL"),
+        ("omega=1e999", "omega=1e999: write omega=ATOL"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(setting, message):

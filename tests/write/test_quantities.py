@@ -17,6 +17,20 @@ def result(tmp_path):
         yield file
 
 
+def test_a_series_that_somebody_made_text_is_not_passed_over(tmp_path):
+    path = write_result(tmp_path / "r.h5", 7)
+    with h5py.File(path, "a") as file:
+        scale = file["energy/total"].dims[0][0]
+        del file["energy/total"]
+        file["energy/total"] = ["a"] * 7
+        file["energy/total"].dims[0].attach_scale(scale)
+    with (
+        pytest.raises(ResultError, match="/energy/total has text in place of numbers"),
+        open_result(path) as f,
+    ):
+        names(f)
+
+
 @pytest.mark.parametrize(
     ("pattern", "headers"),
     [

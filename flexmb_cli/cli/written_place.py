@@ -1,0 +1,13 @@
+"""Where something is to be written, as the command line names it."""
+
+import click
+
+
+class WrittenPlace(click.types.StringParamType):
+    """A path; the empty one is what a variable of the shell leaves that was never set."""
+
+    def convert(self, value, param, ctx):
+        """The path, or a usage error that names the option."""
+        if value == "":
+            self.fail("an empty name; give a path", param, ctx)
+        return super().convert(value, param, ctx)
