@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from flexmb_cli.cli.stops import STOPS
+from flexmb_cli.run.blocked_stops import STOPS
 from flexmb_cli.run.outcome import Stop
 
 

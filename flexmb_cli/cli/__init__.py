@@ -21,7 +21,7 @@ from ..errors import (
     compiler_style,
 )
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
-from ..run.outcome import Stop, Terminated
+from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .beam import beam
 from .check import check
 from .diff import diff
@@ -105,11 +105,9 @@ def _run_command():
         # click takes an EOFError for Ctrl-D, wherever it comes from.
         if isinstance(ending.__cause__, EOFError):
             _admit(ending.__cause__)
-        _tell("flexmb: interrupted; what was not complete is not written")
-        sys.exit(130)
+        _end_stopped("interrupted", INTERRUPTED)
     except Terminated:
-        _tell("flexmb: terminated; what was not complete is not written")
-        sys.exit(143)
+        _end_stopped("terminated", TERMINATED)
     except click.ClickException as fault:
         _refuse_usage(fault)
         sys.exit(BAD_INPUT)
@@ -120,6 +118,13 @@ def _run_command():
         if lacks_memory(fault) or isinstance(fault, ImportError):
             _refuse_lack(fault)
         _admit(fault)
+
+
+def _end_stopped(how, exit_code):
+    """Commands that keep something when they are stopped have their own words for it and end themselves."""
+    _tell(f"flexmb: {how}; what was not complete is not written")
+    _print_json(exit_code)
+    sys.exit(exit_code)
 
 
 def _refuse_lack(fault):

@@ -6,8 +6,10 @@ from contextlib import contextmanager
 import click
 
 from ..errors import BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError
+from ..run.outcome import INTERRUPTED, TERMINATED
 
 STATUS = {BAD_INPUT: "bad input", INTERNAL_FAULT: "internal fault"}
+STATUS |= dict.fromkeys((INTERRUPTED, TERMINATED), "interrupted")
 
 
 @contextmanager

@@ -117,7 +117,7 @@ def _outcomes(decks, options, jobs, quiet):
     if jobs > 1 and len(decks) > 1:
         from .deck_processes import outcomes_in_parallel
 
-        yield from outcomes_in_parallel(decks, options, jobs)
+        yield from outcomes_in_parallel(decks, options, jobs, _Progress(quiet).notice)
         return
     from ..run.deck import run_deck
     from ..run.outcome import Stop

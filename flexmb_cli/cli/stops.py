@@ -2,12 +2,9 @@
 
 import signal
 import sys
-from contextlib import contextmanager
 
+from ..run.blocked_stops import STOPS
 from ..run.outcome import Stop, Terminated
-
-# SIGHUP, which not every system has: the terminal is closed, or the connection to it.
-STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 def stop_on_signals() -> None:
@@ -39,26 +36,3 @@ def pass_over_stops(lost) -> None:
     """`sys.unraisablehook`: a stop amid Python's own clearing up is not raised there; it is no traceback."""
     if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated):
         sys.__unraisablehook__(lost)
-
-
-@contextmanager
-def stops_blocked():
-    """A process that is started in here has them waiting until it calls `unblock_stops`."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    from multiprocessing import resource_tracker
-
-    # It starts with the first process, and lets through what it finds blocked.
-    resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def unblock_stops() -> None:
-    """Have this process told of signals again."""
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)

@@ -1,12 +1,17 @@
 """Who solves the blocks of a study: this process, or processes beside it."""
 
-from collections import Counter
+import signal
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
 from ..errors import ANALYSIS_FAILED, FlexmbError
+from .blocked_stops import unblock_stops
 from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
+from .workers import Worker, end_all, having_answers, portable
 
-IN_FLIGHT = 4  # blocks a worker is given ahead
+IN_FLIGHT = 2  # blocks a worker is given: one that it solves and the next
+BEGUN = "begun"
 
 
 class WorkersError(FlexmbError):
@@ -24,80 +29,138 @@ def solve_here(sweep: Sweep, blocks: Iterable[int], advance: Callable[[int], Non
 def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], jobs: int) -> None:
     """Solve `blocks` in `jobs` processes.  A process that dies is replaced, and its blocks go on.
 
-    A death takes down what runs beside it, too: a case seen at two deaths is solved with nothing beside it,
-    and recorded as failed when its process dies even so.
+    A case seen at all deaths but one that are allowed is solved with nothing beside it, which may have taken
+    the memory; it is recorded as failed when its process dies even so.
+    Raises WorkersError where processes cannot be had, and what a process raised.
     """
-    waiting, deaths, barren = list(blocks), Counter(), 0
-    while waiting:
-        alone = [block for block in waiting if deaths[_place(sweep.job, block)] == MOST_DEATHS - 1][:1]
-        given, processes = (alone, 1) if alone else (waiting, jobs)
-        finished, struck = _pool(sweep.job, given, processes, lambda done: keep(sweep, done, advance))
-        waiting = [block for block in waiting if block not in finished]
-        note_deaths(sweep.job, struck, deaths)
-        barren = 0 if finished or struck else barren + 1
-        if barren == MOST_DEATHS:
-            raise WorkersError(
-                f"the processes that should solve cases ended {barren} times before they began one: killed "
-                "from outside, or out of memory; fewer of them (-j) or none (-j 1) may do"
-            )
-
-
-def _pool(job, blocks, jobs, keep):
-    """Solve blocks in a pool until all are done or one of its processes dies.
-
-    The blocks that are done, and those that were being solved at a death.
-    """
-    from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import active_children, get_context
-
-    rest, running, finished = iter(blocks), set(), set()
-    spawn = get_context("spawn")
-    begun = spawn.RawArray("b", job.blocks)
-    pool = ProcessPoolExecutor(jobs, spawn, initializer=_begin_process, initargs=(begun,))
+    work = _Work(sweep, jobs, advance, deque(blocks))
     try:
-        while True:
-            for block in rest:
-                running.add(pool.submit(_solve_noted, job, block))
-                if len(running) >= jobs * IN_FLIGHT:
-                    break
-            if not running:
-                return finished, set()
-            ended, running = wait(running, return_when=FIRST_COMPLETED)
-            for done in (future.result() for future in ended):
-                finished.add(done.block)
-                keep(done)
-    except BrokenProcessPool:
-        return finished, {block for block, mark in enumerate(begun) if mark} - finished
+        while work.go_on():
+            pass
+        end_all(work.given)
     except BaseException:
         # What is then told to be kept shall not grow any more.
-        for child in active_children():
-            child.kill()
-            child.join()
+        for worker in work.given:
+            worker.kill()
         raise
-    finally:
-        # Its threads would otherwise close their lines while Python, at its end, still writes to them.
-        pool.shutdown(cancel_futures=True)
 
 
-def _begin_process(begun):
+@dataclass
+class _Work:
+    """`waiting` blocks; `alone` those to be solved with nothing beside them; `given` blocks by worker, in
+    the order in which it solves them; `begun` the workers that have told so.
+    """
+
+    sweep: Sweep
+    jobs: int
+    advance: Callable[[int], None]
+    waiting: deque[int]
+    alone: deque[int] = field(default_factory=deque)
+    given: dict[Worker, deque[int]] = field(default_factory=dict)
+    begun: set[Worker] = field(default_factory=set)
+    deaths: Counter = field(default_factory=Counter)
+    barren: int = 0
+
+    def go_on(self) -> bool:
+        """Give blocks to processes and hear what they have to say; False when all are solved."""
+        self._start()
+        self._hand_out()
+        if self.alone and not any(self.given.values()):
+            self._give(next(iter(self.given)), self.alone.popleft())
+        if not any(self.given.values()):
+            return False
+        for worker in having_answers(self.given):
+            self._hear(worker, worker.answer())
+        return True
+
+    def _start(self):
+        wanted = len(self.waiting) or min(1, len(self.alone))
+        while len(self.given) < min(self.jobs, wanted):
+            try:
+                self.given[Worker(_serve, self.sweep.job)] = deque()
+            except OSError as fault:
+                self._do_with_fewer(str(fault))
+
+    def _hand_out(self):
+        """Every process is given one before any gets its next; of the last ones none waits behind another."""
+        for most in range(1, IN_FLIGHT + 1):
+            for worker, blocks in self.given.items():
+                if len(blocks) < most and len(self.waiting) > (self.jobs if most > 1 else 0):
+                    self._give(worker, self.waiting.popleft())
+
+    def _do_with_fewer(self, reason):
+        if not self.given:
+            raise WorkersError(f"no process can be started: {reason}; -j 1 needs none")
+        self.jobs = len(self.given)
+
+    def _give(self, worker, block):
+        self.given[worker].append(block)
+        worker.send(block)
+
+    def _hear(self, worker, answer):
+        if answer is None:
+            self._replace(worker)
+        elif isinstance(answer, BlockDone):
+            self.given[worker].remove(answer.block)
+            keep(self.sweep, answer, self.advance)
+        elif answer == BEGUN:
+            self.begun.add(worker)
+            self.barren = 0
+        elif worker in self.begun:
+            raise answer
+        else:
+            worker.kill()
+            self._take_back(worker)
+            self._do_with_fewer(str(answer))
+
+    def _replace(self, worker):
+        """A process has died: whatever it was at is counted."""
+        if worker in self.begun:
+            note_deaths(self.sweep.job, list(self.given[worker])[:1], self.deaths)
+        else:
+            self.barren += 1
+        self._take_back(worker)
+        if self.barren == MOST_DEATHS:
+            raise WorkersError(
+                f"the processes that should solve cases ended {MOST_DEATHS} times before they began one: "
+                "killed from outside, or out of memory; fewer of them (-j) or none (-j 1) may do"
+            )
+
+    def _take_back(self, worker):
+        """The blocks that a process was given wait again."""
+        for block in reversed(self.given.pop(worker)):
+            last_try = self.deaths[_place(self.sweep.job, block)] == MOST_DEATHS - 1
+            (self.alone if last_try else self.waiting).appendleft(block)
+
+
+def _serve(line, job):
+    """Solve the blocks that come through `line` until nothing more can come."""
+    try:
+        line.send(_begin_process() or BEGUN)
+        while True:
+            line.send(_solve(job, line.recv()))
+    except (EOFError, OSError):  # the other side has ended
+        return
+
+
+def _begin_process():
     """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
-    import signal
-
     from .orphans import end_with_parent
 
-    global _begun
-    _begun = begun
-    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    unblock_stops()
+    try:
+        end_with_parent()
+    except RuntimeError as fault:  # no thread can be started
+        return fault
+    return None
 
 
-def _solve_noted(job, block):
-    """Solve a block; who looks on can tell in whose midst a process died."""
-    _begun[block] = 1
-    done = solve_block(job, block)
-    _begun[block] = 0
-    return done
+def _solve(job, block):
+    try:
+        return solve_block(job, block)
+    except Exception as fault:
+        return portable(fault)
 
 
 def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:

@@ -142,6 +142,81 @@ def test_a_process_that_was_stopped_from_outside_solves_the_next_deck(tmp_path):
 
 
 @knows_children
+def test_a_process_that_was_stopped_amid_an_import_solves_no_other_deck(tmp_path):
+    """What was being imported stays half done.  Every run of a tree imports the package of this test."""
+    pendulum, second = str(DECKS / "dafms/pendulum.DAT"), str(DECKS / "dafms/two_link_n2.DAT")
+    third = str(DECKS / "young/IN1-1-1.dat")
+    script = tmp_path / "importing.py"
+    script.write_text(
+        "import os, signal, sys\n"
+        "from flexmb_cli.cli import main\n"
+        "from flexmb_cli.run import deck\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'flexmb_cli.kernels' and 'pendulum' in deck.asked:\n"
+        "            os.kill(os.getpid(), signal.SIGTERM)\n"
+        "run = deck.run_deck\n"
+        "def noted(path, *rest):\n"
+        "    deck.asked = path\n"
+        "    print(os.path.basename(path), os.getpid(), file=open(sys.path[0] + '/seen', 'a'))\n"
+        "    return run(path, *rest)\n"
+        "deck.run_deck = noted\n"
+        "sys.meta_path.insert(0, Finder())\n"
+        "if __name__ == '__main__': main()\n"
+    )
+    command = [sys.executable, script, "run", pendulum, third, second, "-j", "2", "--json", "-o", tmp_path]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=200)
+    codes = [json.loads(line)["exit_code"] for line in done.stdout.splitlines()]
+    seen = dict(line.split() for line in (tmp_path / "seen").read_text().splitlines())
+    assert codes == [143, 0, 0] and "Traceback" not in done.stderr
+    assert seen["pendulum.DAT"] not in (seen["IN1-1-1.dat"], seen["two_link_n2.DAT"])
+
+
+FAULTY = """
+import sys, time
+from flexmb_cli.cli import main
+from flexmb_cli.run import deck
+
+class Odd(Exception):
+    def __init__(self, first, second):
+        super().__init__("planted")
+
+def broken(*given):
+    time.sleep(1.0)
+    raise Odd(1, 2)
+
+deck.RUNNERS["young"] = broken
+if __name__ == "__main__":
+    main()
+"""
+
+
+def test_with_debug_faults_of_several_processes_at_once_end_the_command(tmp_path):
+    """They are told as they were raised, also one that cannot be sent as it is."""
+    script = tmp_path / "faulty.py"
+    script.write_text(FAULTY)
+    decks = [DECKS / "young" / name for name in ("IN1-1-1.dat", "IN1-2-1.dat", "IN4-BAR.dat", "IN1-3-1.dat")]
+    command = [sys.executable, script, "--debug", "run", *decks, "-j", "3", "-o", tmp_path]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 1
+    assert "Odd: planted" in done.stderr and "in broken" in done.stderr
+
+
+def test_decks_wait_for_the_processes_that_a_limit_allows(tmp_path):
+    """Of eight processes not all can have their lines."""
+    decks = []
+    for k in range(16):
+        decks.append(tmp_path / f"IN{k}.dat")
+        decks[-1].write_text((DECKS / "young/IN1-1-1.dat").read_text())
+    limit = "import resource, sys; resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20)); "
+    command = [sys.executable, "-c", f"{limit}from flexmb_cli.cli import main; main()", "run", *decks]
+    done = subprocess.run(
+        [*command, "-j", "8", "-q", "-o", tmp_path], capture_output=True, text=True, timeout=200
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@knows_children
 @pytest.mark.parametrize("begun", [False, True], ids=["while processes start", "while they solve"])
 def test_ctrl_c_at_a_terminal_reaches_every_process_and_ends_without_a_traceback(tmp_path, begun):
     """The terminal tells the whole group, the parent passes it on, and the user does it again."""

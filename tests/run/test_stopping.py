@@ -282,6 +282,19 @@ def test_a_stopped_command_prints_records_of_all_decks_and_begins_no_other(
     assert told == [(DECK, "interrupted"), (OTHER, "interrupted")] and begun == [DECK]
 
 
+@pytest.mark.parametrize(("stop", "code"), [(KeyboardInterrupt, 130), (Terminated, 143)])
+def test_a_study_that_is_stopped_while_it_is_read_has_its_record(monkeypatch, capsys, stop, code):
+    def stopped(*given):
+        raise stop
+
+    monkeypatch.setattr("flexmb_cli.run.sweep.Sweep.of", stopped)
+    monkeypatch.setattr(sys, "argv", ["flexmb", "sweep", "study.toml", "--json"])
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == code
+    assert json.loads(capsys.readouterr().out) == {"status": "interrupted", "exit_code": code, "faults": []}
+
+
 def test_what_a_stopped_run_was_warned_of_is_told_and_kept(tmp_path, monkeypatch):
     note = Fault("note", "two motions cross")
     warned = partial(with_warning, note)

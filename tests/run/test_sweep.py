@@ -207,6 +207,23 @@ def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, j
     assert f"going on with a stopped study: {kept} of 400 cases are complete" in done.stderr
 
 
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs to know the children of a process")
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGHUP])
+def test_a_terminal_that_stops_a_sweep_whose_processes_begin_sees_no_traceback(tmp_path, sent):
+    study = written(tmp_path, SAMPLED, count=400)
+    heeding = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    command = [*FLEXMB, "sweep", str(study), "-j", "3"]
+    with subprocess.Popen(command, cwd=tmp_path, start_new_session=True, **pipes, **heeding) as sweep:
+        children = Path(f"/proc/{sweep.pid}/task/{sweep.pid}/children")
+        while len(children.read_text().split()) < 3:
+            time.sleep(0.002)
+        os.killpg(sweep.pid, sent)
+        _, told = sweep.communicate()
+    assert sweep.returncode == (130 if sent == signal.SIGINT else 143)
+    assert told.startswith(f"{study}: interrupted; ") and told.count("\n") == 1
+
+
 def test_a_worker_that_is_killed_is_replaced(tmp_path):
     """Its blocks go on with the case that was being solved."""
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
@@ -226,23 +243,36 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path):
     assert [result.message for result in sweep.results() if result.exit_code] == []
 
 
-def ends_at_case_77(job, block):
-    """In place of `_solve_noted`, in a process of its own: case 77 ends it."""
+def ends_at_case_77(line, job):
+    """In place of `_serve`, in a process of its own: case 77 ends it."""
 
-    def fatal(cases):
-        if next_case(job, block) == 77:
-            os._exit(1)
+    def solve(job, block):
+        def fatal(cases):
+            if next_case(job, block) == 77:
+                os._exit(1)
 
-    study_workers._begun[block] = 1
-    if block == 77 // job.block_size:
-        fatal(0)
-    return solve_block(job, block, fatal)
+        if block == 77 // job.block_size:
+            fatal(0)
+        return solve_block(job, block, fatal)
+
+    study_workers._solve = solve
+    study_workers._serve(line, job)
+
+
+def ends(line, job):
+    """In place of `_serve`: a process that ends before it begins."""
+    os._exit(1)
+
+
+def cannot_begin(line, job):
+    """In place of `_serve`: a process that says why it cannot begin."""
+    line.send(RuntimeError("can't start new thread"))
 
 
 def test_only_the_case_that_ends_its_processes_is_given_up(tmp_path, monkeypatch):
     """What was solved beside it, and was struck at the same deaths, is solved."""
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
-    monkeypatch.setattr(study_workers, "_solve_noted", ends_at_case_77)
+    monkeypatch.setattr(study_workers, "_serve", ends_at_case_77)
     study_workers.solve_in_processes(sweep, sweep.pending(), lambda cases: None, 2)
     assert [result.case for result in sweep.results()] == list(range(300))
     assert [result.case for result in sweep.results() if result.exit_code] == [77]
@@ -250,8 +280,15 @@ def test_only_the_case_that_ends_its_processes_is_given_up(tmp_path, monkeypatch
 
 def test_processes_that_never_begin_end_the_study(tmp_path, monkeypatch):
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=4)), str(tmp_path / "parts"))
-    monkeypatch.setattr(study_workers, "_begin_process", os._exit)
+    monkeypatch.setattr(study_workers, "_serve", ends)
     with pytest.raises(study_workers.WorkersError, match="ended 3 times before they began one"):
+        study_workers.solve_in_processes(sweep, sweep.pending(), lambda cases: None, 2)
+
+
+def test_processes_that_cannot_begin_end_the_study_with_the_reason(tmp_path, monkeypatch):
+    sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=4)), str(tmp_path / "parts"))
+    monkeypatch.setattr(study_workers, "_serve", cannot_begin)
+    with pytest.raises(study_workers.WorkersError, match="no process can be started: can't start new thread"):
         study_workers.solve_in_processes(sweep, sweep.pending(), lambda cases: None, 2)
 
 
