@@ -115,13 +115,18 @@ class TimeGrid:
         return int((self.end - self.start) / self.step + 1e-6) + 1
 
     @property
+    def last(self) -> float:
+        """The last report time."""
+        return self.time(self.rows - 1)
+
+    @property
     def left_out(self) -> str:
         """What to say where the end is no report time, "" where it is."""
-        last = self.time(self.rows - 1)
         # The round-off that `rows` allows.
-        if self.end - last <= 1e-6 * self.step:
+        if self.end - self.last <= 1e-6 * self.step:
             return ""
-        return f"no row stands at the end {self.end:.15g} s: the last within whole steps is at {last:.15g} s"
+        last = f"the last within whole steps is at {self.last:.15g} s"
+        return f"no row stands at the end {self.end:.15g} s: {last}"
 
     def time(self, k: int) -> float:
         """The k-th report time, computed from k and never by adding up."""

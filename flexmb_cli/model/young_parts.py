@@ -111,8 +111,6 @@ def _time(record: Record, findings) -> TimeGrid:
     elif span > 0.0 and grid.start + grid.step == grid.start:
         message = f"the step dT = {grid.step:.15g} s is lost in the round-off of Ti = {grid.start:.15g} s"
         findings.error("time", message, record.at("step").place)
-    elif grid.left_out:
-        findings.note("time", grid.left_out, record.at("end").place)
     return grid
 
 

@@ -14,8 +14,13 @@ def parts_of(mechanism) -> dict:
         "drivers": len(mechanism.drivers),
         "grounds": len(mechanism.grounds),
         "points": len(mechanism.points),
-        "report_times": mechanism.time.rows,
+        **report_times(mechanism.time),
     }
+
+
+def report_times(grid) -> dict:
+    """How many report times there are, and the last where it is not the end that the deck gives."""
+    return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
 def gaps_of(analysis, arrays, q) -> dict:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..model.unit_doubts import unit_doubts
-from .check_parts import before_and_after
+from .check_parts import before_and_after, report_times
 from .outcome import RunOptions, refuse_warnings
 from .vsdf import mechanism_of
 
@@ -32,7 +32,7 @@ def check_vsdf(report, options: RunOptions) -> None:
         "equations": int(found.equations),
         "coordinates": int(found.coordinates),
         "degrees_of_freedom": int(found.coordinates - found.rank) + len(mechanism.motions),
-        "report_times": mechanism.time.rows,
+        **report_times(mechanism.time),
     }
     report.gaps = before_and_after(before, _gaps(analysis, analysis.march.z[: arrays.q.size]))
     report.rank, report.smallest = int(found.rank), float(found.smallest)

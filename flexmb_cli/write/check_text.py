@@ -23,6 +23,8 @@ def check_text(report) -> str:
 
 def _size_line(counts):
     times = f"report times {counts['report_times']}"
+    if "last_time" in counts:  # not the end that the deck gives
+        times += f", the last at {counts['last_time']:.6g} s"
     if "equations" not in counts:  # too large to be assembled
         return f"  coordinates {counts['coordinates']}, {times}"
     return (

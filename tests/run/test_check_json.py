@@ -69,6 +69,13 @@ def test_what_is_too_large_to_be_assembled_is_counted(monkeypatch):
     assert note.message == "28 coordinates are more than the 27 that check assembles; run does"
 
 
+def test_a_last_row_before_the_end_is_told(monkeypatch):
+    """0.4 s go six times into the 2.5 s of the deck."""
+    monkeypatch.setattr(run_check, "ASSEMBLY_LIMIT", 27)
+    report = run_check.check_deck(str(DECKS / "young/IN4-BAR.dat"), RunOptions(changes=("time.step=0.4",)))
+    assert "  coordinates 28, report times 7, the last at 2.4 s\n" in check_text.check_text(report)
+
+
 def test_of_very_many_gaps_the_widest_are_listed(monkeypatch):
     monkeypatch.setattr(check_text, "MOST_GAPS", 2)
     gaps = [("ground 1", 0.5, 0.0, "m"), ("driver 1", 2.0, 0.0, "1"), ("joint 1", 1.0, 0.0, "m")]
