@@ -3,6 +3,12 @@
 import errno
 import mmap
 
+try:
+    # Here, because where memory is short it could not be loaded any more.
+    import resource
+except ImportError:  # no such limits on this system
+    resource = None
+
 LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
 # Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
 TO_LOAD, TO_COMPILE = 2**27, 2**29
@@ -15,11 +21,7 @@ def require_memory(size: int) -> None:
 
     Short of memory OpenBLAS asks for its buffers without end, and LLVM ends the process.
     """
-    try:
-        import resource
-    except ImportError:  # no such limits here
-        return
-    if resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
+    if resource and resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY:
         try:
             mmap.mmap(-1, size).close()
         except OSError as fault:
@@ -32,7 +34,7 @@ def lacks_memory(fault: BaseException) -> bool:
         return fault.errno is None or file_lacks_memory(fault)
     if isinstance(fault, SystemError):
         # Libraries in C end so, too, where they ask for memory and do not look whether they got it.
-        return not _is_there(TO_LOAD)
+        return not _is_there(TO_COMPILE)
     return isinstance(fault, (MemoryError, ImportError)) and not isinstance(fault, ModuleNotFoundError)
 
 

@@ -146,16 +146,12 @@ def _serve(line, options):
     """
     unable = _begin_process()
     listener = Listener(notice=line.send)
-    try:
-        while True:
-            deck = line.recv()
-            outcome = unable or _solve(deck, options, listener)
-            goes_on = Stop.asked is None and isinstance(outcome, Outcome)
-            line.send((outcome, goes_on))
-            if not goes_on:
-                return
-    except (EOFError, OSError):  # the other side has ended
-        return
+    goes_on = True
+    while goes_on:
+        deck = line.recv()
+        outcome = unable or _solve(deck, options, listener)
+        goes_on = Stop.asked is None and isinstance(outcome, Outcome)
+        line.send((outcome, goes_on))
 
 
 def _begin_process():

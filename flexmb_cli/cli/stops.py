@@ -33,6 +33,9 @@ def ignore_stops() -> None:
 
 
 def pass_over_stops(lost) -> None:
-    """`sys.unraisablehook`: a stop amid Python's own clearing up is not raised there; it is no traceback."""
-    if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated):
+    """`sys.unraisablehook`: a stop amid Python's own clearing up is not raised there; it is no traceback.
+
+    Nor is it where memory is short: what needs it says so.
+    """
+    if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated | MemoryError):
         sys.__unraisablehook__(lost)

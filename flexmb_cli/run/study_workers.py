@@ -134,13 +134,10 @@ class _Work:
 
 
 def _serve(line, job):
-    """Solve the blocks that come through `line` until nothing more can come."""
-    try:
-        line.send(_begin_process() or BEGUN)
-        while True:
-            line.send(_solve(job, line.recv()))
-    except (EOFError, OSError):  # the other side has ended
-        return
+    """Solve the blocks that come through `line`."""
+    line.send(_begin_process() or BEGUN)
+    while True:
+        line.send(_solve(job, line.recv()))
 
 
 def _begin_process():

@@ -17,6 +17,7 @@ from .blocked_stops import stops_blocked
 class Worker:
     """A process that runs `serve(line, *given)`; what goes through its `line` is between the two.
 
+    It ends when its `line` is closed, at the latest where `serve` next turns to it.
     `given` is pickled, and so is `serve` by its name.  Signals that stop are kept from the process until it
     unblocks them.  Raises OSError when no process can be started.
     """
@@ -24,7 +25,7 @@ class Worker:
     def __init__(self, serve: Callable, *given):
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
-        self.process = spawn.Process(target=serve, args=(theirs, *given))
+        self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
         with theirs, stops_blocked():
             self.process.start()
 
@@ -57,6 +58,17 @@ class Worker:
         """End the process, whatever it is at."""
         self.process.kill()
         self.end()
+
+
+def _served(serve, line, *given):
+    """What a process does."""
+    try:
+        serve(line, *given)
+    except (EOFError, OSError):  # the other side has ended
+        return
+    except MemoryError:
+        # Too little is left to say so, in words or by a traceback: the closed line does.
+        os._exit(1)
 
 
 def having_answers(workers: Collection[Worker]) -> list[Worker]:

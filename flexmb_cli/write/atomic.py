@@ -110,7 +110,7 @@ class ReplacedText:
         try:
             with located(self.path):
                 yield
-        except OutputError:
+        except (OutputError, MemoryError):
             self._replacement.discard()
             raise
 
@@ -165,6 +165,9 @@ def output_error(path: str, error: OSError) -> OutputError:
         return OutputError(f"{path}: no space left for the result; free some and run again", ANALYSIS_FAILED)
     if number == errno.EIO:
         return OutputError(f"{path}: the disk reports a failure while the result is written", ANALYSIS_FAILED)
+    if number in (errno.EMFILE, errno.ENFILE):
+        told = "too many files are open; `ulimit -n` tells how many may be"
+        return OutputError(f"{path}: cannot be written: {told}", ANALYSIS_FAILED)
     reason = _reason(number, error)
     if number == errno.ENOENT and os.path.isdir(os.path.dirname(os.path.realpath(path))):
         reason = "its folder takes no new files"  # such as /proc

@@ -102,7 +102,12 @@ class ResultFile:
         self._waiting: list[Values] = []
         self._chunk = chunk_rows(layout)
         self._file = None
-        self._disk = ForgivingDisk(self._place.temporary)
+        try:
+            with located(self._place.path):
+                self._disk = ForgivingDisk(self._place.temporary)
+        except BaseException:
+            self._place.discard()
+            raise
         with self._on_disk():
             self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
             self._begin(deck, layout)

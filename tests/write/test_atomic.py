@@ -17,6 +17,7 @@ from flexmb_cli.write.atomic import (
     put_in_place,
     write_whole,
 )
+from flexmb_cli.write.result_file import ResultFile
 
 
 def test_the_old_file_stands_until_the_new_one_is_complete(tmp_path):
@@ -75,6 +76,25 @@ def test_a_link_that_leads_back_to_itself_is_left_alone(tmp_path):
     with pytest.raises(OutputError, match="Too many levels of symbolic links"):
         ReplacedText(link)
     assert link.is_symlink() and os.listdir(tmp_path) == ["OUT1.dat"]
+
+
+@pytest.mark.parametrize("opened", [ReplacedText, lambda path: ResultFile(path, None, None)])
+def test_where_too_many_files_are_open_no_temporary_file_stays(tmp_path, monkeypatch, opened):
+    """One descriptor is left: it reserves the file, and none is left to write it."""
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    monkeypatch.setattr("flexmb_cli.write.result_file.chunk_rows", lambda layout: 1)
+    # Modules are loaded and folders listed before.
+    ReplacedText(tmp_path / "first").commit()
+    spare = os.dup(0)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (spare + 1, limits[1]))
+    os.close(spare)
+    try:
+        with pytest.raises(OutputError, match="too many files are open") as refused:
+            opened(tmp_path / "second")
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert refused.value.exit_code == 1 and os.listdir(tmp_path) == ["first"]
 
 
 def test_a_device_is_written_to_and_never_replaced(tmp_path):
