@@ -64,11 +64,9 @@ def _served(serve, line, *given):
     """What a process does."""
     try:
         serve(line, *given)
-    except (EOFError, OSError):  # the other side has ended
+    except (EOFError, OSError, MemoryError):
+        # The other side has ended, or too little memory is left to say so: the closed line does.
         return
-    except MemoryError:
-        # Too little is left to say so, in words or by a traceback: the closed line does.
-        os._exit(1)
 
 
 def having_answers(workers: Collection[Worker]) -> list[Worker]:
