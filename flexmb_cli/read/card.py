@@ -7,6 +7,7 @@ of lines, and does not nest.
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from itertools import repeat
 from typing import NamedTuple
 
 from ..errors import Place
@@ -70,10 +71,22 @@ class Words:
             return Word(text, number, start + 1)
         if is_first:
             return Word(text, number, next(_columns(self._lines[number - 1], start)))
+        return Word(text, number, self._columns_of(line)[index - self._first[line]])
+
+    def upto(self, end: int) -> list[Word]:
+        """The first `end` words."""
+        found: list[Word] = []
+        for line, first in enumerate(self._first[: bisect_right(self._first, end - 1)]):
+            texts = self.texts[first : self._first[line + 1] if line + 1 < len(self._first) else None]
+            found += map(Word, texts, repeat(self._begun[line][0]), self._columns_of(line))
+        return found[:end]
+
+    def _columns_of(self, line):
         # All of the line at once: it may hold the whole deck.
         if line not in self._placed:
+            number, start = self._begun[line]
             self._placed[line] = list(_columns(self._lines[number - 1], start))
-        return Word(text, number, self._placed[line][index - self._first[line]])
+        return self._placed[line]
 
 
 def _by_lines(lines) -> Iterator[tuple[int, int, list[str]]]:

@@ -11,7 +11,7 @@ from itertools import islice
 
 from ..errors import DeckError, Fault, Place
 from . import number
-from .card import UNCLOSED, Word, Words, end_of, words
+from .card import UNCLOSED, Word, Words, end_of
 from .deck import Deck, DeckText, Number, Record
 from .line_custom import slips, with_slip_named
 from .young_sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
@@ -220,7 +220,7 @@ def _slips_of(reading, counts):
     # No record is empty, so the words taken bound the number of records worth listing.
     expected = islice(_expected(counts), reading.taken)
     sizes = [(_subject(section, k), len(section.columns)) for section, k in expected]
-    taken = islice(words(reading.source.lines), reading.taken)
+    taken = reading.words.upto(reading.taken)
     return slips([*taken, *behind], [(COUNTS.subject, len(COUNTS.columns)), *sizes])
 
 
@@ -241,7 +241,7 @@ def _slip_of_counts(reading, record):
     """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
     reading.take(2 * len(BODIES.columns))
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
-    taken = list(islice(words(reading.source.lines), reading.taken))
+    taken = reading.words.upto(reading.taken)
     first_lines = sorted({word.line for word in taken})[:2]
     near = [word for word in taken if word.line in first_lines]
     return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)

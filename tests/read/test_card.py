@@ -13,6 +13,8 @@ def found(*lines):
     several = Words(lines)
     several.reach(100)
     one_by_one = [tuple(word) for word in words(lines)]
+    if UNCLOSED not in several.texts:
+        assert several.upto(len(several.texts)) == one_by_one
     assert [tuple(several[k]) for k in reversed(range(len(several.texts)))] == one_by_one[::-1]
     return one_by_one
 
