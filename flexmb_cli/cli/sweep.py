@@ -8,6 +8,7 @@ from pathlib import PurePath
 import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
+from ..memory import TO_LOAD, require_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .json_faults import faults_in_json
 from .output_file import refuse_inputs
@@ -75,6 +76,7 @@ def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
 
 
 def _begun(study, output, parts, fresh, as_json):
+    require_memory(TO_LOAD)  # of numpy, below
     from ..run.sweep import StudyError, Sweep
     from ..write.atomic import refuse_unwritable
 

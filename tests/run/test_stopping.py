@@ -295,6 +295,16 @@ def test_a_study_that_is_stopped_while_it_is_read_has_its_record(monkeypatch, ca
     assert json.loads(capsys.readouterr().out) == {"status": "interrupted", "exit_code": code, "faults": []}
 
 
+def test_a_study_asks_for_memory_before_numpy_does(monkeypatch, capsys):
+    """OpenBLAS would end the process, without a record."""
+    monkeypatch.setattr(sys.modules["flexmb_cli.cli.sweep"], "require_memory", short_of_memory)
+    monkeypatch.setattr(sys, "argv", ["flexmb", "sweep", "study.toml", "--json"])
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    record = json.loads(capsys.readouterr().out)
+    assert (ended.value.code, record["status"], record["exit_code"]) == (1, "failed", 1)
+
+
 def test_what_a_stopped_run_was_warned_of_is_told_and_kept(tmp_path, monkeypatch):
     note = Fault("note", "two motions cross")
     warned = partial(with_warning, note)
