@@ -27,6 +27,13 @@ class PartLibrary(JITCodeLibrary):
 class WholeLibrary(JITCodeLibrary):
     """Machine code of a kernel with all its parts."""
 
+    def _optimize_final_module(self):
+        """Give linked parts internal linkage: LLVM may then change how they are called, or drop them."""
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "linkonce_odr":
+                function.linkage = "internal"
+        super()._optimize_final_module()
+
     def finalize(self):
         """Link the parts, those of parts too, each once, and optimise the whole."""
         self._linking_libraries = list(_with_parts_of_parts(self._linking_libraries))
