@@ -23,6 +23,9 @@ from .terminal import show
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip
+@click.option(
+    "--words", is_flag=True, help="Differences in words count, too: titles, names, notes, settings."
+)
 @click.option("--update", is_flag=True, help="Where they differ, put a copy of B in the place of A.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
@@ -30,7 +33,7 @@ def diff(a, b, update, as_json, quiet, **options):
     """Compare two OUT tables, DAFMS echoes or series, or HDF5 results, number by number.
 
     A is the reference.  A value differs when it exceeds all tolerances given; by default every printed
-    digit counts.
+    digit counts.  Differences in words are reported, and count with --words only.
 
     \b
     Example:
@@ -62,8 +65,9 @@ def diff(a, b, update, as_json, quiet, **options):
     sys.exit(DONE if report.equal or updated else 1)
 
 
-def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain):
+def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain, words):
     from ..write.diff import compare
     from ..write.tolerances import Tolerances, parse_kinds
 
-    return compare(a, b, Tolerances(atol, rtol, last_digit, parse_kinds(kinds)), same_attitude, explain)
+    tolerances = Tolerances(atol, rtol, last_digit, parse_kinds(kinds))
+    return compare(a, b, tolerances, same_attitude, explain, words)

@@ -80,16 +80,16 @@ def parse_echo(name: str, text: str) -> Listing | None:
     lines = text.split("\n")
     if not any("==N==NDM==" in line for line in lines[:50]):
         return None
-    echo, headings, faults = [], [], []
+    echo, words, faults = [], [], []
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADING):
-            headings.append(" ".join(line.split()))
+            words.append((number, " ".join(line.split())))
         elif match := _TAGGED.match(line):
             echo.append(_echo_line(number, line, match, faults))
     if faults:
         raise TableError(name, faults, lines)
     empty = np.empty(0)
-    return Listing(name, tuple(echo), empty, 1.0, {}, form=DAFMS_ECHO, headings=tuple(headings))
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=DAFMS_ECHO, words=tuple(words))
 
 
 def _echo_line(number, line, match, faults):

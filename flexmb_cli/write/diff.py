@@ -35,15 +35,25 @@ SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
 
 
 def compare(
-    path_a, path_b, tolerances: Tolerances | None = None, same_attitude: bool = False, explain: bool = False
+    path_a,
+    path_b,
+    tolerances: Tolerances | None = None,
+    same_attitude: bool = False,
+    explain: bool = False,
+    words: bool = False,
 ) -> Report:
     """Compare two results of the same format.
 
     `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
     that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
-    cannot be read, or when the two are of different kinds.
+    cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
     """
-    tolerances = tolerances or Tolerances()
+    report = _compared(path_a, path_b, tolerances or Tolerances(), same_attitude, explain)
+    report.words_count = words
+    return report
+
+
+def _compared(path_a, path_b, tolerances: Tolerances, same_attitude: bool, explain: bool) -> Report:
     kinds = [is_hdf5(path) for path in (path_a, path_b)]
     if all(kinds):
         from .diff_hdf5 import compare_hdf5

@@ -5,6 +5,7 @@ from itertools import groupby
 import numpy as np
 
 from .diff_report import Found, Report
+from .diff_words import compare_words
 from .fortran_words import overflows
 from .known_errors import SINGLE_PRECISION, single_precision
 from .listing import DAFMS_ECHO, YOUNG_TABLE, EchoLine, Listing
@@ -13,6 +14,8 @@ from .tolerances import Tolerances
 
 def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
     """Compare what two listings of the same form print of their decks."""
+    if not tolerances.of("echo").ignores:
+        report.words += compare_words(a, b)
     if a.form == DAFMS_ECHO:
         _compare_tags(report, a, b, tolerances)
     else:
@@ -48,8 +51,6 @@ def _compare_head(report, kind, a, b, tolerances):
 
 def _compare_tags(report, a, b, tolerances):
     """Tag by tag, since each of them may be spread over its lines in another way."""
-    if a.headings != b.headings and not tolerances.of("echo").ignores:
-        report.missing.append(f"the heading differs: {_heading(a)!r} against {_heading(b)!r}")
     tags_a, tags_b = _by_title(a.echo), _by_title(b.echo)
     for title in dict.fromkeys([*tags_a, *tags_b]):
         lines = tags_a.get(title, []), tags_b.get(title, [])
@@ -67,10 +68,6 @@ def _by_title(echo):
     for line in echo:
         tags.setdefault(line.title, []).append(line)
     return tags
-
-
-def _heading(listing):
-    return next(iter(listing.headings), "")
 
 
 def _compare_lines(report, lines_a, lines_b, tolerances, rounded=False):

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import Fault, visible
 from .diff_report import Found, Report
+from .diff_words import WORDS_OF_RESULTS, compare_names
 from .listing import TableError
 from .stored_result import (
     Damaged,
@@ -111,6 +112,10 @@ def _compare_files(report, a, b, tolerances, same_attitude):
         first, second = (attribute(file, name) for file in (a, b))
         if first != second:
             report.missing.append(f"{name}: {first} against {second}")
+    for name in WORDS_OF_RESULTS:
+        first, second = (attribute(file, name) for file in (a, b))
+        if first != second:
+            report.words.append(f"{name}: {first!r} against {second!r}")
     flips = same_attitude and _have_attitudes(a, b)
     found = _compared_datasets(a), _compared_datasets(b)
     for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
@@ -168,7 +173,9 @@ def _common_rows(report, name, first, second):
 
 
 def _compare_text(report, name, first, second):
-    if not np.array_equal(first, second):
+    if name.endswith("/name") and np.shape(first) == np.shape(second):
+        report.words += compare_names(name, first, second)
+    elif not np.array_equal(first, second):
         report.missing.append(f"/{name}: the text differs")
 
 

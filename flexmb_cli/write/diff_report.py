@@ -8,6 +8,7 @@ import numpy as np
 from .tolerances import KINDS, Tolerance
 
 SHOWN_MISSING = 20
+SHOWN_WORDS = 5
 
 
 @dataclass(frozen=True)
@@ -76,19 +77,24 @@ class Tally:
 
 @dataclass
 class Report:
-    """Result of `compare`: `a` and `b` are the names of the files."""
+    """Result of `compare`: `a` and `b` are the names of the files.
+
+    `words` tells of lines of text that differ; they count as a difference only with `words_count`.
+    """
 
     a: str
     b: str
     missing: list[str] = field(default_factory=list)
     tallies: dict[str, Tally] = field(default_factory=dict)
+    words: list[str] = field(default_factory=list)
+    words_count: bool = False
     explaining: bool = False
     causes: dict[str, int] = field(default_factory=dict)
 
     @property
     def equal(self) -> bool:
-        """Whether nothing differs beyond tolerance and nothing is missing."""
-        return not self.missing and not self.differing
+        """Whether nothing differs beyond tolerance, nothing is missing, and no words that count differ."""
+        return not self.missing and not self.differing and not (self.words_count and self.words)
 
     @property
     def compared(self) -> int:
@@ -140,6 +146,9 @@ class Report:
         lines = list(self.missing[:SHOWN_MISSING])
         if len(self.missing) > SHOWN_MISSING:
             lines.append(f"… and {len(self.missing) - SHOWN_MISSING} more of this sort")
+        lines += [f"words: {sentence}" for sentence in self.words[:SHOWN_WORDS]]
+        if len(self.words) > SHOWN_WORDS:
+            lines.append(f"words: … and {len(self.words) - SHOWN_WORDS} more")
         if self.differing:
             lines += self._table()
             lines += [f"known: {cause}: {count} numbers" for cause, count in self.causes.items()]
@@ -159,6 +168,7 @@ class Report:
             "explained": self.explained,
             "known_errors": [{"cause": cause, "count": count} for cause, count in self.causes.items()],
             "missing": self.missing,
+            "words": self.words,
             "worst": self.worst and self.worst.as_dict(),
             "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
         }
@@ -178,11 +188,16 @@ class Report:
         return [_aligned(row, widths) for row in rows]
 
     def _verdict(self):
-        if self.equal:
-            return f"{self.a}, {self.b}: no difference in {self.compared} numbers"
+        words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""
+        if not self.missing and not self.differing:
+            return f"{self.a}, {self.b}: no difference in {self.compared} numbers{words}"
         known = f", {self.explained} of them by known errors" if self.explaining else ""
         counts = f"{self.differing} of {self.compared} numbers differ{known}"
-        return f"{self.a}, {self.b}: {counts}, {len(self.missing)} things are missing"
+        return f"{self.a}, {self.b}: {counts}, {len(self.missing)} things are missing{words}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _aligned(row, widths):

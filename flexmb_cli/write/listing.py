@@ -62,7 +62,8 @@ class EchoLine:
 class Listing:
     """A listing as read; `form` says whose, `failed`: it ends with the mark of a failed run.
 
-    Stars, which FORTRAN prints for a number that does not fit, are infinite.
+    Stars, which FORTRAN prints for a number that does not fit, are infinite.  `words` are the lines of
+    text, each with its place in the file and single blanks; what every report row repeats is there once.
     """
 
     name: str
@@ -72,7 +73,7 @@ class Listing:
     sections: dict[str, Section]
     failed: bool = False
     form: str = YOUNG_TABLE
-    headings: tuple[str, ...] = ()
+    words: tuple[tuple[int, str], ...] = ()
 
 
 class TableError(DeckError):

@@ -45,7 +45,8 @@ def parse_listing(name: str, content: bytes) -> Listing | None:
     faults += scan.faults
     if faults:
         raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)
-    return Listing(name, tuple(scan.echo), np.array(scan.time), scan.time_unit, sections, scan.failed)
+    time, words = np.array(scan.time), tuple(scan.words)
+    return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, words=words)
 
 
 class _Scan:
@@ -59,6 +60,8 @@ class _Scan:
         self.faults: list[Fault] = []
         self.failed = False
         self.is_young = False
+        self.words: list[tuple[int, str]] = []
+        self._titles: set[str] = set()
         self._open: _Gathered | None = None
         self._title = ""
 
@@ -80,16 +83,27 @@ class _Scan:
         words = line.split()
         if words[0].startswith("TIME"):
             self._open_block(number, line)
-        elif words[0] in HEADINGS and self.time:
+            return
+        if "CONVERGENCE FAILED" in line or "RUN STOPPED" in line:
+            self.failed = True
+            return
+        self._keep_words(number, " ".join(words))
+        if words[0] in HEADINGS and self.time:
             self._open_section(HEADINGS[words[0]])
         elif words[0] in ("BODY", "No") and self._open is not None:
             self._take_title(words[1:])
-        elif "CONVERGENCE FAILED" in line or "RUN STOPPED" in line:
-            self.failed = True
         else:
             self._open = None
             self._title = " ".join(words)
             self.is_young = self.is_young or self._title in ("ENTER NUMBER OF", "-- KINEMATIC ANALYSIS --")
+
+    def _keep_words(self, number: int, text: str) -> None:
+        """Keep a line of text; a title that the blocks repeat is kept once."""
+        if not any(character.isalpha() for character in text) or text in self._titles:
+            return
+        if self.time:
+            self._titles.add(text)
+        self.words.append((number, text))
 
     def _open_block(self, number, line):
         self._open = None

@@ -52,7 +52,7 @@ def parse_vsdf(name: str, text: str) -> Listing | None:
     unit = max(map(unit_of, scan.times), default=1.0)
     sections = {"node": _nodes(scan.nodes), "energy": _section(scan.energies, _ENERGIES, _ENERGY_EDITS)}
     present = {title: section for title, section in sections.items() if len(section.line)}
-    return Listing(name, tuple(scan.head), time, unit, present, scan.failed, VSDF_LISTING)
+    return Listing(name, tuple(scan.head), time, unit, present, scan.failed, VSDF_LISTING, tuple(scan.words))
 
 
 class _Scan:
@@ -63,6 +63,7 @@ class _Scan:
         self.times: list[str] = []
         self.nodes, self.energies = _Gathered(), _Gathered()
         self.faults: list[Fault] = []
+        self.words: list[tuple[int, str]] = []
         self.failed = False
         self._rules = 0
 
@@ -86,6 +87,8 @@ class _Scan:
         if line.startswith(_RULE):
             self._rules += 1
             return
+        if any(character.isalpha() for character in line):
+            self.words.append((number, " ".join(_NUMBER.sub("#", line).split())))
         words = [match[0] for match in _NUMBER.finditer(line)]
         if words:
             # Cards stand between the two rules, what became of the bodies behind them.

@@ -213,7 +213,7 @@ def _ground(record, layout):
     ]
     coordinates = Layout(*6 * group, "\n", layout=layout).lines(answers)
     title = f"ENTER BODY No FOR No {record.number} GROUNDED BODY"
-    return f"{title}\n{body}\nENTER BODY B COORDINATES\n{coordinates}"
+    return f"{title}\n{body}\nENTER BODY {body} COORDINATES\n{coordinates}"
 
 
 def _time(record, layout):

@@ -50,7 +50,7 @@ def test_every_line_of_the_echoes_is_read(path):
     for read, line in zip(listing.echo, lines, strict=True):
         tail = line.split()[-len(read.values) :]
         assert list(read.values) == [float(word) for word in tail]
-    assert len(listing.headings) == 2
+    assert len(listing.words) == 2
 
 
 @pytest.mark.parametrize(
