@@ -1,7 +1,9 @@
 """Constraint forces at one position: the multipliers, and the forces of each constraint on its bodies.
 
 M u̇ = f + Jᵀ λ.  Where equations repeat others the multipliers are not unique: those of least norm
-are taken, equations measured in their units.  With J_d = C J_i for the dependent rows, and l the
+are taken, Σ (s_k λ_k)² → min over all equations k, where s_k is the unit of the equation: the length scale
+L of the mechanism (a power of two near its largest length) for one in m, 1 for one without a unit.  A force
+F thus weighs as the moment L F, all in N m.  With J_d = C J_i for the dependent rows, and l the
 multipliers when the independent rows bear everything, they are
 
     λ_i = l - Cᵀ (1 + C Cᵀ)⁻¹ C l,   λ_d = C λ_i.

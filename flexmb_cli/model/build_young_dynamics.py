@@ -51,6 +51,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     _check_time(model, findings)
     _doubt_massless(model, findings)
     _doubt_idle_velocities(model, findings)
+    _note_loads_at_rest(model, findings)
     faults = [*warnings, *findings.in_order]
     if any(fault.severity == "error" for fault in faults):
         raise ModelError((*deck.warnings, *faults))
@@ -216,6 +217,20 @@ def _doubt_massless(model, findings):
     for number, body in enumerate(model.mechanism.bodies):
         if number not in at_rest | heavy:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place)
+
+
+def _note_loads_at_rest(model, findings):
+    """Note the loads that act on bodies at rest only."""
+    at_rest = {ground.body for ground in model.mechanism.grounds}
+    bodies = model.mechanism.bodies
+    loads = [(item, (item.body,)) for item in (*model.forces, *model.torques)]
+    loads += [(item, (item.i, item.j)) for item in model.springs]
+    for item, numbers in loads:
+        if at_rest.issuperset(numbers):
+            names = " and ".join(bodies[number].name for number in numbers)
+            held = "is held" if len(numbers) == 1 else "are held"
+            message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
+            findings.note(item.name, message, item.place)
 
 
 def _doubt_idle_velocities(model, findings):

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from .deck_values import DeckValues
 from .findings import Findings
 from .vsdf_bodies import end_of_body
@@ -78,18 +76,8 @@ def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tup
         elif all(ends):
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
-            _check_direction(record, ends, length, bodies, ground, findings)
             springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))
     return tuple(springs)
-
-
-def _check_direction(record, ends, length, bodies, ground, findings):
-    """Coinciding ends leave the force of a spring no direction."""
-    owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
-    a, b = (owner.global_position(end.node) for owner, end in zip(owners, ends, strict=True))
-    if length > 0 and not np.any(a != b):
-        message = "its ends coincide at t = 0, where it has no direction to push in, and it does not push"
-        findings.warn(record.subject, message, record.at("length").place)
 
 
 def _in_one_solid(a, b, bodies):

@@ -20,6 +20,8 @@ from .young_sections import Column
 MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 # One word behind DYNAMICS, or none, is a slip rather than prose.
 NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
+# Words that stand for no number, where one is wanted, and are no keyword.
+NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 SECTION = "dynamics"
 CLOSING = "END"
 INVERSE, FORWARD = "inverse", "forward"
@@ -192,7 +194,7 @@ class _Cards:
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
                 break
-            if word.text[0].isalpha():
+            if word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text):
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == CLOSING:

@@ -6,9 +6,10 @@ from ..kernels.constrained_report import Report
 from ..model.dynamic_arrays import dynamic_arrays
 from ..model.dynamics import DynamicModel
 from .constrained_motion import ConstrainedMotion
-from .constrained_start import assembled, given_speeds
+from .constrained_start import assembled
 from .constrained_system import AnyCountEvaluator
 from .dynamic_rows import DynamicRows, dynamic_rows
+from .start_speeds import given_speeds
 from .steppers import ExplicitSteps, GeneralisedAlpha
 
 
@@ -19,7 +20,7 @@ class ForwardDynamics(ConstrainedMotion):
         super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _stepper(model))
         self.model = model
         self.mechanism = model.mechanism
-        self.velocities = model.velocities
+        self.velocities, self.springs = model.velocities, model.springs
 
     @property
     def evaluator(self) -> AnyCountEvaluator:

@@ -11,7 +11,8 @@ from ..kernels.screw_turns import NEAR, NEW, OLD, angles_at
 from ..model.mechanism import TimeGrid
 from ..model.motion_law import HELD_TABLE, TABLE
 from ..model.system_arrays import SystemArrays
-from .constrained_start import inertia_failure, order_of_elimination, start_speeds
+from .coinciding_ends import refuse_coinciding_ends
+from .constrained_start import inertia_failure, order_of_elimination
 from .constrained_system import blank_report, constrained_system, new_work
 from .diagnosis import Gap, Mobility, about
 from .passed_positions import (
@@ -23,6 +24,7 @@ from .passed_positions import (
     repeating_here_only,
     weakest_of_speeds,
 )
+from .start_speeds import start_speeds
 from .steppers import ExplicitSteps
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
@@ -34,12 +36,13 @@ SHOWN_OWNERS = 6
 class ConstrainedMotion:
     """One run over the times of `grid`; `stepper`: one of `steppers`, by default the explicit one.
 
-    A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it, and
-    `block(report)`, the rows it yields.  `warnings` fills while the run goes on; `found` is what `start`
-    found.
+    A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it,
+    `springs` in line, and `block(report)`, the rows it yields.  `warnings` fills while the run goes on;
+    `found` is what `start` found.
     """
 
     velocities = ()
+    springs = ()
     turns_in_body_axes = False
 
     def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, stepper=None):
@@ -146,6 +149,7 @@ class ConstrainedMotion:
         march.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
         march.z[q.size : -1] = start_speeds(self, q, grid.start)
+        refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
             self.warnings.append(_repetition_warning(found))
         self._warn_of_fine_tables()

@@ -1,22 +1,20 @@
-"""The start of a forward run: an assembled position, independent equations, speeds that fit the joints."""
+"""The start of a forward run: an assembled position and independent equations."""
 
 import numpy as np
 
-from ..errors import AnalysisError, Fault, ModelError
+from ..errors import AnalysisError, Fault
 from ..kernels.constrained_solve import choose_order, evaluate_jacobian
-from ..kernels.constrained_system import GAMMA, NO_INERTIA
-from ..kernels.constraint_projection import fill_nu, project_position
+from ..kernels.constrained_system import NO_INERTIA
+from ..kernels.constraint_projection import project_position
 from ..kernels.mass_matrix import inertia_of, mass_times
 from ..kernels.speeds import move, normalise
 from .assembly import assemble_by_search, assembly_failure
-from .diagnosis import CLOSED, NAMED, Mobility, about, involved, sparse_basis
-from .dynamic_rows import body_axes, global_axes
+from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
 
 SINGULAR_VALUE = 1e-9  # of the largest
 MOST_STEPS = 60
 MET = 1e-14  # scaled gaps
 HOPELESS = 1e6
-FITS = 1e-6  # of the largest speed: what initial velocities may be changed without a warning
 
 
 def assembled(analysis, t: float) -> np.ndarray:
@@ -85,68 +83,6 @@ def _of_one_attitude(group):
     """Whether a dependency is that of the four Euler parameters of one body, which is no redundancy."""
     parts = {equation.part for equation in group}
     return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
-
-
-def start_speeds(analysis, q, t: float) -> np.ndarray:
-    """Speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
-
-    Raises ModelError when the drivers ask for speeds that the joints forbid.
-    """
-    system, work, scale = analysis.system, analysis.work, analysis.arrays.speed_scale
-    evaluate_jacobian(system, work, q)
-    J = work.jacobian.copy()
-    nu = work.rows[GAMMA]
-    fill_nu(system, t, nu)
-    nu = nu / analysis.arrays.row_scale
-    particular = np.linalg.lstsq(J, nu, rcond=SINGULAR_VALUE)[0] if len(nu) else np.zeros(scale.size)
-    _refuse_contradiction(analysis, J @ particular - nu, t)
-    given, wanted = analysis.given_speeds(q)
-    motions = np.linalg.svd(J)[2][work.rank[0] :].T
-    rest = (wanted / scale - particular)[given]
-    free = np.linalg.lstsq(motions[given], rest, rcond=1e-12)[0]
-    u = (particular + motions @ free) * scale
-    _doubt_change(analysis, u, wanted, given)
-    return u
-
-
-def given_speeds(velocities, bodies: int, q):
-    """Which of the speeds (6 bodies,) `velocities` give, and their values."""
-    given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
-    p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
-    for item in velocities:
-        given[item.body] = True
-        wanted[item.body, :3] = item.velocity
-        wanted[item.body, 3:] = body_axes(p[item.body], np.array(item.angular))
-    return given.ravel(), wanted.ravel()
-
-
-def _refuse_contradiction(analysis, rest, t):
-    if rest.size and np.max(np.abs(rest)) > CLOSED:
-        worst = analysis.arrays.equations[int(np.argmax(np.abs(rest)))]
-        message = (
-            f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
-            "remove a driver or free a joint"
-        )
-        raise ModelError([about("error", message, worst)])
-
-
-def _doubt_change(analysis, u, wanted, given):
-    scale = analysis.arrays.speed_scale
-    change = np.abs(u - wanted) / scale * given
-    largest = max(np.max(np.abs(u) / scale, initial=0.0), np.max(np.abs(wanted) / scale, initial=0.0))
-    for item in analysis.velocities:
-        own = slice(6 * item.body, 6 * item.body + 6)
-        if np.max(change[own]) > FITS * max(largest, FITS):
-            message = f"does not fit the joints and is changed to {_shown(analysis, u[own], item)}"
-            analysis.warnings.append(Fault("warning", message, item.place, item.name))
-
-
-def _shown(analysis, u, item):
-    p = analysis.march.z[7 * item.body + 3 : 7 * item.body + 7]
-    angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
-    return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
-        *(u[:3] + 0.0), *(angular + 0.0)
-    )
 
 
 def inertia_failure(analysis, t: float) -> AnalysisError:

@@ -8,11 +8,11 @@ from ..model.flexible_arrays import flexible_arrays
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.vsdf_model import Integrator
 from .constrained_motion import ConstrainedMotion
-from .constrained_start import given_speeds
 from .dynamic_rows import global_axes
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
 from .parted_joints import parted_joints
+from .start_speeds import given_speeds
 from .steppers import ExplicitSteps, GeneralisedAlpha, RadauSteps
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
@@ -36,7 +36,7 @@ class FlexibleDynamics(ConstrainedMotion):
         stepper, tolerance = stepper_of(mechanism.integrator)
         super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, stepper)
         self.mechanism = mechanism
-        self.velocities = tuple(_velocities(mechanism))
+        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 
     @property
     def evaluator(self) -> PositionGaps:

@@ -10,6 +10,7 @@ from ..kernels.constrained_report import Report, observe_rows
 from ..kernels.constrained_solve import choose_order, evaluate_jacobian
 from ..model.dynamic_arrays import dynamic_arrays
 from ..model.dynamics import DynamicModel
+from .coinciding_ends import refuse_coinciding_ends
 from .constrained_system import blank_report, constrained_system, new_work
 from .dynamic_rows import DynamicRows, body_axes, dynamic_rows
 from .kinematics import KinematicAnalysis
@@ -59,6 +60,7 @@ class InverseDynamics:
         evaluate_jacobian(self.system, self.work, report.states[0, : 7 * bodies])
         if choose_order(self.work, self.arrays.speeds) < self.arrays.speeds:
             raise undetermined(report.times[0])
+        refuse_coinciding_ends(self.system, self.work, self.model.springs, float(report.times[0]))
         self._ordered = True
 
 

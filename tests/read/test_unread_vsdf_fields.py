@@ -145,14 +145,6 @@ WITHOUT_EFFECT = [
         ["26:20: error: spring 1: both ends are on the ground, so their distance never changes"],
     ),
     (
-        "a spring between coinciding nodes",
-        changed(("GRAV\n", "SPRI\n    1    1    3    2    1      10.0       0.0       0.2\nGRAV\n")),
-        [
-            "26:53: warning: spring 1: its ends coincide at t = 0, where it has no direction to push in, and it "
-            "does not push"
-        ],
-    ),
-    (
         "a spring without numbers",
         changed(("GRAV\n", "SPRI\n    1    0    1    2    3\nGRAV\n")),
         ["26:26: error: spring 1: k, c are all empty, so the card does nothing"],

@@ -86,6 +86,11 @@ def test_numbers_before_the_first_card_are_told():
         ("SPRING 1 1 0 0 0 1 1 1 5 1", "5:10: spring 1: I and J are both body 1; two bodies are needed"),
         ("GALF -1 1", "5:6: generalised-alpha 1: a step must not be negative; read -1"),
         ("GALF 0 1.5", "5:8: generalised-alpha 1: the spectral radius lies between 0 and 1; read 1.5"),
+        ("MASS 1 nan 0 0 0 1 1 1",
+         "5:8: mass 1: m must be a number; read 'nan': a finite number is needed"),
+        ("MASS 1 1 0 0 0 1 1 Infinity",
+         "5:20: mass 1: Izz must be a number; read 'Infinity': a finite number is needed"),
+        ("GRAVITY 0 inf 0", "5:11: gravity 1: g.y must be a number; read 'inf': a finite number is needed"),
         ("TOLERANCE 1", "5:11: tolerance: must lie between 1e-13 and 0.01; read 1"),
     ],
 )  # fmt: skip
