@@ -55,6 +55,11 @@ class Fault:
         }
 
 
+def sentences(faults) -> tuple[str, ...]:
+    """Return subject and message of every fault, as results keep them."""
+    return tuple(fault.sentence for fault in faults)
+
+
 class FlexmbError(Exception):
     """Base of everything flexmb raises on purpose; `exit_code` is the program's.
 

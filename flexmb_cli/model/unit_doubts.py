@@ -1,7 +1,8 @@
-"""What makes one doubt that a deck is in SI units, and bodies that have no mass: notes of `flexmb check`.
+"""What makes one doubt that a deck is in SI units, and bodies that have no mass: notes of all commands.
 
 A deck drawn in millimetres with masses in kilograms runs without complaint and gives nonsense.  Its
-gravity, its lengths, the radii of gyration of its bodies and the density of their nodes tell.
+gravity, its lengths, the radii of gyration of its bodies and their densities tell.  Masses in tonnes with all
+else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
@@ -21,17 +22,35 @@ LARGE = 50.0  # m between the joints of one body, for a mechanism under gravity
 WIDE = 30.0  # radius of gyration over the distance of joints: inertia in kg mm² would be 1000
 NARROW = 1e-2  # the other way round: 1e-3
 THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
+FOAM = 20.0  # kg/m³ of that box; light foams have 20, tungsten in tonnes 19, steel in tonnes 7.9
+# kg/m³ of the ellipsoid with a rigid body's mass and inertia.  With a mass in tonnes it grows √1000 times in
+# every direction: osmium gets 7e-4, steel 2.5e-4.  1 kg with 1 kg m² about all axes has 6e-2.
+HOLLOW = 1e-3
 
 
 @dataclass(frozen=True)
 class Extent:
-    """A body: mass, kg; largest principal inertia about the mass centre, kg m²; farthest joint from it, m."""
+    """A body: mass, kg; principal moments about the mass centre, kg m²; farthest joint from it, m."""
 
     name: str
     mass: float
-    inertia: float
+    moments: tuple[float, ...]
     size: float
     place: Place | None = None
+
+    @property
+    def inertia(self) -> float:
+        """Largest principal moment of inertia, kg m²."""
+        return max(self.moments)
+
+    @property
+    def density(self) -> float:
+        """Density of the homogeneous ellipsoid with this mass and these moments, kg/m³; inf of a thin one."""
+        squares = [2.5 * (sum(self.moments) - 2.0 * moment) for moment in self.moments]
+        if not self.mass > 0.0 or min(squares) <= 0.0:
+            return np.inf
+        axes = np.sqrt(np.array(squares) / self.mass)
+        return self.mass / (4.0 / 3.0 * np.pi * float(np.prod(axes)))
 
     @property
     def radius(self) -> float:
@@ -63,6 +82,11 @@ def _of_body(body):
             f"{body.radius:.3g} m, joints are up to {body.size:.3g} m from the mass centre: "
             "are all in SI units?"
         )
+    elif body.density < HOLLOW:
+        yield (
+            f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² are those of an ellipsoid of "
+            f"{body.density:.2g} kg/m³, air has 1.2: is the mass in kg, and not in tonnes?"
+        )
 
 
 def _of_frequencies(mechanism: FlexibleMechanism):
@@ -81,25 +105,35 @@ def _of_frequencies(mechanism: FlexibleMechanism):
 
 
 def _of_densities(mechanism: FlexibleMechanism):
-    """Nodes in millimetres with matrices in SI units pass every test of them: they know no lengths."""
+    """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in mechanism.bodies:
         if body.flexible is None:
             continue
-        sides = np.ptp(body.flexible.r0, axis=0)
-        if body.m < THIN * float(np.prod(sides)):
+        sides = _sides(body.flexible.r0)
+        volume = float(np.prod(sides))
+        box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are"
+        if body.m < THIN * volume:
+            message = f"{box} less than a thousandth of air: are the nodes in m?"
+            yield Fault("note", message, body.place, body.name)
+        elif body.m < FOAM * volume:
             message = (
-                f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are less "
-                "than a thousandth of air: are the nodes in m?"
+                f"{box} {body.m / volume:.2g} kg/m³, less than foam: is the mass in kg, and not in tonnes?"
             )
             yield Fault("note", message, body.place, body.name)
+
+
+def _sides(points):
+    """Lengths of the box around points (n, 3), along their principal axes: slender bodies may lie askew."""
+    centred = points - points.mean(axis=0)
+    return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
 
 
 def _farthest(points, centre) -> float:
     return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
 
 
-def _largest(inertia) -> float:
-    return float(np.linalg.eigvalsh(np.asarray(inertia, dtype=float))[-1])
+def _moments(inertia) -> tuple[float, ...]:
+    return tuple(np.linalg.eigvalsh(np.asarray(inertia, dtype=float)).tolist())
 
 
 def _about_centre(inertia, mass, centre):
@@ -119,11 +153,11 @@ def _of_young(model: DynamicModel) -> Iterable[Extent]:
         points = [j.P_i for j in mechanism.joints if j.i == k] + [j.P_j for j in mechanism.joints if j.j == k]
         given = masses.get(k)
         if given is None:
-            found.append(Extent(body.name, 0.0, 0.0, _farthest(points, (0.0, 0.0, 0.0)), body.place))
+            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))
             continue
         xx, yy, zz, xy, yz, zx = given.inertia
-        inertia = _largest([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        found.append(Extent(body.name, given.mass, inertia, _farthest(points, given.centre), given.place))
+        moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))
     return found
 
 
@@ -135,8 +169,8 @@ def _of_mechanism(mechanism: FlexibleMechanism) -> Iterable[Extent]:
             continue
         ends = [end for joint in mechanism.joints for end in (*joint.a, *joint.b) if end.body == k]
         centre = body.s0 / body.m if body.m else np.zeros(3)
-        inertia = _largest(_about_centre(body.J0, body.m, centre))
-        found.append(Extent(body.name, body.m, inertia, _farthest([e.r0 for e in ends], centre), body.place))
+        moments = _moments(_about_centre(body.J0, body.m, centre))
+        found.append(Extent(body.name, body.m, moments, _farthest([e.r0 for e in ends], centre), body.place))
     return found
 
 
@@ -147,9 +181,9 @@ def _of_tree(tree: Tree) -> Iterable[Extent]:
         if body.elastic is not None:
             continue
         points = [(0.0, 0.0, 0.0), *(hinge.point for hinge in tree.hinges if hinge.parent == k)]
-        inertia = _largest(_about_centre(body.inertia, body.mass, body.centre))
+        moments = _moments(_about_centre(body.inertia, body.mass, body.centre))
         size = _farthest(points, body.centre)
-        found.append(Extent(body.name, body.mass, inertia, size, body.place))
+        found.append(Extent(body.name, body.mass, moments, size, body.place))
     return found
 
 

@@ -4,8 +4,9 @@ import os
 from contextlib import contextmanager
 
 from .. import __version__
-from ..errors import AnalysisError, Fault, FlexmbError, OutputError
+from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.tree import Tree
+from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
 from .absolute_march import AbsoluteMarch
@@ -27,9 +28,12 @@ def run_dafms(
     """
     with _resumable_if_stopped(paths, options, outcome), Stop.released():
         tree = tree_of(deck, options, outcome)
+        doubts = unit_doubts(tree)
+        outcome.faults += doubts
         journal, march = _beginning(deck, tree, paths, options, outcome, listener)
     with Stop.later():
         files = _ResultFiles(deck, tree, paths, options, stdout)
+        files.notes = sentences(doubts)
         doubts = _keep_rows(tree, march, journal, files, options, outcome, listener)
         _complete(files, journal, outcome, doubts)
 
@@ -86,7 +90,7 @@ def _doubts_of_energy(tree, march, options, outcome):
 def _complete(files, journal, outcome, doubts):
     """Put the results in their places; where they cannot be, the journal stays for the next attempt."""
     try:
-        outcome.files = files.close(tuple(doubt.sentence for doubt in doubts))
+        outcome.files = files.close(sentences(doubts))
     except (OutputError, MemoryError):
         journal.close()
         outcome.resumable = journal.begun
@@ -187,13 +191,17 @@ class _March:
 
 
 class _ResultFiles:
-    """Echo, series and HDF5 file of a run; each appears whole or not at all."""
+    """Echo, series and HDF5 file of a run; each appears whole or not at all.
+
+    `notes`: what the result tells besides its rows.
+    """
 
     def __init__(self, deck, tree, paths: ResultPaths, options, stdout):
         from ..write.atomic import make_folder
 
         self.deck, self.options, self.paths, self.stdout = deck, options, paths, stdout
         self.texts, self.result, self.series = [], None, None
+        self.notes: tuple[str, ...] = ()
         self.echoed = self.torn = False
         if paths.files:
             make_folder(options.folder)
@@ -252,7 +260,7 @@ class _ResultFiles:
         from ..write.atomic import put_in_place
 
         if self.result:
-            self.result.note(notes)
+            self.result.note((*self.notes, *notes))
         put_in_place(self._all())
         return self.paths.files
 

@@ -8,6 +8,7 @@ from ..errors import Fault, ModelError
 from ..model.build_young_dynamics import build_young_dynamics
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.tree import Tree
+from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from .check import FARTHEST_STEPS
 from .compiling import tell_of_compiling
@@ -79,7 +80,7 @@ def young_modes(
 ) -> MechanismModes:
     """Small motions of a YOUNG deck with forward dynamics; raises ModelError, AnalysisError."""
     model, warnings = build_young_dynamics(deck)
-    outcome.faults += warnings
+    outcome.faults += [*warnings, *unit_doubts(model)]
     refuse_warnings(outcome, options)
     _prepare(6 * len(model.mechanism.bodies), wish, model.mechanism.time, listener)
     from ..solve.constrained_dynamics import ForwardDynamics

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from ..errors import Fault, ModelError
 from ..model.flexible_body import FlexibleBody
+from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
 from .dafms_tree import tree_of
@@ -51,13 +52,16 @@ def _fill(report: ModesReport, wish: Wish, options: RunOptions, listener: Listen
     deck = open_deck(outcome.deck, options, outcome)
     if deck.dialect == "vsdf":
         mechanism = mechanism_of(deck, options, outcome)
+        outcome.faults += unit_doubts(mechanism)
         report.deck = deck
         report.bodies = [body.flexible for body in mechanism.bodies if body.flexible is not None]
         if wish.of_mechanism or not report.bodies:
             report.mechanism = flexible_modes(mechanism, wish, options, outcome, listener)
         return
     if deck.dialect == "dafms":
-        report.mechanism = tree_modes(tree_of(deck, options, outcome), wish, listener)
+        tree = tree_of(deck, options, outcome)
+        outcome.faults += unit_doubts(tree)
+        report.mechanism = tree_modes(tree, wish, listener)
     else:
         _refuse_kinematics(deck)
         report.mechanism = young_modes(deck, wish, options, outcome, listener)

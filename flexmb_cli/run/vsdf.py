@@ -1,9 +1,11 @@
 """A VSDF deck from its records to OUT listing and HDF5 result."""
 
+from functools import partial
 from pathlib import Path
 
 from ..model.build_vsdf import build_vsdf
 from ..model.flexible_mechanism import FlexibleMechanism
+from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_INPUT, ResultPaths
 from .compiling import tell_of_compiling
@@ -48,7 +50,8 @@ def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -
         lambda stream, deck, layout: VsdfTable(stream, deck, layout, mechanism, constraints),
     )
     drift = ConstrainedDrift(TOO_COARSE)
-    return Solution(analysis, mechanism.time.rows, contents, StepCount(analysis.clock, drift))
+    count, doubts = StepCount(analysis.clock, drift), partial(unit_doubts, mechanism)
+    return Solution(analysis, mechanism.time.rows, contents, count, doubts)
 
 
 def mechanism_of(deck: Deck, options: RunOptions, outcome: Outcome) -> FlexibleMechanism:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from ..errors import AnalysisError, FlexmbError, OutputError
+from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
@@ -40,6 +40,8 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
     Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
     """
     analysis, count = solution.analysis, solution.count
+    doubts = solution.doubts()
+    outcome.faults += doubts
 
     def keep(rows):
         files.rows(rows)
@@ -55,7 +57,7 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
     except AnalysisError as failure:
         analysis.warnings.extend(count.doubts)
         outcome.faults += analysis.warnings
-        outcome.files = files.close_failed(failure.args[0], True, notes_of(analysis))
+        outcome.files = files.close_failed(failure.args[0], True, _notes(doubts, analysis))
         raise
     except OutputError:
         files.discard()
@@ -63,14 +65,14 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
     except BaseException as ending:
         if not isinstance(ending, FlexmbError):
             outcome.faults += analysis.warnings
-        outcome.files = files.close_stopped(outcome.rows, reason_of(ending), notes_of(analysis))
+        outcome.files = files.close_stopped(outcome.rows, reason_of(ending), _notes(doubts, analysis))
         raise
-    outcome.files = files.close(notes_of(analysis))
+    outcome.files = files.close(_notes(doubts, analysis))
 
 
-def notes_of(analysis) -> tuple[str, ...]:
-    """What an analysis told about its way, for the result file."""
-    return tuple(fault.sentence for fault in analysis.warnings)
+def _notes(doubts, analysis) -> tuple[str, ...]:
+    """What the model made doubtful and the analysis told about its way, for the result file."""
+    return sentences((*doubts, *analysis.warnings))
 
 
 def _analysis(mechanism, options, listener: Listener):
@@ -115,12 +117,16 @@ class Contents:
 
 @dataclass(frozen=True)
 class Solution:
-    """An analysis that yields blocks of report rows: how many, what they hold, and what counts its work."""
+    """An analysis that yields blocks of report rows: how many, what they hold, and what counts its work.
+
+    `doubts` finds what its model makes doubtful, for a run to tell and to keep.
+    """
 
     analysis: object
     rows: int
     contents: Contents
     count: object = None
+    doubts: Callable[[], list[Fault]] = list
 
 
 class ResultFiles:

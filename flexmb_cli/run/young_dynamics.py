@@ -1,9 +1,11 @@
 """A YOUNG deck with dynamic cards from its records to OUT table and HDF5 result."""
 
 from dataclasses import dataclass
+from functools import partial
 
 from ..errors import Fault
 from ..model.build_young_dynamics import build_young_dynamics
+from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import INVERSE, analysis_of
 from ..write.file_names import ResultPaths
@@ -43,7 +45,8 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
     forward = model.analysis != INVERSE
     count = StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)) if forward else StepCount()
-    return Solution(analysis, model.mechanism.time.rows, contents, count)
+    doubts = partial(unit_doubts, model)
+    return Solution(analysis, model.mechanism.time.rows, contents, count, doubts)
 
 
 def _analysis(model, options, listener: Listener):
