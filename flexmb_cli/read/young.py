@@ -5,6 +5,7 @@ never looked at, as in the historic program.
 """
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
@@ -14,6 +15,7 @@ from . import number
 from .card import UNCLOSED, Word, Words, end_of
 from .deck import Deck, DeckText, Number, Record
 from .line_custom import slips, with_slip_named
+from .young_eleven import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .young_sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
 DIALECT = "young"
@@ -26,14 +28,34 @@ def read_young(source: DeckText) -> Deck:
 
     Raises DeckError with all misspelt numbers, or for a deck that ends too early.
     """
-    reading = _Reading(source)
+    reading = _Reading(source, YOUNG_SECTIONS)
+    reading.words.reach(1)
+    if are_eleven_counts(reading.words.texts):
+        with suppress(DeckError):
+            return _read_earlier(source)
+    return _read(reading)
+
+
+def _read_earlier(source):
+    """The deck as one of the earlier version; raises DeckError when it is none."""
+    reading = _Reading(source, EARLIER_SECTIONS)
+    deck = _read(reading)
+    reading.words.reach(reading.taken + 1)
+    behind = reading.words[reading.taken] if len(reading.words.texts) > reading.taken else None
+    sizes = [len(record.values) for record in deck.records]
+    if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
+        raise DeckError([Fault("error", "its lines do not begin with records of the earlier version")])
+    return completed(deck)
+
+
+def _read(reading):
     counts = _read_counts(reading)
     records = [counts, *_read_sections(reading, counts)]
     slipped = _slips_of(reading, counts)
     faults = _in_order([*reading.faults, *slipped])
     if reading.errors:
         raise DeckError(with_slip_named(faults, slipped))
-    return Deck(DIALECT, source, tuple(records), tuple(faults), slipped)
+    return Deck(DIALECT, reading.source, tuple(records), tuple(faults), slipped)
 
 
 @dataclass
@@ -41,6 +63,7 @@ class _Reading:
     """The words of a deck as they are taken, and the faults found on the way."""
 
     source: DeckText
+    sections: tuple[Section, ...]
     taken: int = 0
     faults: list[Fault] = field(default_factory=list)
     errors: int = 0
@@ -75,9 +98,10 @@ class _Reading:
 
 
 def _read_counts(reading):
-    found = reading.take(len(COUNTS.columns))
-    record = _record(reading, COUNTS, 0, found)
-    if len(found) < len(COUNTS.columns):
+    section = reading.sections[0]
+    found = reading.take(len(section.columns))
+    record = _record(reading, section, 0, found)
+    if len(found) < len(section.columns):
         subject = "counts" if found else ""
         reading.early_end(subject, _too_few_counts(len(found)))
     for place, count in zip(found, record.numbers, strict=True):
@@ -97,10 +121,10 @@ def _too_few_counts(found):
 
 
 def _read_sections(reading, counts):
-    wanted = sum(size for _, size in _blocks(counts))
+    wanted = sum(size for _, size in _blocks(reading, counts))
     found = reading.take(wanted)
     records, position = [], 0
-    for section, number_of_record in _expected(counts):
+    for section, number_of_record in _expected(reading, counts):
         size = len(section.columns)
         chunk = found[position : position + size]
         position += size
@@ -112,16 +136,16 @@ def _read_sections(reading, counts):
             where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
             message = (
                 f"the deck ends {where}; by its counts the deck needs "
-                f"{wanted + len(COUNTS.columns)} numbers, it has {reading.taken}"
+                f"{wanted + len(counts.values)} numbers, it has {reading.taken}"
             )
             reading.early_end(_subject(section, number_of_record), message)
             break
     return records
 
 
-def _expected(counts) -> Iterator[tuple[Section, int]]:
+def _expected(reading, counts) -> Iterator[tuple[Section, int]]:
     """Every record that the counts announce, lazily: a small file may announce a trillion."""
-    for section in YOUNG_SECTIONS[1:]:
+    for section in reading.sections[1:]:
         if section.count:
             for number_of_record in range(1, counts[section.count] + 1):
                 yield section, number_of_record
@@ -129,9 +153,9 @@ def _expected(counts) -> Iterator[tuple[Section, int]]:
             yield section, 0
 
 
-def _blocks(counts):
+def _blocks(reading, counts):
     """Pairs (section, numbers in the whole section)."""
-    for section in YOUNG_SECTIONS[1:]:
+    for section in reading.sections[1:]:
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
 
 
@@ -213,15 +237,15 @@ def _subject(section, number_of_record):
 
 def _slips_of(reading, counts):
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
-    wanted = sum(size for _, size in _blocks(counts)) + len(COUNTS.columns)
+    wanted = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
     behind = _words_behind(reading)
     if reading.taken == wanted and not behind:
         return ()
     # No record is empty, so the words taken bound the number of records worth listing.
-    expected = islice(_expected(counts), reading.taken)
+    expected = islice(_expected(reading, counts), reading.taken)
     sizes = [(_subject(section, k), len(section.columns)) for section, k in expected]
     taken = reading.words.upto(reading.taken)
-    return slips([*taken, *behind], [(COUNTS.subject, len(COUNTS.columns)), *sizes])
+    return slips([*taken, *behind], [(COUNTS.subject, len(counts.values)), *sizes])
 
 
 def _words_behind(reading):

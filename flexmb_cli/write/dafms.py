@@ -14,8 +14,9 @@ from ..model.skyline import full_matrix
 from ..read.deck import Deck, Record
 from .fortran_format import SAFE, E, F, I, Layout
 
-# DFIN adds the weight of the nodes to their forces when it reads them, whatever a GRAV card says.
-_WEIGHT = 9.8
+# DFIN adds the weight of the nodes to their forces when it reads them; a GRAV card, which it did not know,
+# gives another gravity.
+_GRAVITY = (0.0, 9.8, 0.0)
 _HEAD = "     {:<30}"
 
 _BODY_LINES = {
@@ -95,7 +96,10 @@ class _Page:
         positions = self._nodes("node", k)
         forces = self._nodes("nodal_force", k)
         masses = _values(self._array("bmi", k))
-        weighted = [[*row[:3], row[3] + m * _WEIGHT, row[4]] for row, m in zip(forces, masses, strict=True)]
+        weighted = [
+            [*row[:2], *(f + m * g for f, g in zip(row[2:], self._gravity(), strict=True))]
+            for row, m in zip(forces, masses, strict=True)
+        ]
         vector = (I(5), I(5), *3 * (F(10, 5),))
         return "".join(
             (
@@ -111,6 +115,11 @@ class _Page:
                 *(self.listed("  =BK=", E(12, 4), 6, row) for row in self._stiffness(k)),
             )
         )
+
+    def _gravity(self):
+        """Gravity in effect, inertial axes; the last GRAV card counts."""
+        given = self.sections.get("gravity")
+        return tuple(given[-1][key] for key in ("g1", "g2", "g3")) if given else _GRAVITY
 
     def _array(self, section, k):
         return next(record for record in self.sections[section] if record.number == k)

@@ -1,6 +1,7 @@
 """FMBD.OUT and the series of units 2 and 3 against echoes made with the listing's own statements.
 
-The sample echoes come from the READ and WRITE statements of the DAFMS thesis (Zhao, 1992), appendix C.
+The sample echoes come from the READ and WRITE statements of the DAFMS thesis (Zhao, 1992), appendix C.  The
+deck of shaft_beam_n10 has a GRAV card, which the 1992 program did not know: its PIP= lines show no weight.
 """
 
 import io
@@ -29,6 +30,17 @@ def deck(name, *changes):
 @pytest.mark.parametrize("sample", SAMPLES, ids=[path.stem for path in SAMPLES])
 def test_echoes_are_those_of_the_listing_byte_for_byte(sample, layout):
     assert echo_text(deck(sample.stem), layout) == sample.read_text()
+
+
+def test_nodal_forces_are_echoed_with_the_weight_in_effect():
+    """0.2 kg; the thesis (Zhao, 1992), DFIN, adds 9.8 m/s^2 along axis 2 where no card gives gravity."""
+    card = "GRAV\n    0       1.0       2.0       3.0\nEND \n"
+    lines = [
+        line for line in echo_text(deck("pendulum_strict", ("END \n", card))).splitlines() if "PIP=" in line
+    ]
+    assert lines == ["  PIP=    1    1   0.20000   0.40000   0.60000"]
+    (plain,) = [line for line in echo_text(deck("pendulum_strict")).splitlines() if "PIP=" in line]
+    assert plain.endswith("0.00000   1.96000   0.00000")
 
 
 def test_four_echoes_are_supplied():
