@@ -29,11 +29,18 @@ def deck_options(command):
 def every_deck(decks, examine):
     """What `examine` finds of each deck, also of those that it is not asked for any more after a stop."""
     stop_on_signals()
-    for deck in decks:
+    for deck in with_models(decks):
         report = examine(deck)
         yield report
         if report.outcome.exit_code > 128:
             tell(f"{deck}: interrupted")
+
+
+def with_models(decks) -> list[str]:
+    """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
+    from ..read.dafms_models import models_of
+
+    return [name for deck in decks for name in models_of(deck)]
 
 
 def show_faults(outcome, quiet: bool) -> None:

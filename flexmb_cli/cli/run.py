@@ -7,7 +7,7 @@ import sys
 import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
-from .deck_options import DECK, deck_options, show_faults
+from .deck_options import DECK, deck_options, show_faults, with_models
 from .finite import Finite
 from .stops import stop_on_signals
 from .terminal import show, standard_output, tell, wants_debug
@@ -51,6 +51,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     """
     from ..run.outcome import SOLVER_OPTIONS, RunOptions
 
+    decks = with_models(decks)
     _refuse_mixed_output(as_json, options)
     _refuse_foreign_resume(options)
     _refuse_parallel_input(decks, jobs)
@@ -167,13 +168,17 @@ def _refuse_shared_files(decks, options):
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 
+    from ..read.dafms_models import named_model
     from ..write.file_names import refuse_shared, result_paths
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise click.UsageError("--out and --h5 name one file: give one deck, or use --output-dir")
-    names = [(deck, PurePath(deck).name if deck != "-" else deck) for deck in decks]
     places = options.folder, options.out, options.h5, options.no_out, options.no_h5
-    refuse_shared([(deck, result_paths(name, _dialect(deck, options), *places)) for deck, name in names])
+    results = []
+    for path, model in map(named_model, decks):
+        name = path if path == "-" else PurePath(path).name
+        results.append((path, result_paths(name, _dialect(path, options), *places, model)))
+    refuse_shared(results)
 
 
 def _dialect(deck, options):

@@ -103,7 +103,8 @@ class Deck:
 
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
     proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each,
-    `options` what the run was told of how to solve it, "rtol=1e-06" for instance.
+    `options` what the run was told of how to solve it, "rtol=1e-06" for instance; `model`: which of several
+    models of a DAFMS deck it is, 0 for the only one.
     """
 
     dialect: str
@@ -113,6 +114,7 @@ class Deck:
     slips: tuple[Fault, ...] = field(default=())
     settings: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
+    model: int = 0
 
     def section(self, name: str) -> list[Record]:
         """All records of one section, in the deck's order."""

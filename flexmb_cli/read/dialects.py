@@ -76,7 +76,9 @@ def _begins_vsdf(lines):
 
 def _begins_dafms(lines):
     # Cards before the first macro are skipped by the historic program, but they are never many.
-    macro = any(line[:4].upper() in _DAFMS_MACROS for line in lines[1:20])
+    # Blank lines stand in the place of a deck's other models.
+    beginning = islice((line for line in lines[1:] if line.strip()), 19)
+    macro = any(line[:4].upper() in _DAFMS_MACROS for line in beginning)
     return macro and not lines[0].strip(" 0123456789+-")
 
 

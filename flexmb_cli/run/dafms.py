@@ -123,7 +123,7 @@ def identity_of(deck: Deck, tree: Tree, options: RunOptions) -> dict:
     """All that the numbers of a run depend on: only the same run can be resumed."""
     return {
         "flexmb": __version__,
-        "deck": deck.source.name,
+        "deck": f"{deck.model}:{deck.source.name}" if deck.model else deck.source.name,
         "text of the deck": deck.source.sha256,
         "--set": list(options.changes),
         "method": tree.integration.method,

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from ..errors import DeckError, Fault
+from ..read.dafms_models import changes_of, named_model, only_model
 from ..read.deck import Deck
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
@@ -37,16 +38,23 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
 
 
 def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
-    """The deck at `path` with the changes of `--set`; its text and warnings go into `outcome`."""
-    outcome.source = read_text(path)
-    deck = apply_settings(read_deck(outcome.source, options.dialect), list(options.changes))
+    """The deck at `path` with the changes of `--set`; its text and warnings go into `outcome`.
+
+    `path` may be `2:PATH`, the second model of a DAFMS deck.
+    """
+    name, model = named_model(path)
+    outcome.source = source = read_text(name)
+    changes = changes_of(options.changes, source, model)
+    if model:
+        source = only_model(source, model)
+    deck = apply_settings(read_deck(source, options.dialect), changes)
     outcome.faults += deck.warnings
-    outcome.faults += _doubly_set(options.changes)
+    outcome.faults += _doubly_set(changes)
     outcome.settings = deck.settings
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
         raise DeckError([Fault("error", message)])
-    return replace(deck, options=_told_options(deck.dialect, options))
+    return replace(deck, options=_told_options(deck.dialect, options), model=model)
 
 
 def _told_options(dialect, options):
@@ -95,4 +103,5 @@ def paths_of(deck: Deck, options: RunOptions):
         options.h5,
         options.no_out,
         options.no_h5,
+        deck.model,
     )

@@ -32,32 +32,41 @@ class ResultPaths:
         return None if beside is None else _stem(beside) + ".resume"
 
 
-def out_name(deck_name: str, dialect: str) -> str:
-    """OUT<rest> for a YOUNG deck IN<rest>, else <stem>.OUT; `deck_name` has no folder."""
+def out_name(deck_name: str, dialect: str, model: int = 0) -> str:
+    """OUT<rest> for a YOUNG deck IN<rest>, else <stem>.OUT; `deck_name` has no folder.
+
+    Of several models the k-th gets <stem>-k.OUT, `model` 0 is the only one.
+    """
     if deck_name == STANDARD_INPUT:
         return "flexmb.OUT"
     if dialect == "young" and deck_name.startswith("IN"):
         return "OUT" + deck_name[2:]
-    return _stem(deck_name) + ".OUT"
+    return _stem(deck_name) + _suffix(model) + ".OUT"
 
 
-def h5_name(deck_name: str, dialect: str) -> str:
+def _suffix(model):
+    return f"-{model}" if model else ""
+
+
+def h5_name(deck_name: str, dialect: str, model: int = 0) -> str:
     """The OUT file's stem with `.h5`."""
-    return _stem(out_name(deck_name, dialect)) + ".h5"
+    return _stem(out_name(deck_name, dialect, model)) + ".h5"
 
 
-def series_names(deck_name: str) -> tuple[str, str]:
+def series_names(deck_name: str, model: int = 0) -> tuple[str, str]:
     """<stem>.T2 and <stem>.T3, the series of a DAFMS deck."""
-    stem = "flexmb" if deck_name == STANDARD_INPUT else _stem(deck_name)
+    stem = "flexmb" if deck_name == STANDARD_INPUT else _stem(deck_name) + _suffix(model)
     return stem + ".T2", stem + ".T3"
 
 
-def result_paths(deck_name, dialect, folder=".", out=None, h5=None, no_out=False, no_h5=False) -> ResultPaths:
+def result_paths(
+    deck_name, dialect, folder=".", out=None, h5=None, no_out=False, no_h5=False, model: int = 0
+) -> ResultPaths:
     """Paths of a deck's results from the options of `flexmb run`."""
-    series = series_names(deck_name) if dialect == "dafms" and not no_out else ()
+    series = series_names(deck_name, model) if dialect == "dafms" and not no_out else ()
     return ResultPaths(
-        out=None if no_out else out or _within(folder, out_name(deck_name, dialect)),
-        h5=None if no_h5 else h5 or _within(folder, h5_name(deck_name, dialect)),
+        out=None if no_out else out or _within(folder, out_name(deck_name, dialect, model)),
+        h5=None if no_h5 else h5 or _within(folder, h5_name(deck_name, dialect, model)),
         series=tuple(_within(folder, name) for name in series),
     )
 
