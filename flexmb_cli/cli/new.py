@@ -8,6 +8,7 @@ from dataclasses import replace
 import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
+from ..managed_files import refuse_unsafe
 from ..run.outcome import Terminated
 from .terminal import standard_output, tell
 from .written_place import WrittenPlace
@@ -101,6 +102,8 @@ class _Talk:
         from ..read.text import read_text
         from ..write.dialogue import Dialogue, from_draft
 
+        if self.keeps_draft:
+            refuse_unsafe(self.draft)
         if restart or not os.path.lexists(self.draft):
             return Dialogue(form)
         if not self.keeps_draft:
@@ -260,6 +263,7 @@ class _Talk:
         from ..write.atomic import write_whole
         from ..write.dialogue import draft_text
 
+        refuse_unsafe(self.draft)
         write_whole(self.draft, draft_text(self.dialogue).encode())
 
     def say_kept(self, why):

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import Fault
+from ..managed_files import UnsafePlace, open_managed
 from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
 
 # To be raised when the arrays, or how they are computed, change.
@@ -78,8 +79,9 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     if folder is None:
         return None
     try:
-        raw = (folder / f"{key_of(given)}.npz").read_bytes()
-    except OSError:
+        with open(open_managed(str(folder / f"{key_of(given)}.npz"), os.O_RDONLY), "rb") as stream:
+            raw = stream.read()
+    except (OSError, UnsafePlace):
         return None
     content, digest = raw[:-DIGEST], raw[-DIGEST:]
     if hashlib.sha256(content).digest() != digest:

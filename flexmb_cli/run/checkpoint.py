@@ -17,6 +17,7 @@ from contextlib import suppress
 import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
+from ..managed_files import open_managed, unbuffered
 from ..write.atomic import hold, is_unfinished, located
 
 _HEAD = struct.Struct("<QI")
@@ -24,8 +25,6 @@ _STATE = "checkpoint/"
 _UNFINISHED = "unfinished"
 _LONGEST_HEAD = 2**20
 _BEGINNING = b'{"'
-# In a stranger's folder a link could lead to any file of the user's.
-_NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 
 
 class Journal:
@@ -47,7 +46,7 @@ class Journal:
 
         Raises ModelError when the journal is of another run.
         """
-        if self.path is None or not os.path.exists(self.path):
+        if self.path is None or not os.path.lexists(self.path):
             return
         with self._opened() as file:
             head = file.readline(_LONGEST_HEAD)
@@ -120,16 +119,12 @@ class Journal:
 
     def _opened(self):
         try:
-            return open(self.path, "rb")
+            return open(open_managed(self.path, os.O_RDONLY), "rb")
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}") from error
 
     def _open(self):
-        if os.path.islink(self.path):
-            raise OutputError(f"{self.path}: it is a link, which is not followed; remove it")
-        # Unbuffered: what a full disk refused must not be tried again when the file is closed.
-        number = os.open(self.path, os.O_RDWR | os.O_CREAT | _NO_LINK, 0o666)
-        file = os.fdopen(number, "r+b", buffering=0)
+        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
         obstacle = _obstacle(file)
         if obstacle:
             file.close()
@@ -172,7 +167,7 @@ def _obstacle(file):
     """Why the open file may not be written as a journal; "" where it may."""
     if hold(file) is False:
         return "another run is writing it; wait until it ends"
-    if not os.path.isfile(file.name) or not _BEGINNING.startswith(file.read(len(_BEGINNING))):
+    if not _BEGINNING.startswith(file.read(len(_BEGINNING))):
         return "it is not the file of a stopped run, whose place it has; remove or rename it"
     return ""
 

@@ -7,6 +7,7 @@ import os
 from contextlib import suppress
 
 from ..errors import OutputError
+from ..managed_files import ManagedFolder
 from ..write.atomic import hold, located, make_folder
 
 LOCK = "lock"
@@ -35,8 +36,8 @@ class StudyLock:
 
     def _taken(self, study):
         make_folder(self.folder)
-        with located(self.path):
-            self._file = open(self.path, "ab")  # noqa: SIM115
+        with located(self.path), ManagedFolder(self.folder) as folder:
+            self._file = open(folder.open(LOCK, os.O_WRONLY | os.O_CREAT), "ab")  # noqa: SIM115
         if hold(self._file) is False:
             self._file.close()
             raise OutputError(
@@ -47,6 +48,6 @@ class StudyLock:
 
     def _stands(self):
         try:
-            return os.path.samestat(os.fstat(self._file.fileno()), os.stat(self.path))
+            return os.path.samestat(os.fstat(self._file.fileno()), os.lstat(self.path))
         except FileNotFoundError:
             return False

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
+from ..managed_files import ManagedFolder, unbuffered
 from ..write.atomic import located
 from .study_lock import LOCK, StudyLock
 from .study_solver import CaseResult
@@ -24,6 +25,7 @@ _FIXED = struct.Struct("<qiiiii")
 _IDENTITY = "study.json"
 _UNFINISHED_IDENTITY = f".{_IDENTITY}"
 _PART = ".part"
+_LONGEST_IDENTITY = 2**20  # bytes
 
 
 class Parts:
@@ -39,8 +41,9 @@ class Parts:
         Raises ModelError where the folder holds what is no study, OutputError as StudyLock does.
         """
         if os.path.isdir(self.folder) and self._stored_identity() is None:
+            with located(self.folder), ManagedFolder(self.folder) as folder:
+                found = set(folder.names()) - {LOCK}
             # A kill may have left a folder that was being begun or removed.
-            found = set(os.listdir(self.folder)) - {LOCK}
             if found and _UNFINISHED_IDENTITY not in found:
                 message = (
                     f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
@@ -58,11 +61,11 @@ class Parts:
             self._refuse_other(found)
             return True
         self.remove()
-        with located(self.folder):
-            temporary = os.path.join(self.folder, _UNFINISHED_IDENTITY)
-            with open(temporary, "w", encoding="utf-8") as file:
-                json.dump(self.identity, file)
-            os.replace(temporary, os.path.join(self.folder, _IDENTITY))
+        with located(self.folder), ManagedFolder(self.folder) as folder:
+            with unbuffered(folder.open(_UNFINISHED_IDENTITY, os.O_RDWR | os.O_CREAT)) as file:
+                file.truncate()
+                file.write(json.dumps(self.identity).encode())
+            folder.replace(_IDENTITY, _UNFINISHED_IDENTITY)
         return False
 
     def check_shared(self) -> None:
@@ -73,36 +76,41 @@ class Parts:
 
     def block(self, number: int, cases: range) -> "Part":
         """The part file of a block of `cases`, locked until it is closed."""
-        return Part(self._path(number), cases)
+        path = os.path.join(self.folder, _name(number))
+        with located(path), ManagedFolder(self.folder) as folder:
+            return Part(path, folder.open(_name(number), os.O_RDWR | os.O_CREAT), cases)
 
     def stored(self, number: int, cases: range) -> Iterator[CaseResult]:
         """The first of the `cases` of a block that are there, without waiting for whoever works on it."""
-        with contextlib.suppress(FileNotFoundError), open(self._path(number), "rb") as file:
+        try:
+            with ManagedFolder(self.folder) as folder:
+                file = open(folder.open(_name(number), os.O_RDONLY), "rb")  # noqa: SIM115
+        except FileNotFoundError:
+            return
+        with file:
             yield from _records(file, cases)
 
     def remove(self) -> None:
         """Remove all of this or another study but the lock of its folder."""
-        with located(self.folder):
-            identity, unfinished = (
-                os.path.join(self.folder, name) for name in (_IDENTITY, _UNFINISHED_IDENTITY)
-            )
+        with located(self.folder), ManagedFolder(self.folder) as folder:
             # A kill half-way must not leave a folder that looks like a study with cases missing.
             with contextlib.suppress(FileNotFoundError):
-                os.replace(identity, unfinished)
-            for name in os.listdir(self.folder):
+                folder.replace(_UNFINISHED_IDENTITY, _IDENTITY)
+            for name in folder.names():
                 if name.endswith(_PART):
-                    os.unlink(os.path.join(self.folder, name))
+                    folder.unlink(name)
             with contextlib.suppress(FileNotFoundError):
-                os.unlink(unfinished)
-
-    def _path(self, number):
-        return os.path.join(self.folder, f"block-{number:08d}{_PART}")
+                folder.unlink(_UNFINISHED_IDENTITY)
 
     def _stored_identity(self):
+        """The identity that the folder holds, None where it holds none.  Raises UnsafePlace."""
         try:
-            with open(os.path.join(self.folder, _IDENTITY), encoding="utf-8") as file:
-                found = json.load(file)
-        except (OSError, ValueError):
+            with (
+                ManagedFolder(self.folder) as folder,
+                open(folder.open(_IDENTITY, os.O_RDONLY), encoding="utf-8") as file,
+            ):
+                found = json.loads(file.read(_LONGEST_IDENTITY))
+        except (OSError, ValueError, RecursionError):
             return None
         return found if isinstance(found, dict) else None
 
@@ -119,19 +127,18 @@ class Parts:
 class Part:
     """One part file, open for appending by the only process that works on its block."""
 
-    def __init__(self, path: str, cases: range):
+    def __init__(self, path: str, number: int, cases: range):
+        """`number` is the descriptor of the file at `path`, open for reading and writing."""
         self.path = path
-        with located(path):
-            # Unbuffered: what a full disk refused must not be tried again when the file is closed.
-            self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)
-            _lock(self._file)
-            self.failed = self.count = end = 0
-            for record in _records(self._file, cases):
-                self.count += 1
-                self.failed += record.exit_code != 0
-                end = self._file.tell()
-            self._file.truncate(end)
-            self._file.seek(end)
+        self._file = unbuffered(number)
+        _lock(self._file)
+        self.failed = self.count = end = 0
+        for record in _records(self._file, cases):
+            self.count += 1
+            self.failed += record.exit_code != 0
+            end = self._file.tell()
+        self._file.truncate(end)
+        self._file.seek(end)
 
     def append(self, result: CaseResult) -> None:
         """Keep a case."""
@@ -148,6 +155,10 @@ class Part:
 
     def __exit__(self, *failure) -> None:
         self._file.close()
+
+
+def _name(block):
+    return f"block-{block:08d}{_PART}"
 
 
 def _lock(file):

@@ -29,7 +29,7 @@ def accept(reference, result) -> None:
     with source:
         place = Replacement(reference)
         try:
-            with located(place.path), open(place.temporary, "wb") as copy:
+            with located(place.path), place.open("wb") as copy:
                 shutil.copyfileobj(source, copy)
         except BaseException:
             place.discard()

@@ -12,6 +12,7 @@ import zlib
 from contextlib import contextmanager, suppress
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
+from ..managed_files import UnsafePlace, open_managed
 from ..memory import file_lacks_memory
 
 _PREFIX, _SUFFIX = ".flexmb-", ".tmp"
@@ -39,13 +40,25 @@ class Replacement:
                 _remove_orphans(self._target)
                 self.temporary, self._hold = _reserve(self._target)
 
+    def open(self, mode: str, **how):
+        """Open the temporary file, once, as the built-in `open` does."""
+        return open(self.duplicate(), mode, **how)
+
+    def duplicate(self) -> int | str:
+        """Return a descriptor of the temporary file, which the caller closes; where `direct`, its path.
+
+        Others may write in the folder, too, and put a link where the temporary file stood: it must not be
+        opened by its name again.
+        """
+        return self.temporary if self.direct else os.dup(self._hold)
+
     def commit(self) -> None:
         """Put the finished file in its place; it is discarded when it cannot be put there."""
         if self.direct:
             return
         try:
             with located(self.path):
-                _keep_mode(self._target, self.temporary)
+                _keep_mode(self._target, self._hold, self.temporary)
                 os.replace(self.temporary, self._target)
         except BaseException:
             self.discard()
@@ -73,7 +86,7 @@ class ReplacedText:
         self._replacement = Replacement(path)
         self.path = self._replacement.path
         with self._discarding():
-            self._stream = open(self._replacement.temporary, "w", encoding="utf-8", newline="\n")  # noqa: SIM115
+            self._stream = self._replacement.open("w", encoding="utf-8", newline="\n")
 
     def write(self, text: str) -> int:
         """Write `text`."""
@@ -124,7 +137,7 @@ def write_whole(path, data: bytes) -> None:
     """Put `data` at `path`, whole or not at all.  Raises `OutputError`."""
     place = Replacement(path)
     try:
-        with located(place.path), open(place.temporary, "wb") as stream:
+        with located(place.path), place.open("wb") as stream:
             stream.write(data)
     except BaseException:
         place.discard()
@@ -240,7 +253,7 @@ def _reserve(target):
         name = f"{_of_target(target)}{secrets.token_hex(4)}{_SUFFIX}"
         path = os.path.join(os.path.dirname(target), name)
         with suppress(FileExistsError):
-            held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666)
+            held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
             # Another run may have taken it for an orphan before it was held.
             if hold(held) is not False and os.path.exists(path):
                 return path, held
@@ -250,15 +263,17 @@ def _reserve(target):
 def _remove_orphans(target):
     """Remove what killed runs left in the place of `target`: files that nobody holds any more."""
     folder = os.path.dirname(target)
+    names = []
     with suppress(OSError):
         names = os.listdir(folder)
-        for name in names:
-            if name.startswith(_of_target(target)) and name.endswith(_SUFFIX):
+    for name in names:
+        if name.startswith(_of_target(target)) and name.endswith(_SUFFIX):
+            with suppress(OSError, UnsafePlace):
                 _remove_unheld(os.path.join(folder, name))
 
 
 def _remove_unheld(path):
-    file = os.open(path, os.O_WRONLY)
+    file = open_managed(path, os.O_WRONLY)
     try:
         if hold(file):
             os.unlink(path)
@@ -270,9 +285,10 @@ def _of_target(target):
     return f"{_PREFIX}{zlib.crc32(os.fsencode(os.path.basename(target))):08x}-"
 
 
-def _keep_mode(target, temporary):
+def _keep_mode(target, held, temporary):
     if os.path.exists(target):
-        os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
+        place = held if os.chmod in os.supports_fd else temporary
+        os.chmod(place, stat.S_IMODE(os.stat(target).st_mode))
 
 
 def _close_quietly(stream):

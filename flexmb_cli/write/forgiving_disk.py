@@ -12,10 +12,11 @@ class ForgivingDisk(io.FileIO):
     does not read back what it has written.  What the disk has refused is kept here until the next `blamed`.
     """
 
-    def __init__(self, path):
+    def __init__(self, place: str | int):
+        """`place` is a path, or the descriptor of an empty file open for reading and writing."""
         self.failure: OSError | None = None
         self._refused: list[tuple[int, bytes]] = []  # place, bytes
-        super().__init__(path, "w+")
+        super().__init__(place, "w+")
 
     def write(self, data):
         """Write all of `data`; tell HDF5 that it is done in any case."""

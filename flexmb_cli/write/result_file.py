@@ -104,7 +104,7 @@ class ResultFile:
         self._file = None
         try:
             with located(self._place.path):
-                self._disk = ForgivingDisk(self._place.temporary)
+                self._disk = ForgivingDisk(self._place.duplicate())
         except BaseException:
             self._place.discard()
             raise

@@ -6,14 +6,15 @@ scales are found by their references here rather than by the library.
 """
 
 import errno
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import h5py
-import numpy as np
 
 from ..errors import visible
 from .heap_check import fault_of_heaps
+from .text_sizes import UnknownSize, bytes_of_texts
 
 # Filters of the library itself; another one would have it load a plugin from the disk.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
@@ -23,6 +24,8 @@ MOST_OBJECTS, DEEPEST = 100_000, 10
 _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
 # A file may declare this, and beyond it so many times its own size: compressed results are smaller than told.
 FREE_BYTES, MOST_TIMES = 2**26, 100
+# Scales along one axis of a dataset: netCDF and flexmb attach one.
+MOST_SCALES = 64
 
 
 class Damaged(Exception):
@@ -72,14 +75,21 @@ def _look_through(file):
     fault = file.id.links.visit(stop_at, info=True)
     if fault:
         raise Damaged(fault)
-    declared = sum(_declared(name, file[name]) for name in names)
-    size = file.id.get_filesize()
-    if declared > max(FREE_BYTES, MOST_TIMES * size):
-        raise Damaged(f"it declares {declared:.3g} bytes of numbers in a file of {size}")
+    size, declared = file.id.get_filesize(), 0
+    most = _most_bytes(file)
+    for name in names:
+        declared += _declared(name, file[name], most)
+        if declared > most:
+            raise Damaged(f"it declares {declared:.3g} bytes of numbers and text in a file of {size}")
 
 
-def _declared(name, item):
-    """Bytes of memory that reading an object takes."""
+def _most_bytes(file):
+    """Bytes that a file may take when it is read."""
+    return max(FREE_BYTES, MOST_TIMES * file.id.get_filesize())
+
+
+def _declared(name, item, most):
+    """Bytes of memory that reading an object takes, or some number above `most`."""
     if isinstance(item, h5py.Group):
         return 0
     if not isinstance(item, h5py.Dataset) or not _has_known_type(item):
@@ -92,7 +102,13 @@ def _declared(name, item):
     if any(created.get_filter(k)[0] not in FILTERS for k in range(created.get_nfilters())):
         raise Damaged(f"/{_told(name)} is packed by a filter that is not of HDF5 itself")
     places = max(_product(item.shape), _product(item.chunks or (0,)))
-    return places * item.dtype.itemsize
+    size = places * item.dtype.itemsize
+    if size > most or not is_variable_text(item):
+        return size
+    try:
+        return max(size, bytes_of_texts(item, most))
+    except (UnknownSize, OSError, zlib.error) as error:
+        raise Damaged(f"the texts of /{_told(name)} cannot be read: {error}") from error
 
 
 def _has_known_type(dataset):
@@ -121,15 +137,18 @@ def is_text(dataset: h5py.Dataset) -> bool:
     return h5py.check_string_dtype(dataset.dtype) is not None
 
 
+def is_variable_text(dataset: h5py.Dataset) -> bool:
+    """Whether it holds texts of any length, which are stored apart."""
+    return is_text(dataset) and h5py.check_string_dtype(dataset.dtype).length is None
+
+
 def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     """The first dimension scale along an axis, of its length; None where there is none.
 
     Raises `Damaged` when the reference leads to nothing that can be one.
     """
-    listed = dataset.attrs.get("DIMENSION_LIST")
-    if not isinstance(listed, np.ndarray) or listed.shape != (dataset.ndim,) or listed.dtype.kind != "O":
-        return None
-    if not len(listed[axis]):
+    listed = _references(dataset, axis)
+    if listed is None or not len(listed[axis]):
         return None
     where = f"the scale of axis {axis + 1} of {_told(dataset.name or 'a dataset')}"
     try:
@@ -141,6 +160,20 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     if not good or (axis and len(scale) != dataset.shape[axis]):
         raise Damaged(f"{where} has another length")
     return scale
+
+
+def _references(dataset, axis):
+    """The references to scales of all axes of a dataset, None where there are none."""
+    if not h5py.h5a.exists(dataset.id, b"DIMENSION_LIST"):
+        return None
+    # Looked at before it is read: it may be of any length, and lead to a megabyte from each of its places.
+    found = h5py.h5a.open(dataset.id, b"DIMENSION_LIST")
+    kind = h5py.check_vlen_dtype(found.dtype)
+    if found.shape != (dataset.ndim,) or kind is None or h5py.check_ref_dtype(kind) is not h5py.Reference:
+        return None
+    if h5py.h5ds.get_num_scales(dataset.id, axis) > MOST_SCALES:
+        raise Damaged(f"{_told(dataset.name or 'a dataset')} has more than {MOST_SCALES} scales for an axis")
+    return dataset.attrs["DIMENSION_LIST"]
 
 
 def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
@@ -179,6 +212,10 @@ def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
 
 
 def _text(owner, name):
+    found = h5py.h5a.open(owner.id, name.encode())
+    # An array may lead to the same text from each of its places; flexmb writes single texts.
+    if found.shape != () or found.dtype.itemsize > _most_bytes(owner.file):
+        return ""
     value = owner.attrs[name]
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")

@@ -66,7 +66,7 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     place = Replacement(path)
     try:
         with located(path):
-            write(place.temporary, head, rows)
+            write(place, head, rows)
     except BaseException:
         place.discard()
         raise
@@ -80,8 +80,12 @@ def _blocks(head: TableHead, rows) -> Iterator[list[Row]]:
         yield block
 
 
-def _write_hdf5(path, head, rows):
-    with ForgivingDisk(path) as disk, disk.blamed(), h5py.File(disk, "w", libver=FILE_FORMAT) as file:
+def _write_hdf5(place, head, rows):
+    with (
+        ForgivingDisk(place.duplicate()) as disk,
+        disk.blamed(),
+        h5py.File(disk, "w", libver=FILE_FORMAT) as file,
+    ):
         _fill(file, head, rows, disk)
 
 
@@ -141,7 +145,7 @@ def _pyarrow():
     return pyarrow
 
 
-def _write_parquet(path, head, rows):
+def _write_parquet(place, head, rows):
     pyarrow = _pyarrow()
     kinds = {name: pyarrow.int64() for name, _ in COUNTS} | {"message": pyarrow.string()}
     for column in head.columns:
@@ -150,7 +154,7 @@ def _write_parquet(path, head, rows):
     about = {"deck": head.deck, "study": head.study, "deck_name": printable_name(head.deck_name),
              "deck_sha256": head.deck_sha256, "flexmb_version": __version__}  # fmt: skip
     schema = pyarrow.schema(list(kinds.items()), metadata=about)
-    with pyarrow.parquet.ParquetWriter(path, schema) as writer:
+    with place.open("wb") as stream, pyarrow.parquet.ParquetWriter(stream, schema) as writer:
         for block in _blocks(head, rows):
             counts = [list(values) for values in zip(*(row[:4] for row in block), strict=True)]
             columns = [[_plain(row[4][k]) for row in block] for k in range(len(head.columns))]
