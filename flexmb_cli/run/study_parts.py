@@ -16,6 +16,7 @@ import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
 from ..write.atomic import located
+from ..write.durable import GROWING, sync, sync_folder
 from .study_lock import LOCK, StudyLock
 from .study_solver import CaseResult
 
@@ -62,7 +63,11 @@ class Parts:
             temporary = os.path.join(self.folder, _UNFINISHED_IDENTITY)
             with open(temporary, "w", encoding="utf-8") as file:
                 json.dump(self.identity, file)
+                file.flush()
+                sync(file.fileno())
             os.replace(temporary, os.path.join(self.folder, _IDENTITY))
+            sync_folder(self.folder)
+            sync_folder(os.path.dirname(self.folder))  # which has the name of a folder just made
         return False
 
     def check_shared(self) -> None:
@@ -79,6 +84,14 @@ class Parts:
         """The first of the `cases` of a block that are there, without waiting for whoever works on it."""
         with contextlib.suppress(FileNotFoundError), open(self._path(number), "rb") as file:
             yield from _records(file, cases)
+
+    def settle(self) -> None:
+        """Hand to the disk what all processes have kept so far.  Raises OutputError."""
+        with located(self.folder):
+            for name in os.listdir(self.folder):
+                if name.endswith(_PART):
+                    GROWING.note(os.path.join(self.folder, name))
+            GROWING.settle()
 
     def remove(self) -> None:
         """Remove all of this or another study but the lock of its folder."""
@@ -140,6 +153,7 @@ class Part:
         with located(self.path):
             while view:
                 view = view[self._file.write(view) :]
+            GROWING.grown(self.path)
         self.count += 1
         self.failed += result.exit_code != 0
 
