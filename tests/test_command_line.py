@@ -400,6 +400,7 @@ def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
     assert (work / "OUT1-1-1.dat").exists()
 
 
+@pytest.mark.campaign
 def test_eight_first_runs_at_once_all_succeed(tmp_path):
     def first_run(number):
         return flexmb(

@@ -9,6 +9,9 @@ import pytest
 
 from flexmb_cli.kernels import _jit
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
+from faults.traced import is_here as strace_is_here
+
 SCRIPT = Path(__file__).parents[1] / "scripts" / "faults" / "inject.py"
 
 pytestmark = [
@@ -60,3 +63,33 @@ def test_a_stop_at_any_instruction_leaves_a_record_and_whole_files():
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "'interrupted'" in done.stdout and "'complete'" in done.stdout
+
+
+@pytest.fixture(scope="module")
+def traceable():
+    if not strace_is_here():
+        pytest.skip("strace (Debian package strace) is not installed, or may not trace here")
+
+
+@pytest.mark.parametrize("command", ["run dafms", "sweep"])
+@pytest.mark.usefixtures("traceable")
+def test_a_loss_of_power_leaves_whole_files_and_what_can_be_gone_on_with(command):
+    """Without the syncs of files empty results are found in their places."""
+    told = campaign("power", "--commands", command, "--most", "6", "--seed", "4")
+    counts = [list(map(int, line.rsplit("  ", 1)[0].split()[-6:])) for line in told.splitlines()[1:]]
+    assert len(counts) == 3, told  # without old outputs, with them, gone on with
+    assert all(tried == same and wrong == 0 for _, _, tried, same, _, wrong in counts), told
+
+
+@pytest.mark.usefixtures("traceable")
+def test_any_system_call_may_fail():
+    told = campaign("calls", "--commands", "run young", "--most", "12", "--seed", "4")
+    _, failures, *exits, wrong = map(int, told.splitlines()[1].rsplit("  ", 1)[0].split()[-6:])
+    assert (failures, wrong) == (12, 0), told
+    assert sum(exits) == 12 and exits[1] > 0, told
+
+
+def campaign(*words):
+    done = subprocess.run([sys.executable, SCRIPT, *words], capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout

@@ -65,6 +65,8 @@ def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
     cases, failed, table = made.job.study.cases, made.failed, output
     told = f"{output} is complete"
     if os.path.isdir(parts):
+        with faults_in_json(as_json, {"study": study}, study):
+            made.job.parts.settle()
         codes = [result.exit_code for result in made.results()]
         more = " so far; its workers end what they have begun" if on_cluster else ""
         told = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command goes on"

@@ -19,6 +19,7 @@ import numpy as np
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
 from ..write.atomic import hold, is_unfinished, located
+from ..write.durable import GROWING, sync, sync_folder
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
@@ -50,7 +51,7 @@ class Journal:
             return
         with self._opened() as file:
             head = file.readline(_LONGEST_HEAD)
-            if self._head.startswith(head) and head != self._head:
+            if _is_blank(head) or (self._head.startswith(head) and head != self._head):
                 self._doubt("warning", "cut in its first line, nothing of the stopped run can be used")
                 return
             self._check_identity(head)
@@ -107,6 +108,10 @@ class Journal:
     def close(self) -> None:
         """Leave the journal for `--resume`."""
         if self._file:
+            # The run ends for another reason, which is told; but for power cuts the file is whole anyway.
+            with suppress(OSError):
+                sync(self._file.fileno())
+                sync_folder(os.path.dirname(self.path))
             self._file.close()
 
     def remove(self) -> None:
@@ -145,6 +150,7 @@ class Journal:
         view = memoryview(data)
         while view:
             view = view[self._file.write(view) :]
+        GROWING.grown(self.path)
 
     def _check_identity(self, head):
         try:
@@ -167,9 +173,15 @@ def _obstacle(file):
     """Why the open file may not be written as a journal; "" where it may."""
     if hold(file) is False:
         return "another run is writing it; wait until it ends"
-    if not _BEGINNING.startswith(file.read(len(_BEGINNING))):
+    head = file.read(_LONGEST_HEAD)
+    if not (_is_blank(head) or _BEGINNING.startswith(head[: len(_BEGINNING)])):
         return "it is not the file of a stopped run, whose place it has; remove or rename it"
     return ""
+
+
+def _is_blank(head):
+    """Whether a journal begins with nothing, or with the zeros that a loss of power may leave."""
+    return not head.strip(b"\0")
 
 
 def _entries(file):

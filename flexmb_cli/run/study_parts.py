@@ -17,6 +17,7 @@ import numpy as np
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import ManagedFolder, unbuffered
 from ..write.atomic import located
+from ..write.durable import GROWING, sync, sync_folder
 from .study_lock import LOCK, StudyLock
 from .study_solver import CaseResult
 
@@ -65,7 +66,10 @@ class Parts:
             with unbuffered(folder.open(_UNFINISHED_IDENTITY, os.O_RDWR | os.O_CREAT)) as file:
                 file.truncate()
                 file.write(json.dumps(self.identity).encode())
+                sync(file.fileno())
             folder.replace(_IDENTITY, _UNFINISHED_IDENTITY)
+            sync_folder(self.folder)
+            sync_folder(os.path.dirname(self.folder))  # which has the name of a folder just made
         return False
 
     def check_shared(self) -> None:
@@ -89,6 +93,14 @@ class Parts:
             return
         with file:
             yield from _records(file, cases)
+
+    def settle(self) -> None:
+        """Hand to the disk what all processes have kept so far.  Raises OutputError."""
+        with located(self.folder):
+            for name in os.listdir(self.folder):
+                if name.endswith(_PART):
+                    GROWING.note(os.path.join(self.folder, name))
+            GROWING.settle()
 
     def remove(self) -> None:
         """Remove all of this or another study but the lock of its folder."""
@@ -147,6 +159,7 @@ class Part:
         with located(self.path):
             while view:
                 view = view[self._file.write(view) :]
+            GROWING.grown(self.path)
         self.count += 1
         self.failed += result.exit_code != 0
 

@@ -1,4 +1,6 @@
-"""Results appear whole or not at all: written beside their place, moved there at the end.
+"""Results appear whole or not at all: written beside their place, synced, and moved there at the end.
+
+A file is synced before it is moved, its folder after that: a loss of power leaves the old or the new file.
 
 What is no regular file (a pipe, /dev/null, /dev/stdout) is written to directly: moving a file over it
 would destroy it.
@@ -11,13 +13,12 @@ import stat
 import zlib
 from contextlib import contextmanager, suppress
 
-from ..errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
+from ..errors import ANALYSIS_FAILED, OutputError
 from ..managed_files import UnsafePlace, open_managed
-from ..memory import file_lacks_memory
+from .disk_failures import located
+from .durable import sync, sync_folder
 
 _PREFIX, _SUFFIX = ".flexmb-", ".tmp"
-
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class Replacement:
@@ -52,18 +53,31 @@ class Replacement:
         """
         return self.temporary if self.direct else os.dup(self._hold)
 
-    def commit(self) -> None:
+    def finish(self) -> None:
+        """Wait until all that was written is on the disk; without that the moved file could be empty."""
+        if not self.direct:
+            with self._discarding():
+                sync(self._hold)
+
+    def move(self) -> None:
         """Put the finished file in its place; it is discarded when it cannot be put there."""
         if self.direct:
             return
-        try:
-            with located(self.path):
-                _keep_mode(self._target, self._hold, self.temporary)
-                os.replace(self.temporary, self._target)
-        except BaseException:
-            self.discard()
-            raise
+        with self._discarding():
+            _keep_mode(self._target, self._hold, self.temporary)
+            os.replace(self.temporary, self._target)
         self._let_go()
+
+    def commit(self) -> None:
+        """Finish the file, put it in its place, and wait until its name is on the disk."""
+        self.finish()
+        self.move()
+        sync_folders([self])
+
+    @property
+    def folder(self) -> str:
+        """The folder whose names `move` changes; "" for a file that is written directly."""
+        return "" if self.direct else os.path.dirname(self._target)
 
     def discard(self) -> None:
         """Remove what was written; the file that stood at `path` before stays."""
@@ -72,6 +86,15 @@ class Replacement:
             with suppress(OSError):
                 os.unlink(self.temporary)
         self._let_go()
+
+    @contextmanager
+    def _discarding(self):
+        try:
+            with located(self.path):
+                yield
+        except BaseException:
+            self.discard()
+            raise
 
     def _let_go(self):
         if self._hold is not None:
@@ -107,11 +130,22 @@ class ReplacedText:
         """Hand everything to the disk, which may refuse it; nothing can be written any more."""
         with self._discarding():
             self._stream.close()
+        self._replacement.finish()
+
+    def move(self) -> None:
+        """Put the finished file in its place."""
+        self._replacement.move()
 
     def commit(self) -> None:
         """Close the stream and put the file in its place."""
         self.finish()
-        self._replacement.commit()
+        self.move()
+        sync_folders([self])
+
+    @property
+    def folder(self) -> str:
+        """The folder whose names `move` changes."""
+        return self._replacement.folder
 
     def discard(self) -> None:
         """Close the stream and leave the old file as it was."""
@@ -146,45 +180,27 @@ def write_whole(path, data: bytes) -> None:
 
 
 def put_in_place(files) -> None:
-    """Commit `files` that have `finish`, `commit` and `discard`: none before all are complete on the disk."""
+    """Commit `files` that have `finish`, `move`, `folder` and `discard`: none before all are on the disk."""
     try:
         for file in files:
             file.finish()
         for file in files:
-            file.commit()
+            file.move()
+        sync_folders(files)
     except BaseException:
         for file in files:
             file.discard()
         raise
 
 
-@contextmanager
-def located(path: str):
-    """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence, or MemoryError."""
-    try:
-        yield
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        if file_lacks_memory(error):
-            raise MemoryError(str(error)) from error
-        raise output_error(path, error) from error
-
-
-def output_error(path: str, error: OSError) -> OutputError:
-    """A full disk ends the run (exit 1); a place that cannot be written is a wrong command (exit 2)."""
-    number = error.errno
-    if number in FULL:
-        return OutputError(f"{path}: no space left for the result; free some and run again", ANALYSIS_FAILED)
-    if number == errno.EIO:
-        return OutputError(f"{path}: the disk reports a failure while the result is written", ANALYSIS_FAILED)
-    if number in (errno.EMFILE, errno.ENFILE):
-        told = "too many files are open; `ulimit -n` tells how many may be"
-        return OutputError(f"{path}: cannot be written: {told}", ANALYSIS_FAILED)
-    reason = _reason(number, error)
-    if number == errno.ENOENT and os.path.isdir(os.path.dirname(os.path.realpath(path))):
-        reason = "its folder takes no new files"  # such as /proc
-    return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT)
+def sync_folders(files) -> None:
+    """Wait until the names of the moved `files` are on the disk, each folder once.  Raises `OutputError`."""
+    for folder, path in {file.folder: file.path for file in files if file.folder}.items():
+        try:
+            sync_folder(folder)
+        except OSError as error:
+            message = f"{path}: written, but the disk does not confirm that it is there: {error.strerror}"
+            raise OutputError(message, ANALYSIS_FAILED) from error
 
 
 def is_unfinished(path: str) -> bool:
@@ -211,19 +227,6 @@ def make_folder(folder) -> None:
     folder = os.fspath(folder)
     with located(folder):
         os.makedirs(folder, exist_ok=True)
-
-
-def _reason(number, error):
-    return {
-        errno.EACCES: "permission denied",
-        errno.EPERM: "permission denied",
-        errno.EROFS: "the disk is read-only",
-        errno.ENOENT: "its folder does not exist",
-        errno.ENOTDIR: "a part of the path is a file, not a folder",
-        errno.EEXIST: "a file of that name is in the way",
-        errno.EISDIR: "it is a folder",
-        errno.ENAMETOOLONG: "the name is too long",
-    }.get(number, error.strerror or str(error))
 
 
 def _is_special(target):
@@ -254,10 +257,29 @@ def _reserve(target):
         path = os.path.join(os.path.dirname(target), name)
         with suppress(FileExistsError):
             held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
-            # Another run may have taken it for an orphan before it was held.
-            if hold(held) is not False and os.path.exists(path):
+            try:
+                # Another run may have taken it for an orphan before it was held.
+                kept = hold(held) is not False and _stands(path)
+            except BaseException:
+                _give_up(path, held)
+                raise
+            if kept:
                 return path, held
-            os.close(held)
+            _give_up(path, held)
+
+
+def _give_up(path, held):
+    with suppress(OSError):
+        os.unlink(path)
+    os.close(held)
+
+
+def _stands(path):
+    """Whether there is a file; anything but its absence is a failure of the disk, and told."""
+    with suppress(FileNotFoundError):
+        os.lstat(path)
+        return True
+    return False
 
 
 def _remove_orphans(target):

@@ -1,57 +1,78 @@
-"""The file below HDF5, which must not learn that a disk is full."""
+"""The file below HDF5, which must not learn that a disk is full or failing."""
 
 import io
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 
 class ForgivingDisk(io.FileIO):
-    """The file below HDF5.  It remembers the first failure to write and pretends that all goes well.
+    """The file below HDF5.  It remembers the first failure of the disk and pretends that all goes well.
 
-    HDF5 itself must not meet a full disk: it then crashes the process when its file is closed, or when it
-    does not read back what it has written.  What the disk has refused is kept here until the next `blamed`.
+    HDF5 itself must not meet a failing disk: it then crashes the process when its file is closed, when it
+    cannot find a place, or when it does not read back what it has written.  What the disk has refused is kept
+    here until the next `blamed`.
     """
 
     def __init__(self, place: str | int):
         """`place` is a path, or the descriptor of an empty file open for reading and writing."""
         self.failure: OSError | None = None
         self._refused: list[tuple[int, bytes]] = []  # place, bytes
+        self._at = self._length = 0  # where HDF5 believes to be, and how long it believes the file to be
         super().__init__(place, "w+")
+
+    def seek(self, offset, whence=os.SEEK_SET):
+        """Go to a place; the disk learns of it with the next transfer."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._length}[whence]
+        return self._at
+
+    def tell(self):
+        """Where HDF5 believes to be."""
+        return self._at
 
     def write(self, data):
         """Write all of `data`; tell HDF5 that it is done in any case."""
-        view, start, done = memoryview(data).cast("B"), self.tell(), 0
-        while done < len(view) and self.failure is None:
-            try:
+        view, start, done = memoryview(data).cast("B"), self._at, 0
+        try:
+            if self.failure is None:
+                super().seek(start)
+            while done < len(view) and self.failure is None:
                 done += super().write(view[done:])
-            except OSError as error:
-                self.failure = error
+        except OSError as error:
+            self.failure = error
         if done < len(view):
             self._refused.append((start + done, bytes(view[done:])))
-            self.seek(start + len(view))
+        self._at = start + len(view)
+        self._length = max(self._length, self._at)
         return len(view)
 
     def readinto(self, buffer):
         """Fill `buffer` with what HDF5 believes to have written."""
-        view, start = memoryview(buffer).cast("B"), self.tell()
-        got = super().readinto(view)
+        view, start, got = memoryview(buffer).cast("B"), self._at, 0
+        try:
+            super().seek(start)
+            got = super().readinto(view)
+        except OSError as error:
+            self.failure = self.failure or error
         if self.failure is None:
+            self._at = start + got
             return got
         view[got:] = bytes(len(view) - got)
         for place, data in self._refused:
             first, last = max(start, place), min(start + len(view), place + len(data))
             if first < last:
                 view[first - start : last - start] = data[first - place : last - place]
-        self.seek(start + len(view))
+        self._at = start + len(view)
         return len(view)
 
     def truncate(self, size=None):
         """Set the file's length."""
+        self._length = self._at if size is None else size
         try:
-            return super().truncate(size)
+            return super().truncate(self._length)
         except OSError as error:
             self.failure = self.failure or error
-            return size
+            return self._length
 
     @contextmanager
     def blamed(self) -> Iterator[None]:

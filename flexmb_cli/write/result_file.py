@@ -16,7 +16,7 @@ import numpy as np
 from .. import __version__
 from ..errors import OutputError
 from ..read.deck import Deck
-from .atomic import Replacement, located
+from .atomic import Replacement, located, put_in_place
 from .forgiving_disk import ForgivingDisk
 
 CONVENTIONS = "flexmb-1"
@@ -142,17 +142,27 @@ class ResultFile:
                 self._file.attrs["notes"] = "\n".join(self._notes)
             self._file.close()
             self._disk.close()
+        self._place.finish()
 
-    def commit(self) -> None:
+    def move(self) -> None:
         """Put the finished file in its place."""
-        self._place.commit()
+        self._place.move()
+
+    @property
+    def path(self) -> str:
+        """Where the file will be."""
+        return self._place.path
+
+    @property
+    def folder(self) -> str:
+        """The folder whose names `move` changes."""
+        return self._place.folder
 
     def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
         """Mark the file, finish it and put it in its place."""
         self.mark(status, message)
         self.note(notes)
-        self.finish()
-        self.commit()
+        put_in_place([self])
 
     def discard(self) -> None:
         """Leave no file; one that stood at the path before stays."""

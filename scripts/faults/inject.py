@@ -29,7 +29,17 @@ from faults import trip
 
 trip.install()
 
-from faults import caches, cluster, damage, disks, places, stops, surroundings  # noqa: E402 - opens files counted
+from faults import (  # noqa: E402 - opens files counted
+    caches,
+    cluster,
+    damage,
+    disks,
+    failing_calls,
+    places,
+    power,
+    stops,
+    surroundings,
+)
 from faults.stage import Stage  # noqa: E402
 from faults.stops import Verdict  # noqa: E402
 
@@ -78,10 +88,15 @@ KINDS = {
     surroundings.other_locales: 12,
     surroundings.narrow_masks: 17,
 }
+# Of every system call, under a tracer; these have options of their own.
+CAMPAIGNS = {"power": power.main, "calls": failing_calls.main}
 NAMED = {kind.__name__: kind for kind in KINDS}
 
 
 def main() -> int:
+    campaign = CAMPAIGNS.get("".join(sys.argv[1:2]))
+    if campaign is not None:
+        return campaign(sys.argv[2:])
     options = _options()
     top = Path(tempfile.mkdtemp(prefix="faults-"))
     top.chmod(0o755)  # other users are tried, too

@@ -119,6 +119,16 @@ def test_a_run_without_resume_starts_anew(tmp_path):
     assert not (tmp_path / "pendulum.resume").exists()
 
 
+@pytest.mark.parametrize("resume", [True, False])
+def test_zeros_of_a_lost_power_in_the_place_of_a_journal_are_written_over(tmp_path, resume):
+    """Of a file that was never synced some file systems keep the length alone."""
+    (tmp_path / "pendulum.resume").write_bytes(bytes(5000))
+    outcome = run("pendulum", tmp_path, resume=resume, changes=("time.IT=50",))
+    assert (outcome.exit_code, outcome.rows) == (0, 51)
+    assert not (tmp_path / "pendulum.resume").exists()
+    assert [fault.severity for fault in outcome.faults] == ["warning"] * resume
+
+
 def test_no_file_but_a_journal_is_written_over_and_no_link_to_one_is_followed(tmp_path):
     """In a folder that a stranger has packed, the journal's name could lead to any file of the user's."""
     other, journal = tmp_path / "other", tmp_path / "pendulum.resume"
@@ -337,6 +347,7 @@ def kill_when_grown(arguments, journal, growth):
     return False
 
 
+@pytest.mark.campaign  # the fast pass kills runs in tests/test_fault_injection.py
 @pytest.mark.processes
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill is Unix's")
 def test_a_run_killed_ten_times_goes_on_to_the_same_bytes(tmp_path):

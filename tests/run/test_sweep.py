@@ -173,7 +173,7 @@ def kept_in(parts, cases, size):
     return sum(len(list(Parts(str(parts), {}).stored(k, block))) for k, block in enumerate(blocks))
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize("jobs", [pytest.param("1", marks=pytest.mark.campaign), "2"])
 def test_a_study_killed_again_and_again_ends_with_the_bytes_of_an_undisturbed_one(tmp_path, jobs):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     flexmb("sweep", written(whole, SAMPLED, count=400), "-q", cwd=whole)

@@ -22,7 +22,11 @@ def verified(name):
     return verify_deck(str(DECKS / f"{name}.DAT"), RunOptions(), 1e-7)
 
 
-@pytest.mark.parametrize("name", COUPLED)
+# The fast pass has a shorter manipulator of the same kind.
+LONGEST = pytest.param("two_link_n4", marks=pytest.mark.campaign)
+
+
+@pytest.mark.parametrize("name", [LONGEST if name == "two_link_n4" else name for name in COUPLED])
 def test_kane_and_absolute_coordinates_give_one_motion(name):
     """Over the whole run, to 1e-7 of the largest value of each kind; 6e-9 were measured."""
     found = verified(name)

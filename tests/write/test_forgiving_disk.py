@@ -4,6 +4,7 @@ import os
 import resource
 import signal
 import sys
+from contextlib import contextmanager
 
 import h5py
 import pytest
@@ -26,25 +27,28 @@ DECK = """{ a body held by its ground }
 unix = pytest.mark.skipif(sys.platform == "win32", reason="limits of the file size are Unix's")
 
 
-@pytest.fixture
-def limited():
-    """Sets the largest size of a file; the limit is lifted after the test."""
+@contextmanager
+def limited(size):
+    """No file may grow beyond `size`; within the test only, for pytest's own output may be a file."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     heard = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    signal.signal(signal.SIGXFSZ, heard)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, heard)
 
 
 @unix
 @pytest.mark.parametrize("size", range(0, 6000, 500))
-def test_a_disk_that_is_full_at_any_byte_of_a_result_leaves_nothing(tmp_path, limited, size):
+def test_a_disk_that_is_full_at_any_byte_of_a_result_leaves_nothing(tmp_path, size):
     """HDF5 reads back what it has written, and trips over what the disk has refused."""
     deck = tmp_path / "IN1.dat"
     deck.write_text(DECK)
     out = tmp_path / "out"
-    limited(size)
-    outcome = run_deck(str(deck), RunOptions(folder=str(out)))
+    with limited(size):
+        outcome = run_deck(str(deck), RunOptions(folder=str(out)))
     assert outcome.exit_code == 1
     assert "no space left for the result" in outcome.faults[-1].message
     assert os.listdir(out) == []
@@ -52,14 +56,13 @@ def test_a_disk_that_is_full_at_any_byte_of_a_result_leaves_nothing(tmp_path, li
 
 @unix
 @pytest.mark.parametrize("size", [0, 700, 2500, 5000, 20_000])
-def test_a_disk_that_is_full_at_any_byte_of_a_study_leaves_the_old_table(tmp_path, limited, size):
+def test_a_disk_that_is_full_at_any_byte_of_a_study_leaves_the_old_table(tmp_path, size):
     """HDF5 itself would crash the process when its file is closed."""
     path = tmp_path / "s.h5"
     path.write_text("old")
     head = TableHead("study", "deck", "d.dat", "0" * 64, (Column("result/x", "m", "x", 100),), 50)
     rows = [(k, 0, 1, "", [[float(k)] * 100]) for k in range(50)]
-    limited(size)
-    with pytest.raises(OutputError, match="no space left for the result"):
+    with limited(size), pytest.raises(OutputError, match="no space left for the result"):
         write_table(str(path), head, rows)
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["s.h5"]
@@ -90,10 +93,9 @@ def test_names_that_are_text_stay_as_they_are():
 
 
 @unix
-def test_what_the_disk_refused_is_read_back(tmp_path, limited):
+def test_what_the_disk_refused_is_read_back(tmp_path):
     """HDF5 crashed the process over bytes of its own that it did not find again."""
-    limited(10)
-    with ForgivingDisk(tmp_path / "x") as disk:
+    with limited(10), ForgivingDisk(tmp_path / "x") as disk:
         assert disk.write(b"0123456") == 7
         assert disk.write(b"789abcdef") == 9
         disk.seek(12)
@@ -104,3 +106,22 @@ def test_what_the_disk_refused_is_read_back(tmp_path, limited):
         assert disk.readinto(read) == 14
         assert read == b"56789abXYef\0\0\0"
         assert disk.tell() == 19
+
+
+@unix
+def test_a_disk_that_neither_finds_nor_reads_a_place_is_remembered(tmp_path):
+    """A failing lseek below HDF5 ended the process by SIGSEGV.  A pipe in the file's place has no places."""
+    with ForgivingDisk(tmp_path / "x") as disk:
+        disk.write(b"0123456")
+        receiver, sender = os.pipe()
+        os.dup2(sender, disk.fileno())
+        assert disk.seek(2) == 2
+        assert disk.seek(0, os.SEEK_END) == 7
+        assert disk.write(b"89") == 2
+        disk.seek(5)
+        read = bytearray(4)
+        assert disk.readinto(read) == 4
+        assert read == b"\0\x0089"  # what is on the disk cannot be had, what was refused can
+        with pytest.raises(OSError, match="Illegal seek"), disk.blamed():
+            pass
+    os.close(receiver), os.close(sender)
