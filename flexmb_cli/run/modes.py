@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from ..errors import Fault, ModelError
-from ..model.flexible_body import FlexibleBody
+from ..model.flexible_body import Dropped, FlexibleBody
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
 from .dafms_tree import tree_of
@@ -74,7 +74,6 @@ def _refuse_kinematics(deck):
 
 
 def _as_dict(body: FlexibleBody) -> dict:
-    following = body.dropped.next_frequency
     return {
         "name": body.name,
         "nodes": len(body.numbers),
@@ -86,5 +85,12 @@ def _as_dict(body: FlexibleBody) -> dict:
         "frequencies": body.frequencies.tolist(),
         "effective_mass": body.effective_mass.tolist(),
         "effective_limit": body.effective_limit.tolist(),
-        "dropped": vars(body.dropped) | {"next_frequency": following if following == following else None},
+        "massless": body.massless,
+        "dropped": _as_record(body.dropped),
     }
+
+
+def _as_record(dropped: Dropped) -> dict:
+    following = dropped.next_frequency
+    known = {"dependent": dropped.dependent, "next_frequency": following if following == following else None}
+    return vars(dropped) | known

@@ -1,6 +1,8 @@
 """Text about the flexible bodies of a deck: inertia, tests passed, frequencies, effective masses."""
 
+import itertools
 import math
+import textwrap
 
 ROUND_OFF = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
@@ -34,11 +36,24 @@ def _dropped_lines(body):
     if dropped.internal:
         yield f"    internal freedoms condensed: {dropped.internal}"
     if dropped.dependent:
-        yield f"    shapes dropped that depend on others: {dropped.dependent}"
+        yield f"    static shapes dropped, superfluous beside the others or held: {dropped.dependent}"
+        names = _of_nodes(dropped.shapes)
+        yield from textwrap.wrap(f"at nodes {names}", 100, initial_indent=6 * " ", subsequent_indent=8 * " ")
+    if body.massless:
+        yield (
+            f"    shapes without mass: {body.massless}; they answer loads as in statics (the last, with the "
+            "highest frequency of the others)"
+        )
     if dropped.modes:
         following = dropped.next_frequency
         first = "" if math.isnan(following) else f", the first at {following:.6g} Hz"
         yield f"    modes left out: {dropped.modes}{first}"
+
+
+def _of_nodes(shapes):
+    """Nodes, each with its axes: 5 e1 e2, 7 e3."""
+    nodes = itertools.groupby(shapes, key=lambda shape: shape[0])
+    return ", ".join(" ".join([str(node), *(axis for _, axis in group)]) for node, group in nodes)
 
 
 def _mode_lines(body):
@@ -48,7 +63,9 @@ def _mode_lines(body):
     for number, (frequency, masses) in enumerate(
         zip(body.frequencies, body.effective_mass, strict=True), start=1
     ):
-        yield f"    {number:4d} {frequency * math.tau:13.6f} {frequency:13.6f}  {_percent(masses, limits)}"
+        static = number > body.modes - body.massless
+        figures = f"{'static':>13} {'':13}" if static else f"{frequency * math.tau:13.6f} {frequency:13.6f}"
+        yield f"    {number:4d} {figures}  {_percent(masses, limits)}"
     yield f"    {'sum':>4} {'':13} {'':13}  {_percent(body.effective_mass.sum(axis=0), limits)}"
 
 
