@@ -18,7 +18,7 @@ from ..errors import Fault
 from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 5
+LAYOUT = 6
 # Bytes behind the archive: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))

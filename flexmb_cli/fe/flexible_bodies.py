@@ -17,8 +17,13 @@ from .input_tests import Figures, check_matrices, check_reference, rigid_motions
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, in_three_directions, of_mass, turned
 from .massless_shapes import split_by_mass
-from .nodal_matrices import condensed, nodal_part
+from .nodal_matrices import NodalMatrix, condensed, nodal_part
+from .precision import frequency_errors
 from .reference_frame import reference_frame
+from .static_shapes import as_solved
+
+# A relative error of a frequency that is worth a warning.
+DOUBTFUL_FREQUENCY = 1e-3
 
 
 def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBody, list[Fault]]:
@@ -40,12 +45,13 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
 
 @dataclass(frozen=True)
 class _Matrices:
-    """Mass and stiffness in body axes (3 n, 3 n), the scalar masses (n, n), what was condensed."""
+    """Mass and stiffness in body axes (3 n, 3 n), the scalar masses (n, n), and as the files have them."""
 
     S: Matrix
     K: Matrix
     scalar: Matrix
-    internal: int
+    of_mass: NodalMatrix
+    of_stiffness: NodalMatrix
 
 
 def _built(given, findings) -> FlexibleBody | None:
@@ -60,7 +66,7 @@ def _built(given, findings) -> FlexibleBody | None:
     scalar = scalar_mass(S.matrix)
     weights = np.asarray(scalar.sum(axis=1)).ravel()
     frame = reference_frame(given, weights @ given.positions / weights.sum())
-    matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, K.internal)
+    matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, S, K)
     basis = basis_of(given, matrices.K, matrices.S, frame, findings)
     return basis and _body(given, matrices, frame, basis, figures, findings)
 
@@ -102,13 +108,17 @@ def _body(given, matrices, frame, basis, figures: Figures, findings) -> Flexible
         Dr=Dr,
         KG=_geometric(given, matrices, frame, Phi, findings),
         frequencies=omega / math.tau,
+        frequency_errors=_errors(given, matrices, frame, basis, findings),
         effective_mass=effective_masses(invariants["S1"], invariants["C0"]),
         effective_limit=_effective_limit(matrices.S, frame),
         mass_deviation=figures.mass_deviation,
         rigid_residual=figures.rigid_residual,
         massless=basis.massless,
         dropped=Dropped(
-            matrices.internal, basis.superfluous, basis.left_out, math.sqrt(basis.next_value) / math.tau
+            len(matrices.of_stiffness.internal),
+            basis.superfluous,
+            basis.left_out,
+            math.sqrt(basis.next_value) / math.tau,
         ),
     )
 
@@ -140,6 +150,28 @@ def _effective_limit(S, frame):
     return np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
 
 
+def _in_axes_of_table(frame, Phi):
+    n, size = len(frame.r0), Phi.shape[1]
+    return np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
+
+
+def _errors(given, matrices, frame, basis, findings):
+    """Relative errors of the frequencies by the digits of the files; nan for shapes without mass."""
+    heavy = len(basis.values) - basis.massless
+    errors = np.full(len(basis.values), np.nan)
+    shapes = _in_axes_of_table(frame, as_solved(frame, basis.shapes[:, :heavy]))
+    errors[:heavy] = frequency_errors(matrices.of_stiffness, matrices.of_mass, shapes, basis.values[:heavy])
+    worst = int(np.argmax(errors[:heavy]))
+    if errors[worst] > DOUBTFUL_FREQUENCY:
+        message = (
+            f"the digits of the matrices leave mode {worst + 1}, "
+            f"{math.sqrt(basis.values[worst]) / math.tau:.4g} Hz, a relative error of about "
+            f"{errors[worst]:.0e}; export them with more digits, in double precision"
+        )
+        findings.warn(given.name, message, given.stiffness.place)
+    return errors
+
+
 def _geometric(given, matrices, frame, Phi, findings):
     """Phi' KG Phi per component of w~ w~ in body axes; the files' unit loads are in those of the table."""
     size = Phi.shape[1]
@@ -147,8 +179,7 @@ def _geometric(given, matrices, frame, Phi, findings):
         return centrifugal_stiffness(given, matrices.K, matrices.S, frame, Phi, findings)
     if not given.unit_loads:
         return np.zeros((0, 0, size, size))
-    n = len(given.numbers)
-    shapes = np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
+    shapes = _in_axes_of_table(frame, Phi)
     reduced = np.zeros((3, 3, size, size))
     for load in given.unit_loads:
         found = _read(given, load.file, "K", nodal_part, findings)

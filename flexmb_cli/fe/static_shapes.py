@@ -27,6 +27,18 @@ class FreeBody:
         return self.frame.shifted(shapes, self.S)
 
 
+def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
+    """Return `shapes` (3 n, k) less the rigid motion by which they differ from what K was solved for.
+
+    In mean axes that is a body held at six freedoms; the forces by which an imprecise K resists rigid motion
+    then do no work on the shapes as they are.
+    """
+    if not frame.mean:
+        return shapes
+    rows, rigid = _supports(frame.r0), rigid_motions(frame.r0)
+    return shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
+
+
 def unit_forces(size: int, rows: np.ndarray) -> np.ndarray:
     """Return unit forces in each of the freedoms `rows`, (size, k)."""
     forces = np.zeros((size, len(rows)))

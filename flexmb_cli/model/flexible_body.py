@@ -114,6 +114,7 @@ class FlexibleBody:
     Dr: np.ndarray  # (N, N) damping
     KG: np.ndarray  # (3, 3, N, N) geometric stiffness per (w~ w~)_ij; (0, 0, N, N) when there is none
     frequencies: np.ndarray  # (N,) Hz; of the last `massless` that of the highest mode with mass
+    frequency_errors: np.ndarray  # (N,) relative, from the digits of the files; nan where not known
     effective_mass: np.ndarray  # (N, 6) kg along, kg m^2 about the body's axes at its origin
     effective_limit: np.ndarray  # (6,) their sums over a complete basis
     mass_deviation: float  # largest |S^ij - m_ij E| relative to the largest entry of S

@@ -83,6 +83,7 @@ def _as_dict(body: FlexibleBody) -> dict:
         "mass_deviation": body.mass_deviation,
         "rigid_residual": body.rigid_residual,
         "frequencies": body.frequencies.tolist(),
+        "frequency_errors": [error if error == error else None for error in body.frequency_errors.tolist()],
         "effective_mass": body.effective_mass.tolist(),
         "effective_limit": body.effective_limit.tolist(),
         "massless": body.massless,

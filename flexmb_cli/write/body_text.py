@@ -8,9 +8,12 @@ ROUND_OFF = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
 
 
-def body_lines(body) -> list[str]:
-    """Inertia, what was left out, frequencies and effective masses of one flexible body."""
-    return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body)]
+def body_lines(body, precision: bool = False) -> list[str]:
+    """Return inertia, what was left out, frequencies and effective masses of one flexible body.
+
+    With `precision` each frequency has the relative error that the digits of the files leave it.
+    """
+    return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body, precision)]
 
 
 def _inertia_lines(body):
@@ -56,17 +59,25 @@ def _of_nodes(shapes):
     return ", ".join(" ".join([str(node), *(axis for _, axis in group)]) for node, group in nodes)
 
 
-def _mode_lines(body):
+def _mode_lines(body, precision):
     """Frequencies, and the share that each mode has in motion along and about the body's axes."""
-    yield f"    {'mode':>4} {'rad/s':>13} {'Hz':>13}  share of effective mass, %: " + ", ".join(_SHARES)
+    error = f" {'error':>8}" if precision else ""
+    yield (
+        f"    {'mode':>4} {'rad/s':>13} {'Hz':>13}{error}  share of effective mass, %: " + ", ".join(_SHARES)
+    )
     limits = [limit if limit > 1e-12 * body.m else math.inf for limit in body.effective_limit]
-    for number, (frequency, masses) in enumerate(
-        zip(body.frequencies, body.effective_mass, strict=True), start=1
-    ):
-        static = number > body.modes - body.massless
-        figures = f"{'static':>13} {'':13}" if static else f"{frequency * math.tau:13.6f} {frequency:13.6f}"
-        yield f"    {number:4d} {figures}  {_percent(masses, limits)}"
-    yield f"    {'sum':>4} {'':13} {'':13}  {_percent(body.effective_mass.sum(axis=0), limits)}"
+    for row, masses in enumerate(body.effective_mass):
+        yield f"    {row + 1:4d} {_frequency(body, row, precision)}  {_percent(masses, limits)}"
+    empty = " " * len(error)
+    yield f"    {'sum':>4} {'':13} {'':13}{empty}  {_percent(body.effective_mass.sum(axis=0), limits)}"
+
+
+def _frequency(body, row, precision):
+    """rad/s, Hz and relative error; a shape without mass has none."""
+    if row >= body.modes - body.massless:
+        return f"{'static':>13} {'':13}" + " " * 9 * precision
+    frequency, error = body.frequencies[row], body.frequency_errors[row]
+    return f"{frequency * math.tau:13.6f} {frequency:13.6f}" + (f" {error:8.0e}" if precision else "")
 
 
 def _percent(masses, limits):
