@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write a straight beam of bricks for CalculiX, and have CalculiX write its mass and stiffness matrices.
+"""Write a straight beam of solid elements for CalculiX, which writes its mass and stiffness matrices.
 
 Example: scripts/brick_beam.py rod --size 0.5 0.01 0.02 --cells 12 1 1 --element C3D20R --solve
 leaves rod.inp, rod.mas, rod.sti and rod.dof: node table, matrices and their rows for a VSDF deck.
@@ -21,7 +21,32 @@ MIDDLES = [
     *[(1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)],
     *[(0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)],
 ]
-NODES = {"C3D8": CORNERS, "C3D8I": CORNERS, "C3D20": CORNERS + MIDDLES, "C3D20R": CORNERS + MIDDLES}
+# The six tetrahedra of a brick about its diagonal: the corners that three steps along the axes pass.
+TETRAHEDRA = [
+    [(0, 0, 0), tuple(2 * (d == a) for d in range(3)), tuple(2 * (d in (a, b)) for d in range(3)), (2, 2, 2)]
+    for a, b in [(0, 1), (1, 2), (2, 0)]
+] + [
+    [(0, 0, 0), tuple(2 * (d in (a, b)) for d in range(3)), tuple(2 * (d == b) for d in range(3)), (2, 2, 2)]
+    for a, b in [(0, 1), (1, 2), (2, 0)]
+]
+EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+
+
+def _with_middles(corners):
+    """The ten nodes of a quadratic tetrahedron."""
+    middles = [tuple((p + q) // 2 for p, q in zip(corners[a], corners[b], strict=True)) for a, b in EDGES]
+    return corners + middles
+
+
+# The elements that fill a cell, by the places of their nodes in it.
+NODES = {
+    "C3D8": [CORNERS],
+    "C3D8I": [CORNERS],
+    "C3D20": [CORNERS + MIDDLES],
+    "C3D20R": [CORNERS + MIDDLES],
+    "C3D4": TETRAHEDRA,
+    "C3D10": [_with_middles(corners) for corners in TETRAHEDRA],
+}
 
 
 @dataclass(frozen=True)
@@ -36,16 +61,20 @@ class Beam:
     density: float = 7850.0
 
     def mesh(self) -> tuple[dict[int, tuple[float, ...]], list[list[int]]]:
-        """Positions by node number, section by section along x, and the nodes of every brick."""
+        """Positions by node number, section by section along x, and the nodes of every element."""
         origins = [
             (2 * i, 2 * j, 2 * k) for i, j, k in itertools.product(*(range(count) for count in self.cells))
         ]
-        places = [[tuple(map(sum, zip(o, s, strict=True))) for s in NODES[self.element]] for o in origins]
-        order = sorted({place for brick in places for place in brick})
+        places = [
+            [tuple(map(sum, zip(o, s, strict=True))) for s in element]
+            for o in origins
+            for element in NODES[self.element]
+        ]
+        order = sorted({place for element in places for place in element})
         number = {place: i for i, place in enumerate(order, start=1)}
         scale = [length / (2 * count) for length, count in zip(self.size, self.cells, strict=True)]
         nodes = {number[p]: tuple(a * s for a, s in zip(p, scale, strict=True)) for p in order}
-        return nodes, [[number[place] for place in brick] for brick in places]
+        return nodes, [[number[place] for place in element] for element in places]
 
     def section(self, x: float) -> list[int]:
         """Nodes of the section at x."""
@@ -53,12 +82,12 @@ class Beam:
 
     def input(self, clamped: tuple[int, ...] = (), eigenvalues: int = 0) -> str:
         """CalculiX input: matrix storage, or so many eigenvalues of the beam held at nodes `clamped`."""
-        nodes, bricks = self.mesh()
+        nodes, elements = self.mesh()
         lines = ["*NODE, NSET=NALL", *(f"{n}, {x!r}, {y!r}, {z!r}" for n, (x, y, z) in nodes.items())]
         lines.append(f"*ELEMENT, TYPE={self.element}, ELSET=EALL")
-        for number, brick in enumerate(bricks, start=1):
+        for number, element in enumerate(elements, start=1):
             # A data line holds sixteen numbers; one that ends in a comma is continued.
-            words = list(map(str, (number, *brick)))
+            words = list(map(str, (number, *element)))
             lines += [
                 ", ".join(words[:16]) + ("," if len(words) > 16 else ""),
                 *filter(None, [", ".join(words[16:])]),

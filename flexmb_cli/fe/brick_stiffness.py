@@ -9,6 +9,9 @@ from .linear_algebra import summed
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
+# Matrices that differ by less of their largest entry are equal but for round-off; formulations that agree on
+# parallelepipeds are then told by their order.
+EQUAL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,7 @@ class BodyBricks:
 
 
 def matching_bricks(positions: np.ndarray, rows: np.ndarray, material, K) -> BodyBricks:
-    """The formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n) best.
+    """Return the formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n), else the nearest.
 
     `positions` (n, 3), m; `material`: Young's modulus, Pa, and Poisson's ratio.
     """
@@ -33,14 +36,19 @@ def matching_bricks(positions: np.ndarray, rows: np.ndarray, material, K) -> Bod
     found = []
     for formulation in FORMULATIONS[rows.shape[1]]:
         made = bricks(positions, rows, formulation)
-        stiffness, internal = _element_stiffness(made, D)
+        stiffness, internal = element_stiffness(made, D)
         assembled = _assembled(stiffness, rows, len(positions), 3)
         found.append(BodyBricks(made, D, internal, float(abs(assembled - K).max() / size)))
+        if found[-1].deviation < EQUAL:
+            break
     return min(found, key=lambda body: body.deviation)
 
 
-def _element_stiffness(made: Bricks, D):
-    """Nodal stiffness (m, 3 k, 3 k), incompatible modes condensed, and how these follow the nodes."""
+def element_stiffness(made: Bricks, D):
+    """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
+
+    `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal freedoms, 3 k).
+    """
     count, nodal = len(made.rows), 3 * made.nodes
     inner = 3 * made.gradients.shape[2] - nodal
     stiffness, internal = np.empty((count, nodal, nodal)), np.zeros((count, inner, nodal))

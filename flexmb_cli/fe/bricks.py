@@ -22,15 +22,24 @@ _INTERNAL = 3
 
 @dataclass(frozen=True)
 class Formulation:
-    """Points of integration a direction, and whether three incompatible modes a direction are added."""
+    """Points of integration a direction, and whether three incompatible modes a direction are added.
+
+    Their gradients are scaled by det J0 / det J, with J0 the Jacobian at the centre, so that they meet
+    constant strain (Taylor, Beresford and Wilson); `scaled` False: by nothing, as in CalculiX.
+    """
 
     name: str
     points: int
     incompatible: bool = False
+    scaled: bool = True
 
 
 FORMULATIONS = {
-    8: (Formulation("incompatible modes", 2, True), Formulation("full integration", 2)),
+    8: (
+        Formulation("incompatible modes", 2, True),
+        Formulation("incompatible modes of CalculiX", 2, True, scaled=False),
+        Formulation("full integration", 2),
+    ),
     20: (Formulation("reduced integration", 2), Formulation("full integration", 3)),
 }
 
@@ -120,14 +129,15 @@ def bricks(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) ->
     inverse, volume = np.linalg.inv(jacobian), np.linalg.det(jacobian)
     gradients = np.einsum("gkj,mgji->mgki", slopes, inverse)
     if formulation.incompatible:
-        gradients = np.concatenate([gradients, _incompatible(place, points, volume)], axis=2)
+        det = volume if formulation.scaled else None
+        gradients = np.concatenate([gradients, _incompatible(place, points, det)], axis=2)
     return Bricks(formulation, rows, gradients, volume * weights)
 
 
-def _incompatible(place, points, volume):
-    """Gradients of 1 - xi², 1 - eta², 1 - zeta² by the centre's Jacobian, so that constant strain is met."""
+def _incompatible(place, points, det):
+    """Gradients of 1 - xi², 1 - eta², 1 - zeta² by the centre's Jacobian J0, times det J0 / `det` (m, g)."""
     centre = np.einsum("mki,kj->mij", place, shape_slopes(np.zeros((1, 3)), place.shape[1])[0])
-    scale = np.linalg.det(centre)[:, None] / volume
+    scale = np.ones((len(place), len(points))) if det is None else np.linalg.det(centre)[:, None] / det
     natural = -2 * points[:, :, None] * np.eye(_INTERNAL)
     return np.einsum("mg,gaj,mji->mgai", scale, natural, np.linalg.inv(centre))
 

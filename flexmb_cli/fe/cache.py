@@ -19,7 +19,7 @@ from ..managed_files import UnsafePlace, open_managed
 from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 4
+LAYOUT = 6
 # Bytes behind the archive: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
@@ -93,9 +93,11 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
 def _restored(given, stored):
     notes = json.loads(str(stored["notes"]))
     arrays = {name: stored[name] for name in _ARRAYS}
-    for name in ("m", "mass_deviation", "rigid_residual"):
-        arrays[name] = float(arrays[name])
-    body = FlexibleBody(given.name, **arrays, dropped=Dropped(**notes["dropped"]))
+    for name in ("m", "mass_deviation", "rigid_residual", "massless"):
+        arrays[name] = arrays[name].item()
+    left_out = notes["dropped"]
+    left_out["shapes"] = tuple((node, axis) for node, axis in left_out["shapes"])
+    body = FlexibleBody(given.name, **arrays, dropped=Dropped(**left_out))
     places = {"mass": given.mass.place, "stiffness": given.stiffness.place, "body": given.place}
     faults = [Fault("warning", text, places[where], given.name) for where, text in notes["warnings"]]
     return body, faults

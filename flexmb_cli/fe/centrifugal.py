@@ -14,8 +14,8 @@ from ..read.fe_files.connectivity import Hexahedra, read_hexahedra
 from ..read.fe_files.matrix_file import FEFileFault
 from .brick_stiffness import initial_stress_matrix, matching_bricks
 from .bricks import FORMULATIONS, bricks
-from .modes import static_shapes
 from .reference_frame import Frame
+from .static_shapes import static_shapes
 
 # The stiffness need only differ by this share of its largest entry for stresses to be off by several times.
 LARGEST_DEVIATION = 1e-4

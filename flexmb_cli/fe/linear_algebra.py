@@ -46,6 +46,11 @@ def without_diagonal(A) -> Matrix:
     return A - sparse.diags(A.diagonal()).tocsc()
 
 
+def is_small(size: int, count: int) -> bool:
+    """Whether to find all eigenvectors of a matrix at once; few of a large one are found by iteration."""
+    return size <= DENSE or count > size // 3
+
+
 def in_three_directions(scalar) -> Matrix:
     """The matrix (3 n, 3 n) with m_ij E for every m_ij of `scalar` (n, n); stored as bodies of that size."""
     size = 3 * scalar.shape[0]

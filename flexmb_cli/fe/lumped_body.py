@@ -59,6 +59,7 @@ def lumped_body(tree: Tree, k: int) -> FlexibleBody:
         Dr=np.zeros((N, N)) if elastic.damping is None else elastic.damping,
         KG=_stiffening(tree, k),
         frequencies=unknown[:, 0],
+        frequency_errors=unknown[:, 0],
         effective_mass=unknown,
         effective_limit=unknown[0],
         mass_deviation=0.0,

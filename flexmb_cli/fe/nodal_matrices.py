@@ -5,28 +5,44 @@ condensed statically in K, and dropped in M: condensing M as well (Guyan) would 
 S^ij = m_ij E no longer held, of which the equations of motion make use.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..read.fe_files.matrix_file import FEFileFault, MatrixFile
-from .linear_algebra import Matrix, Singular, condensed_on, stored, summed, without_diagonal
+from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6
 
 
 @dataclass(frozen=True)
 class NodalMatrix:
-    """A symmetric matrix (3 n, 3 n) in the order of the node table, and how many freedoms it lost."""
+    """A symmetric matrix (3 n, 3 n) in the order of the node table, made of `file`.
+
+    `nodal` (3 n,) and `internal`: the rows of the file that are those of the nodes, and those condensed or
+    dropped; `following` (internal, 3 n): how these move with the nodes, None where they rest.
+    """
 
     matrix: Matrix
-    internal: int
+    file: MatrixFile
+    nodal: np.ndarray
+    internal: np.ndarray
+    following: Callable[[np.ndarray], np.ndarray] | None = None
+
+    def extended(self, shapes: np.ndarray) -> np.ndarray:
+        """Return the displacements (size, k) of all rows of the file for those of the nodes, (3 n, k)."""
+        full = np.zeros((self.file.size, shapes.shape[1]))
+        full[self.nodal] = shapes
+        if self.following is not None:
+            full[self.internal] = self.following(shapes)
+        return full
 
 
 def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     """The rows and columns of the nodes `numbers` (n,); internal ones are dropped.  Raises FEFileFault."""
     full, nodal, internal = _ordered(name, file, numbers)
-    return NodalMatrix(stored(full[nodal][:, nodal]), len(internal))
+    return NodalMatrix(stored(full[nodal][:, nodal]), file, nodal, internal)
 
 
 def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
@@ -34,14 +50,15 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     full, nodal, internal = _ordered(name, file, numbers)
     outer = full[nodal][:, nodal]
     if not len(internal):
-        return NodalMatrix(stored(outer), 0)
+        return NodalMatrix(stored(outer), file, nodal, internal)
     inner, coupling = full[internal][:, internal], full[internal][:, nodal]
     try:
-        return NodalMatrix(stored(condensed_on(outer, coupling, inner)), len(internal))
+        matrix, solve = stored(condensed_on(outer, coupling, inner)), solver(inner)
     except Singular:
         raise FEFileFault(
             f"{name}: the {len(internal)} internal freedoms have no stiffness of their own"
         ) from None
+    return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
 
 
 def _ordered(name, file, numbers):

@@ -72,15 +72,20 @@ class FlexibleInput:
 class Dropped:
     """What the body's basis leaves out.
 
-    `internal`: freedoms inside elements, condensed; `dependent`: shapes that others made superfluous;
-    `modes`: eigenmodes of (104) that exist and are not kept; `next_frequency`: the first of these, Hz, nan
-    when it is not known.
+    `internal`: freedoms inside elements, condensed; `shapes`: nodes and axes of the static shapes that
+    others or the frame's conditions made superfluous; `modes`: eigenmodes of (104) that exist and are not
+    kept; `next_frequency`: the first of these, Hz, nan when it is not known.
     """
 
     internal: int = 0
-    dependent: int = 0
+    shapes: tuple[tuple[int, str], ...] = ()
     modes: int = 0
     next_frequency: float = float("nan")
+
+    @property
+    def dependent(self) -> int:
+        """How many static shapes were superfluous."""
+        return len(self.shapes)
 
 
 @dataclass(frozen=True)
@@ -108,11 +113,13 @@ class FlexibleBody:
     Kr: np.ndarray  # (N, N) Phi' K Phi
     Dr: np.ndarray  # (N, N) damping
     KG: np.ndarray  # (3, 3, N, N) geometric stiffness per (w~ w~)_ij; (0, 0, N, N) when there is none
-    frequencies: np.ndarray  # (N,) Hz
+    frequencies: np.ndarray  # (N,) Hz; of the last `massless` that of the highest mode with mass
+    frequency_errors: np.ndarray  # (N,) relative, from the digits of the files; nan where not known
     effective_mass: np.ndarray  # (N, 6) kg along, kg m^2 about the body's axes at its origin
     effective_limit: np.ndarray  # (6,) their sums over a complete basis
     mass_deviation: float  # largest |S^ij - m_ij E| relative to the largest entry of S
     rigid_residual: float  # largest |K R| of the six rigid motions relative to the largest entry of K
+    massless: int = 0  # shapes without mass, the last ones, of unit modal mass all the same
     dropped: Dropped = field(default_factory=Dropped)
 
     @property

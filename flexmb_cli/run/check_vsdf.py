@@ -68,6 +68,7 @@ def _body(body):
         "kind": "flexible",
         "nodes": len(found.numbers),
         "frequencies": found.frequencies.tolist(),
+        "frequency_errors": found.frequency_errors[: found.modes - found.massless].tolist(),
         "mass_deviation": found.mass_deviation,
         "rigid_residual": found.rigid_residual,
     }

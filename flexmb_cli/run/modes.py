@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from ..errors import Fault, ModelError
-from ..model.flexible_body import FlexibleBody
+from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
@@ -78,7 +78,6 @@ def _refuse_kinematics(deck):
 
 
 def _as_dict(body: FlexibleBody) -> dict:
-    following = body.dropped.next_frequency
     return {
         "name": body.name,
         "nodes": len(body.numbers),
@@ -88,7 +87,15 @@ def _as_dict(body: FlexibleBody) -> dict:
         "mass_deviation": body.mass_deviation,
         "rigid_residual": body.rigid_residual,
         "frequencies": body.frequencies.tolist(),
+        "frequency_errors": [error if error == error else None for error in body.frequency_errors.tolist()],
         "effective_mass": body.effective_mass.tolist(),
         "effective_limit": body.effective_limit.tolist(),
-        "dropped": vars(body.dropped) | {"next_frequency": following if following == following else None},
+        "massless": body.massless,
+        "dropped": _as_record(body.dropped),
     }
+
+
+def _as_record(dropped: Dropped) -> dict:
+    following = dropped.next_frequency
+    known = {"dependent": dropped.dependent, "next_frequency": following if following == following else None}
+    return vars(dropped) | known

@@ -1,14 +1,19 @@
 """Text about the flexible bodies of a deck: inertia, tests passed, frequencies, effective masses."""
 
+import itertools
 import math
+import textwrap
 
 ROUND_OFF = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
 
 
-def body_lines(body) -> list[str]:
-    """Inertia, what was left out, frequencies and effective masses of one flexible body."""
-    return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body)]
+def body_lines(body, precision: bool = False) -> list[str]:
+    """Return inertia, what was left out, frequencies and effective masses of one flexible body.
+
+    With `precision` each frequency has the relative error that the digits of the files leave it.
+    """
+    return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body, precision)]
 
 
 def _inertia_lines(body):
@@ -34,22 +39,45 @@ def _dropped_lines(body):
     if dropped.internal:
         yield f"    internal freedoms condensed: {dropped.internal}"
     if dropped.dependent:
-        yield f"    shapes dropped that depend on others: {dropped.dependent}"
+        yield f"    static shapes dropped, superfluous beside the others or held: {dropped.dependent}"
+        names = _of_nodes(dropped.shapes)
+        yield from textwrap.wrap(f"at nodes {names}", 100, initial_indent=6 * " ", subsequent_indent=8 * " ")
+    if body.massless:
+        yield (
+            f"    shapes without mass: {body.massless}; they answer loads as in statics (the last, with the "
+            "highest frequency of the others)"
+        )
     if dropped.modes:
         following = dropped.next_frequency
         first = "" if math.isnan(following) else f", the first at {following:.6g} Hz"
         yield f"    modes left out: {dropped.modes}{first}"
 
 
-def _mode_lines(body):
+def _of_nodes(shapes):
+    """Nodes, each with its axes: 5 e1 e2, 7 e3."""
+    nodes = itertools.groupby(shapes, key=lambda shape: shape[0])
+    return ", ".join(" ".join([str(node), *(axis for _, axis in group)]) for node, group in nodes)
+
+
+def _mode_lines(body, precision):
     """Frequencies, and the share that each mode has in motion along and about the body's axes."""
-    yield f"    {'mode':>4} {'rad/s':>13} {'Hz':>13}  share of effective mass, %: " + ", ".join(_SHARES)
+    error = f" {'error':>8}" if precision else ""
+    yield (
+        f"    {'mode':>4} {'rad/s':>13} {'Hz':>13}{error}  share of effective mass, %: " + ", ".join(_SHARES)
+    )
     limits = [limit if limit > 1e-12 * body.m else math.inf for limit in body.effective_limit]
-    for number, (frequency, masses) in enumerate(
-        zip(body.frequencies, body.effective_mass, strict=True), start=1
-    ):
-        yield f"    {number:4d} {frequency * math.tau:13.6f} {frequency:13.6f}  {_percent(masses, limits)}"
-    yield f"    {'sum':>4} {'':13} {'':13}  {_percent(body.effective_mass.sum(axis=0), limits)}"
+    for row, masses in enumerate(body.effective_mass):
+        yield f"    {row + 1:4d} {_frequency(body, row, precision)}  {_percent(masses, limits)}"
+    empty = " " * len(error)
+    yield f"    {'sum':>4} {'':13} {'':13}{empty}  {_percent(body.effective_mass.sum(axis=0), limits)}"
+
+
+def _frequency(body, row, precision):
+    """rad/s, Hz and relative error; a shape without mass has none."""
+    if row >= body.modes - body.massless:
+        return f"{'static':>13} {'':13}" + " " * 9 * precision
+    frequency, error = body.frequencies[row], body.frequency_errors[row]
+    return f"{frequency * math.tau:13.6f} {frequency:13.6f}" + (f" {error:8.0e}" if precision else "")
 
 
 def _percent(masses, limits):

@@ -36,4 +36,5 @@ def _body_line(body):
     if not body["modes"]:
         return line
     low, high = body["frequencies"][0], body["frequencies"][-1]
-    return f"{line}, nodes {body['nodes']}, modes {body['modes']} from {low:.4g} to {high:.4g} Hz"
+    line += f", nodes {body['nodes']}, modes {body['modes']} from {low:.4g} to {high:.4g} Hz"
+    return f"{line}, relative error by the digits of the files up to {max(body['frequency_errors']):.0e}"

@@ -13,7 +13,7 @@ def modes_text(report) -> str:
     dialect = report.deck.dialect.upper()
     lines = [f"{report.outcome.deck}: {dialect} deck, flexible bodies {len(report.bodies)}"]
     for body in report.bodies:
-        lines += body_lines(body)
+        lines += body_lines(body, precision=True)
     if report.mechanism:
         lines += _mechanism_lines(report.mechanism)
     return "".join(f"{line.rstrip()}\n" for line in lines)

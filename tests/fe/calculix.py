@@ -74,6 +74,17 @@ def own_frequencies(folder, beam: Beam, clamped, count):
     return np.array([float(row[2]) for row in table[:count]]) / math.tau
 
 
+def own_displacements(folder, beam: Beam, clamped, forces):
+    """Displacements (n, 3), m, that CalculiX finds under `forces` {(node, direction): N}, seven digits."""
+    loads = [f"{node}, {direction}, {force!r}" for (node, direction), force in forces.items()]
+    step = ["*STATIC", "*CLOAD", *loads, "*NODE PRINT, NSET=NALL", "U"]
+    text = beam.input(tuple(clamped), 1).replace("*FREQUENCY\n1", "\n".join(step))
+    (folder / "loaded.inp").write_text(text)
+    run_calculix(folder, "loaded")
+    rows = [line.split() for line in (folder / "loaded.dat").read_text().splitlines()]
+    return np.array([[float(word) for word in row[1:]] for row in rows if len(row) == 4 and row[0].isdigit()])
+
+
 def timoshenko(beam: Beam, depth: float, count: int) -> list[float]:
     """Bending frequencies, Hz, of the clamped beam, `depth` m in the plane of bending.
 

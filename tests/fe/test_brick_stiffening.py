@@ -1,6 +1,6 @@
 """Geometric stiffness from bricks: against matrices supplied, Southwell's coefficient, and element theory."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -10,12 +10,14 @@ from scipy.io import mmread
 from scipy.spatial.transform import Rotation
 
 from flexmb_cli.errors import ModelError
-from flexmb_cli.fe.brick_stiffness import initial_stress_matrix, matching_bricks
+from flexmb_cli.fe.brick_stiffness import element_stiffness, initial_stress_matrix, matching_bricks
 from flexmb_cli.fe.bricks import CUBE, FORMULATIONS, bricks, elasticity, shape_slopes
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.nodal_matrices import condensed
 from flexmb_cli.model.flexible_body import BrickMaterial, FEFile
 from flexmb_cli.read.fe_files.connectivity import read_hexahedra
+from flexmb_cli.read.fe_files.formats import read_matrix
 from flexmb_cli.read.fe_files.node_table import read_node_table
 from scripts.brick_beam import Beam, run_calculix
 from tests.fe.calculix import needs_ccx
@@ -116,6 +118,71 @@ def test_a_material_that_does_not_make_the_stiffness_is_refused(tmp_path, change
     assert message in str(refused.value)
 
 
+# A skewed brick of CalculiX 2.20, *ELEMENT, TYPE=C3D8I, E = 1 Pa, nu = 0.3: its corners, m, and the diagonal
+# of its stiffness, N/m, of nodes 1 and 2, internal freedoms condensed.
+SKEWED = np.array([
+    [0.05, 0.16, 0.11], [0.9, -0.02, 0.0], [1.05, 1.2, -0.11], [-0.2, 1.13, 0.12],
+    [-0.11, -0.08, 1.15], [1.02, 0.2, 1.12], [0.86, 1.05, 0.82], [-0.01, 0.92, 0.91],
+])  # fmt: skip
+OF_CALCULIX = [0.2715232648610497, 0.2762307224521956, 0.28562692319480637,
+               0.1944996692327593, 0.229159894600302, 0.21098439973156444]  # fmt: skip
+
+
+def test_a_skewed_brick_has_the_stiffness_that_calculix_prints():
+    """Gradients of incompatible modes by the Jacobian at the centre, without the factor det J0 / det J."""
+    deviations = {}
+    for formulation in FORMULATIONS[8]:
+        made = bricks(SKEWED, np.arange(8)[None], formulation)
+        found = np.diag(element_stiffness(made, elasticity(1.0, 0.3))[0][0])[:6]
+        deviations[formulation.name] = np.abs(found - OF_CALCULIX).max()
+    assert deviations.pop("incompatible modes of CalculiX") < 1e-13
+    assert min(deviations.values()) > 1e-4
+
+
+@dataclass(frozen=True)
+class Skewed(Beam):
+    """A beam with every node moved by a tenth of a cell or so."""
+
+    def mesh(self):
+        nodes, elements = super().mesh()
+        moves = np.random.default_rng(4).uniform(-0.02, 0.02, (len(nodes), 3))
+        # CalculiX reads twenty columns of a number.
+        moved = np.round(np.array(list(nodes.values())) + moves, 6).tolist()
+        return {node: tuple(place) for node, place in zip(nodes, moved, strict=True)}, elements
+
+
+@needs_ccx
+@pytest.mark.processes
+def test_skewed_bricks_of_calculix_are_recognised(tmp_path):
+    beam = Skewed((0.4, 0.1, 0.1), (4, 1, 1), "C3D8I")
+    (tmp_path / "b.inp").write_text(beam.input())
+    run_calculix(tmp_path, "b")
+    given = calculix_body(tmp_path, beam, modes=2, clamped=(1, 2, 3, 4))
+    assert body(given).KG.any()
+    table, rows = read_node_table(tmp_path / "b.inp", "INP"), np.array(beam.mesh()[1]) - 1
+    matrix = read_matrix(given.stiffness.path, "CCX", "K", given.mapping.path, "CCX")
+    K = condensed("K", matrix, table.numbers).matrix
+    found = matching_bricks(table.positions, rows, (beam.young, beam.poisson), K)
+    assert found.bricks.formulation.name == "incompatible modes of CalculiX"
+    assert found.deviation < 1e-12
+
+
+def calculix_body(folder, beam, **choices):
+    """The matrices b.mas and b.sti that CalculiX wrote for the beam, with its elements and material."""
+    table = read_node_table(folder / "b.inp", "INP")
+    return replace(
+        spin_up(),
+        mass=FEFile(folder / "b.mas", "CCX"),
+        stiffness=FEFile(folder / "b.sti", "CCX"),
+        mapping=FEFile(folder / "b.dof", "CCX"),
+        numbers=table.numbers,
+        positions=table.positions,
+        unit_loads=(),
+        bricks=BrickMaterial(FEFile(folder / "b.inp", "INP"), beam.young, beam.poisson),
+        **choices,
+    )
+
+
 @needs_ccx
 @pytest.mark.parametrize(
     "element, cells", [("C3D20R", (12, 1, 2)), ("C3D20", (12, 1, 1)), ("C3D8I", (24, 1, 1))]
@@ -129,19 +196,9 @@ def test_a_beam_of_calculix_stiffens_as_southwell_says(tmp_path, element, cells)
     beam = Beam((0.5, 0.01, 0.02), cells, element)
     (tmp_path / "b.inp").write_text(beam.input())
     run_calculix(tmp_path, "b")
-    table = read_node_table(tmp_path / "b.inp", "INP")
-    given = replace(
-        spin_up(),
-        mass=FEFile(tmp_path / "b.mas", "CCX"),
-        stiffness=FEFile(tmp_path / "b.sti", "CCX"),
-        mapping=FEFile(tmp_path / "b.dof", "CCX"),
-        numbers=table.numbers,
-        positions=table.positions - [0.0, 0.005, 0.01],
-        clamped=tuple(beam.section(0.0)),
-        unit_loads=(),
-        modes=2,
-        bricks=BrickMaterial(FEFile(tmp_path / "b.inp", "INP"), beam.young, beam.poisson),
-    )
+    clamped = tuple(beam.section(0.0))
+    given = calculix_body(tmp_path, beam, modes=2, clamped=clamped)
+    given = replace(given, positions=given.positions - [0.0, 0.005, 0.01])
     KG = body(given).KG
     # The first mode bends along y, the second along z; spins about z and about y stiffen both.
     for i, j in ((0, 1), (0, 2)):

@@ -1,0 +1,172 @@
+"""The basis that a deck asks for: eigenmodes, attachment modes or Craig-Bampton, with faults at the cards."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model.findings import Findings
+from ..model.flexible_body import FlexibleInput
+from . import modes
+from .free_motion import FreeMotion, NegativeStrain
+from .independent_shapes import reduced_basis
+from .input_tests import COLLINEAR
+from .massless_shapes import IndefiniteMass
+from .reference_frame import Frame
+from .static_shapes import static_shapes, unit_forces
+
+# J2 has 9 N² numbers, and copies while it is made: a run with so many shapes takes 1.1 GB, seconds a step.
+LARGEST_BASIS = 1500
+_AXES = ("e1", "e2", "e3")
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Eigenvalues ω² (N,), rad²/s², and shapes (3 n, N); the last `massless` of them have no mass.
+
+    `superfluous`: nodes and directions of the static shapes that are not in it; `left_out`: eigenmodes that
+    are not; `next_value`: ω² of the first of these, nan when it is not known.
+    """
+
+    values: np.ndarray
+    shapes: np.ndarray
+    massless: int
+    superfluous: tuple[tuple[int, str], ...]
+    left_out: int
+    next_value: float
+
+
+def basis_of(given: FlexibleInput, K, S, frame: Frame, findings: Findings) -> Basis | None:
+    """Return the basis for stiffness `K` and mass `S` (3 n, 3 n), body axes; None with a fault found."""
+    available = K.shape[0] - (6 if frame.mean else len(frame.held))
+    if not _check_count(given, available, findings):
+        return None
+    try:
+        if given.interface:
+            return _interface_basis(given, K, S, frame)
+        return _eigen_basis(given, K, S, frame, available)
+    except NegativeStrain as motion:
+        findings.error(given.name, _negative_strain(given, motion.shape), given.stiffness.place)
+    except FreeMotion as motion:
+        place = given.place if _clamped_on_a_line(given) else given.stiffness.place
+        findings.error(given.name, _free_motion(given, motion.shape), place)
+    except IndefiniteMass:
+        message = "the mass matrix is not positive definite; is it complete, or of another model?"
+        findings.error(given.name, message, given.mass.place)
+    except modes.TooFewMasses as masses:
+        findings.error(given.name, _too_few_masses(given, masses.count), given.place)
+    return None
+
+
+def _check_count(given, available, findings):
+    if given.modes > available:
+        message = f"{given.modes} modes are asked for, and the body has {available}; 0 takes all"
+        findings.error(given.name, message, given.place)
+        return False
+    wanted = given.modes or (0 if given.interface else available)
+    wanted += 3 * (len(given.attachment) + len(given.interface))
+    if wanted > LARGEST_BASIS:
+        message = (
+            f"{wanted} shapes are more than the {LARGEST_BASIS} that can be kept, since inertia takes "
+            f"9 numbers for every two of them ({72e-9 * wanted**2:.2g} GB); ask for fewer modes, and for "
+            "static shapes (ATTM) of the loaded nodes only"
+        )
+        findings.error(given.name, message, given.place)
+        return False
+    return True
+
+
+def _negative_strain(given, shape):
+    node = given.numbers[int(np.argmax(np.abs(shape))) // 3]
+    return (
+        f"the stiffness is not positive semidefinite: a deformation, largest at node {node}, gives "
+        "energy away; is it a tangent stiffness beyond buckling, or spoilt on its way?"
+    )
+
+
+def _free_motion(given, shape):
+    node = given.numbers[int(np.argmax(np.abs(shape))) // 3]
+    if given.interface:
+        return (
+            "the interface nodes do not hold the body: three that are not on one line are needed "
+            f"(it moves most at node {node})"
+        )
+    if _clamped_on_a_line(given):
+        return (
+            "the clamped nodes do not hold the body in its frame: three that are not on one line are needed "
+            f"(it moves most at node {node})"
+        )
+    return (
+        f"held in its frame the body still moves without strain, most at node {node}: is the mesh in one "
+        "piece, without hinges?"
+    )
+
+
+def _too_few_masses(given, count):
+    remedy = "ask for fewer modes"
+    if not given.interface:
+        remedy += "; 0 takes all, and those without mass as static shapes"
+    return (
+        f"{given.modes} modes are asked for, and only {count} shapes have mass "
+        f"(reduced integration?); {remedy}"
+    )
+
+
+def _clamped_on_a_line(given):
+    """Whether the body is held by clamped nodes that leave it a rotation."""
+    if not given.clamped:
+        return False
+    held = given.positions[np.isin(given.numbers, given.clamped)]
+    spread = np.linalg.svd(held - held.mean(axis=0), compute_uv=False)
+    return len(held) < 3 or spread[1] <= COLLINEAR * spread[0]
+
+
+def _rows_of(given, nodes):
+    first = np.array([3 * int(np.flatnonzero(given.numbers == node)[0]) for node in nodes], dtype=np.int64)
+    return np.unique((first[:, None] + np.arange(3)).ravel())
+
+
+def _eigen_basis(given, K, S, frame, available):
+    """One mode more than asked for is computed, so that the first dropped frequency can be told."""
+    values, shapes = modes.eigenmodes(K, S, frame, min((given.modes or available) + 1, available))
+    if len(values) < given.modes:
+        raise modes.TooFewMasses(len(values))
+    count, massless = given.modes or len(values), 0
+    following = float(values[count]) if len(values) > count else math.nan
+    values, shapes = values[:count], shapes[:, :count]
+    if not given.modes and count < available:
+        static = modes.massless_modes(K, S, frame)
+        massless = static.shape[1]
+        shapes = np.hstack([shapes, static * math.sqrt(values[-1])])
+        values = np.append(values, np.full(massless, values[-1]))
+    basis = Basis(values, shapes, massless, (), available - count - massless, following)
+    return _with_attachment(given, K, S, frame, basis) if given.attachment else basis
+
+
+def _with_attachment(given, K, S, frame, basis):
+    """The eigenmodes and the static shapes under forces at the nodes of the deck."""
+    rows = _rows_of(given, given.attachment)
+    moving = np.setdiff1d(rows, frame.held)
+    attached = unit_forces(K.shape[0], moving)
+    shapes = np.hstack([basis.shapes, static_shapes(K, S, frame, attached)])
+    forces, count = np.hstack([K @ basis.shapes, attached]), len(basis.values)
+    found = reduced_basis(shapes, forces, S, count)
+    superfluous = np.setdiff1d(rows, moving[found.kept[found.kept >= count] - count])
+    return Basis(
+        found.values, modes.signed(found.shapes), found.massless, _named(given, superfluous),
+        basis.left_out, basis.next_value,
+    )  # fmt: skip
+
+
+def _interface_basis(given, K, S, frame):
+    rows, count = modes.interface_rows(frame, _rows_of(given, given.interface)), given.modes
+    found = reduced_basis(*modes.craig_bampton(K, S, frame, rows, count), S, count)
+    superfluous = np.setdiff1d(rows, rows[found.kept[found.kept >= count] - count])
+    inner = K.shape[0] - len(rows)
+    shapes, named = modes.signed(found.shapes), _named(given, superfluous)
+    return Basis(found.values, shapes, found.massless, named, inner - count, math.nan)
+
+
+def _named(given, rows):
+    """Node and axis of the body frame of freedoms `rows`."""
+    return tuple((int(given.numbers[row // 3]), _AXES[row % 3]) for row in rows)

@@ -1,0 +1,55 @@
+"""Shapes without mass: they move at no finite frequency and follow the loads as in statics.
+
+Reduced integration (C3D20R, C3D10, C3D4 of CalculiX) leaves mass matrices that are only semidefinite.
+Such shapes z have S z = 0: inertia does not see them, and K alone decides how concentrated forces bend them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .free_motion import check_strain
+
+# Eigenvalues of the mass matrix below this share of the largest are those of shapes without mass.
+MASSLESS = 1e-10
+
+
+class IndefiniteMass(Exception):
+    """The mass matrix has negative eigenvalues."""
+
+
+@dataclass(frozen=True)
+class MassSplit:
+    """Eigenvectors of a mass matrix: `heavy` (size, rank) with the `masses` (rank,), and `light` ones."""
+
+    heavy: np.ndarray
+    masses: np.ndarray
+    light: np.ndarray
+
+    @property
+    def factor(self) -> np.ndarray:
+        """F (size, rank) with F F' = S and orthogonal columns."""
+        return self.heavy * np.sqrt(self.masses)
+
+
+def split_by_mass(S: np.ndarray) -> MassSplit:
+    """Part the shapes of S (size, size) into those with and those without mass.  Raises IndefiniteMass."""
+    values, vectors = np.linalg.eigh(S)
+    if values[0] < -MASSLESS * values[-1]:
+        raise IndefiniteMass
+    heavy = values > MASSLESS * values[-1]
+    return MassSplit(vectors[:, heavy], values[heavy], vectors[:, ~heavy])
+
+
+def quasi_static_shapes(K, light: np.ndarray) -> np.ndarray:
+    """Shapes (size, k) that span `light` (size, k), of unit strain energy φ' K φ, none coupled by K.
+
+    Raises FreeMotion for one that K does not resist either.
+    """
+    if not light.shape[1]:
+        return light
+    stiffness = light.T @ (K @ light)
+    values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
+    shapes = light @ vectors
+    check_strain(K, shapes[:, 0])
+    return shapes / np.sqrt(values)

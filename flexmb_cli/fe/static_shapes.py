@@ -1,0 +1,106 @@
+"""Displacements of a body under forces at its nodes, held in its frame or balanced by its acceleration."""
+
+import numpy as np
+
+from .free_motion import FreeMotion
+from .input_tests import rigid_motions
+from .linear_algebra import Singular, as_array, is_small, solver
+from .reference_frame import Frame
+
+
+class FreeBody:
+    """Static shapes of a body that nothing holds: forces are balanced by the acceleration they cause."""
+
+    def __init__(self, K, S, frame: Frame):
+        self.S, self.frame = S, frame
+        self._free = np.setdiff1d(np.arange(K.shape[0]), _supports(frame.r0))
+        self._solve = held_solver(K, self._free)
+        self._rigid = rigid_motions(frame.r0)
+        self._weighted = S @ self._rigid
+        self._mass = self._rigid.T @ self._weighted
+
+    def shapes(self, forces: np.ndarray) -> np.ndarray:
+        """Displacements in mean axes under `forces`, both (3 n, k) or (3 n,)."""
+        balanced = forces - self._weighted @ np.linalg.solve(self._mass, self._rigid.T @ forces)
+        shapes = np.zeros(forces.shape)
+        shapes[self._free] = self._solve(balanced[self._free])
+        return self.frame.shifted(shapes, self.S)
+
+
+def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
+    """Return `shapes` (3 n, k) less the rigid motion by which they differ from what K was solved for.
+
+    In mean axes that is a body held at six freedoms; the forces by which an imprecise K resists rigid motion
+    then do no work on the shapes as they are.
+    """
+    if not frame.mean:
+        return shapes
+    rows, rigid = _supports(frame.r0), rigid_motions(frame.r0)
+    return shapes - rigid @ np.linalg.solve(rigid[rows], shapes[rows])
+
+
+def unit_forces(size: int, rows: np.ndarray) -> np.ndarray:
+    """Return unit forces in each of the freedoms `rows`, (size, k)."""
+    forces = np.zeros((size, len(rows)))
+    forces[rows, np.arange(len(rows))] = 1.0
+    return forces
+
+
+def static_shapes(K, S, frame: Frame, forces: np.ndarray) -> np.ndarray:
+    """Displacements (3 n, k) of the body held in its frame under `forces` (3 n, k).
+
+    In mean axes it is free, and the forces are balanced by those of the rigid acceleration they cause.
+    """
+    if frame.mean:
+        return FreeBody(K, S, frame).shapes(forces)
+    free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
+    shapes = np.zeros(forces.shape)
+    shapes[free] = held_solver(K, free)(forces[free])
+    return shapes
+
+
+def _supports(r0):
+    """Six rows that hold the body: a node, one far from it, and one far from their line."""
+    first = int(np.argmax(np.linalg.norm(r0 - r0.mean(axis=0), axis=1)))
+    arms = r0 - r0[first]
+    second = int(np.argmax(np.linalg.norm(arms, axis=1)))
+    third = int(np.argmax(np.linalg.norm(np.cross(arms, arms[second]), axis=1)))
+    normal = np.cross(arms[second], arms[third])
+    along = int(np.argmax(np.abs(arms[second])))
+    others = [axis for axis in range(3) if axis != along]
+    last = max(others, key=lambda axis: abs(normal[axis]))
+    rows = [
+        3 * first,
+        3 * first + 1,
+        3 * first + 2,
+        *(3 * second + axis for axis in others),
+        3 * third + last,
+    ]
+    return np.array(rows)
+
+
+def held_solver(K, free):
+    """The solution of K x = b with all freedoms but `free` at rest, as a function of b.
+
+    Raises FreeMotion, then or at once: whether a pivot of exactly 0 is met depends on the processor.
+    """
+
+    def solve(b):
+        try:
+            return solution(b)
+        except Singular:
+            raise FreeMotion(_weakest(K, free)) from None
+
+    try:
+        solution = solver(K[free][:, free])
+    except Singular:
+        raise FreeMotion(_weakest(K, free)) from None
+    return solve
+
+
+def _weakest(K, free):
+    """The shape of the freedoms `free` with the least strain energy; 0 where finding it takes too long."""
+    shape = np.zeros(K.shape[0])
+    if is_small(len(free), 1):
+        shape[free] = np.linalg.eigh(as_array(K[free][:, free]))[1][:, 0]
+    return shape

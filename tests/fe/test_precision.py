@@ -1,0 +1,126 @@
+"""Errors of frequencies from the digits of matrix files: predicted, and found by rounding exact matrices."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.io import mmread
+
+from flexmb_cli.cli.check import check
+from flexmb_cli.cli.modes import modes
+from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.precision import rounding_errors
+from tests.fe.supplied import FILES, body, nodes, pendulum
+from tests.fe.trusses import files_input, truss
+
+FRAMES = {
+    "near the joint": {"reference": (11, 23, 19)},
+    "clamped": {"clamped": tuple(range(11, 17))},
+    "mean axes": {},
+}
+
+
+def matrices():
+    return tuple(mmread(FILES / f"pendulum_{letter}.mtx").toarray() for letter in "MK")
+
+
+def rounded(matrix, digits):
+    """As a file in E format with so many significant digits has it."""
+    return np.vectorize(lambda value: float(f"{value:.{digits - 1}e}"))(matrix)
+
+
+def single(matrix):
+    return matrix.astype(np.float32).astype(float)
+
+
+def found_and_predicted(folder, frame, change, **choices):
+    """Relative changes of the frequencies by `change`, a function of the stiffness, what is told of them."""
+    M, K = matrices()
+    given = files_input(folder, nodes().positions, M, K, modes=9, **FRAMES[frame], **choices)
+    exact = flexible_body(given, cached=False)[0].frequencies
+    files_input(folder, nodes().positions, M, change(K))
+    poor, doubts = flexible_body(given, cached=False)
+    return np.abs(poor.frequencies / exact - 1), poor.frequency_errors, [fault.message for fault in doubts]
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize("digits", [6, 7, 8, 10, 12])
+def test_rounded_stiffness_moves_the_frequencies_as_far_as_predicted(tmp_path, frame, digits):
+    """Twice the standard deviation: hardly a mode moves farther, and most move a twentieth of it or more."""
+    found, predicted, _ = found_and_predicted(tmp_path, frame, lambda K: rounded(K, digits))
+    small = predicted < 0.2
+    ratio = (found / predicted)[small]
+    assert ratio.max() < 1.5
+    assert np.sqrt(np.mean(ratio**2)) > 0.05
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+def test_single_precision_in_double_is_recognised(tmp_path, frame):
+    found, predicted, doubts = found_and_predicted(tmp_path, frame, single)
+    assert 0.1 < (found / predicted).max() < 1.5
+    assert any("the digits of the matrices leave mode 1" in doubt for doubt in doubts)
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+def test_noise_that_no_digits_show_is_told_by_the_forces_of_a_translation(tmp_path, frame):
+    """Three millionths of every entry at random, printed in full, move the first frequency by a tenth."""
+    noise = 3e-6 * np.random.default_rng(0).normal(size=(162, 162))
+    found, predicted, doubts = found_and_predicted(
+        tmp_path, frame, lambda K: K * (1 + np.triu(noise) + np.triu(noise, 1).T)
+    )
+    assert 0.05 < (found / predicted).max() < 1.5
+    assert any("export them with more digits" in doubt for doubt in doubts)
+
+
+def test_the_pendulum_in_dmig_loses_what_its_ten_digits_cost():
+    """The lowest frequency from DMIG's columns lies 2e-5 from that of all other formats (FORMAT.md)."""
+    exact, poor = body(pendulum("MM", modes=9)), body(pendulum("DMIG", modes=9))
+    found = np.abs(poor.frequencies / exact.frequencies - 1)
+    assert found[0] == pytest.approx(2e-5, rel=0.5)
+    assert 0.2 < found[0] / poor.frequency_errors[0] < 1.0
+    assert (found < 1.5 * poor.frequency_errors).all()
+    assert exact.frequency_errors.max() < 1e-10
+
+
+def test_internal_freedoms_count_with_what_they_move():
+    """CalculiX's fourteen digits and condensed incompatible modes: 1e-9 from the others."""
+    exact, poor = body(pendulum("MM", modes=9)), body(pendulum("CCX", modes=9))
+    found = np.abs(poor.frequencies / exact.frequencies - 1)
+    assert (found < 1.5 * poor.frequency_errors).all()
+    assert found.max() > 0.02 * poor.frequency_errors.max()
+
+
+def test_numbers_of_few_digits_that_balance_are_exact(tmp_path):
+    """Bars of 200 and 400 N/m along axes and diagonals: entries of 100, 200, 400 N/m, and no more digits."""
+    corners, K = np.vstack([np.zeros(3), np.eye(3)]), np.zeros((12, 12))
+    for i in range(4):
+        for j in range(i):
+            along = corners[i] - corners[j]
+            bar, ends = np.concatenate([along, -along]), np.add.outer([3 * i, 3 * j], range(3)).ravel()
+            K[np.ix_(ends, ends)] += 200.0 * np.outer(bar, bar)
+    M = truss(3, 4)[2]
+    assert rounding_errors(K).digits < 4
+    given = files_input(tmp_path, corners, M, K, clamped=(11, 12, 13), modes=2)
+    found, doubts = flexible_body(given, cached=False)
+    assert found.frequency_errors.max() < 1e-12
+    assert not [fault for fault in doubts if "digits of the matrices" in fault.message]
+
+
+@pytest.mark.parametrize(
+    "values, digits",
+    [([1234.5, 0.00012345, -7.0], 5), (np.sqrt([2.0, 3.0, 5.0]), 16), ([100.0, 2e5], 1)],
+)
+def test_digits_are_those_that_the_longest_number_needs(values, digits):
+    assert rounding_errors(np.array(values)).digits == digits
+
+
+def test_modes_and_check_print_the_error_beside_the_frequency(tmp_path, monkeypatch):
+    monkeypatch.setenv("FLEXMB_CACHE_DIR", str(tmp_path))
+    deck = str(FILES.parent / "pendulum_dmig.vsdf")
+    table = CliRunner().invoke(modes, [deck]).stdout.splitlines()
+    assert table[8].split()[:4] == ["mode", "rad/s", "Hz", "error"]
+    assert [float(line.split()[3]) for line in table[9:11]] == [3e-5, 2e-6]
+    record = json.loads(CliRunner().invoke(modes, [deck, "--json"]).stdout)
+    assert record["bodies"][0]["frequency_errors"][0] == pytest.approx(2.6e-5, rel=0.1)
+    assert "relative error by the digits of the files up to 3e-05" in CliRunner().invoke(check, [deck]).stdout
