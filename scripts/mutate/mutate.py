@@ -60,13 +60,13 @@ def worker_folder(folder: Path, number: int) -> Path:
     return worker
 
 
-def try_mutant(mutant, folder: Path, worker: Path, limits: tuple, context) -> dict:
-    """Return the verdict of the tests `limits` on a mutant, made in `worker`."""
+def try_mutant(mutant, folder: Path, worker: Path, limits: tuple, most: float, context):
+    """Return what `trial.judge` sends of a mutant, made in `worker`."""
     original, edited = folder / "tree" / mutant.file, worker / mutant.file
     source = original.read_bytes()
     edited.write_bytes(source[: mutant.begin] + mutant.text.encode() + source[mutant.end :])
     receiver, sender = context.Pipe(duplex=False)
-    arguments = (sender, str(folder / "tree"), str(worker), limits, str(worker / "log"))
+    arguments = (sender, str(folder / "tree"), str(worker), limits, most, str(worker / "log"))
     process = context.Process(target=trial.judge, args=arguments)
     process.start()
     sender.close()
@@ -87,8 +87,8 @@ def verdict_of(mutant, found: dict) -> dict:
     return place | {"killed": found["killer"] is not None} | found
 
 
-def try_all(mutants, folder: Path, jobs: int, records: list[dict]) -> None:
-    """Append a verdict on every mutant."""
+def try_all(mutants, folder: Path, jobs: int, most: float, records: list[dict]) -> None:
+    """Append a verdict on every mutant, each after at most so many processor seconds."""
     os.environ.update(ENVIRONMENT, FLEXMB_CACHE_DIR=str(folder / "cache"), PYTEST_DISABLE_PLUGIN_AUTOLOAD="1")
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(trial.PRELOADED)
@@ -100,7 +100,7 @@ def try_all(mutants, folder: Path, jobs: int, records: list[dict]) -> None:
         worker = free.get()
         limits = trial.covering_tests(records, str(folder / "tree" / mutant.file), mutant.lines)
         try:
-            return verdict_of(mutant, try_mutant(mutant, folder, worker, limits, context))
+            return verdict_of(mutant, try_mutant(mutant, folder, worker, limits, most, context))
         finally:
             free.put(worker)
 
@@ -140,6 +140,7 @@ def parse_arguments():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="mutants whose name holds this text")
     parser.add_argument("-j", "--jobs", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=60.0, help="of the processor, for a mutant")
     parser.add_argument("--again", action="store_true", help="try survivors once more")
     parser.add_argument("tests", nargs="*", default=["tests"])
     return parser.parse_args()
@@ -156,7 +157,7 @@ def main():
     drawn = [m for m in drawn if given.only in m.name]
     known = read_verdicts(folder / "verdicts.jsonl")
     missing = [m for m in drawn if m.name not in known or (given.again and not known[m.name]["killed"])]
-    try_all(missing, folder, given.jobs, read_map(folder))
+    try_all(missing, folder, given.jobs, given.seconds, read_map(folder))
     sys.exit(0 if summary(drawn, read_verdicts(folder / "verdicts.jsonl"), equivalents()) else 1)
 
 

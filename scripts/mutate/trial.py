@@ -14,8 +14,7 @@ PRELOADED = [
     *("numpy", "scipy.linalg", "scipy.sparse.linalg", "scipy.integrate", "scipy.optimize", "h5py"),
     *("scipy.spatial.transform", "pytest", "hypothesis", "coverage", "plugin"),
 ]
-BUDGET = 60  # processor seconds of one mutant,
-FOR_OTHERS = 20  # of which tests that do not run its line get what is left of these
+FOR_OTHERS = 0.3  # of a mutant's time: until then tests that do not run its line are tried, too
 FIRST = 12  # tests that are tried before all others are collected
 PLUGINS = ("-p", "no:cacheprovider", "-p", "_hypothesis_pytestplugin")  # loading all takes a second
 SLACK, SLOWER = 5.0, 4.0  # s, and times what a test took when its lines were recorded
@@ -50,8 +49,11 @@ def _in_turns(records):
     return [record for turn in zip_longest(*files.values()) for record in turn if record is not None]
 
 
-def judge(sender, tree: str, package: str, limits: tuple[dict[str, float], ...], log: str) -> None:
-    """Send {killer, why, late, ran, seconds} of the tests of `limits`, run in `tree` against `package`."""
+def judge(sender, tree: str, package: str, limits: tuple, most: float, log: str) -> None:
+    """Send {killer, why, late, ran, seconds} of the tests of `limits`, run in `tree` against `package`.
+
+    most: processor seconds.
+    """
     out = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(out, 1)
     os.dup2(out, 2)
@@ -62,7 +64,7 @@ def judge(sender, tree: str, package: str, limits: tuple[dict[str, float], ...],
     begin, ran = time.process_time(), 0
     covering, others = limits
     first, rest = dict(islice(covering.items(), FIRST)), dict(islice(covering.items(), FIRST, None))
-    for part, budget in ((first, BUDGET), (rest, BUDGET), (others, FOR_OTHERS)):
+    for part, budget in ((first, most), (rest, most), (others, FOR_OTHERS * most)):
         found = _run(part, begin + budget, package)
         ran += found.ran
         if found.killer is not None or found.late:
