@@ -7,7 +7,7 @@ import pytest
 
 from flexmb_cli.kernels.profile_elimination import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree_jacobian import factorise, renew, set_mass_times, solve_stiff, stiff_work
-from flexmb_cli.model.tree import ELASTIC
+from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
 from flexmb_cli.solve.tree_dynamics import initial_state
 from tests.kernels.test_elastic_rotation import turning_tree
 from tests.kernels.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
@@ -108,3 +108,23 @@ def test_closure_that_repeats_another_changes_nothing():
     once = solved(Recursion(tree), residual)[1]
     twice = solved(Recursion(replace(tree, closures=tree.closures * 2)), residual)[1]
     close(twice, once, 1e-7)
+
+
+def test_driven_hinge_of_a_closed_loop_leaves_the_closures_to_the_others():
+    """It has the row and column of the unit matrix and no column of J: others close the loop."""
+    tree = closed_where_it_is(looped_tree(3))
+    axis = tree.hinges[0].rotations[0]
+    m = next(i for i, c in enumerate(tree.coordinates) if (c.body, c.motion, c.axis) == (0, ROTATION, axis))
+    tree = replace(tree, prescribed=(Prescribed(0, ROTATION, axis, tree.q[m], tree.y[m], 0.0),))
+    recursion = Recursion(tree)
+    residual = np.random.default_rng(3).normal(size=len(tree.q))
+    residual[m] = 0.0
+    x = solved(recursion, residual)[1]
+    mass, D, K = dense_parts(recursion)
+    J, _ = closure_equations(tree, recursion.attitudes)
+    others = np.arange(len(residual)) != m
+    A, J, r = (mass + F * D + F**2 * K)[np.ix_(others, others)], J[:, others], residual[others]
+    whole = np.block([[A, J.T], [J, np.zeros((len(J), len(J)))]])
+    right_side = np.concatenate([mass[np.ix_(others, others)] @ r, J @ r])
+    close(x[others], np.linalg.solve(whole, right_side)[: len(r)], 1e-8)
+    assert x[m] == 0.0
