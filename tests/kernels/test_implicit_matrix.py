@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.kernels.implicit_march import GAMMA, _correct, implicit_work
 from flexmb_cli.kernels.profile_elimination import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree_jacobian import factorise, renew, set_mass_times, solve_stiff, stiff_work
+from flexmb_cli.kernels.tree_march import CLOCK
 from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
 from flexmb_cli.solve.tree_dynamics import initial_state
 from tests.kernels.test_elastic_rotation import turning_tree
@@ -87,6 +89,31 @@ def test_iteration_of_an_open_tree_solves_its_linear_system(make, seed, one_way)
     product, x = solved(recursion, residual)
     close(product, mass @ residual, 1e-11)
     close(x, np.linalg.solve(mass + F * D + F**2 * K, mass @ residual), 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(seed):
+    """Slopes of speeds by the linear system, the others as they were evaluated.  The size is the norm of
+    Hairer, Nørsett and Wanner I (II.4.11) of what moves speeds, coordinates and attitudes in the stage."""
+    recursion = Recursion(random_tree(seed))
+    arrays, z, n = recursion.arrays, initial_state(recursion.tree), len(recursion.tree.q)
+    s, clock, random = (
+        implicit_work(len(z), n, arrays.closures),
+        np.zeros(1, CLOCK),
+        np.random.default_rng(seed),
+    )
+    clock["rtol"], clock["atol"] = 0.2, 0.1
+    renew(arrays, recursion.work, recursion.coordinates, z, s.stiff)
+    assert factorise(arrays, F, s.stiff)
+    s.trial[:], s.rate[:], slope = z, random.normal(size=len(z)), random.normal(size=len(z))
+    mass, D, K = dense_parts(recursion)
+    x = np.linalg.solve(mass + F * D + F**2 * K, mass @ (s.rate - slope)[:n])
+    rest = (s.rate - slope)[2 * n :]
+    moved = np.concatenate([F * x, F**2 * x, F * rest])[:-1]  # the last place is the work
+    found = _correct(arrays, clock[0], F / GAMMA, slope, s)
+    assert found == pytest.approx(np.sqrt(np.mean((moved / (0.1 + 0.2 * np.abs(z[:-1]))) ** 2)), rel=1e-9)
+    close(slope[2 * n :], s.rate[2 * n :], 0.0)
+    close(s.change, x, 1e-9)
 
 
 @pytest.mark.parametrize("directions", [(1, 2, 3), (2,)])
