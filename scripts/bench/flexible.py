@@ -67,9 +67,9 @@ def march(given, method, step, parameter, end=END, outputs=slice(0, 1)):
     return places[1:].reshape(ROWS, -1), spent, int(analysis.clock["steps"][0])
 
 
-def agree():
+def agree(choice):
     """Whether both programs have the same motion, with few and many modes."""
-    for modes in MODES:
+    for modes in choice.modes:
         require_agreement(modes, mechanism(modes))
 
 
@@ -133,13 +133,13 @@ def jobs_of(given, exact):
                 yield f"error {error:g} m", name, run, setting
 
 
-def equal_error():
+def equal_error(choice):
     """The pendulum with few and many modes: what a step costs, and a given error."""
-    for modes in MODES:
+    for modes in choice.modes:
         given = mechanism(modes)
         exact = require_agreement(modes, given)
         jobs = list(jobs_of(given, exact))
-        rounds = [[run(setting) for _, _, run, setting in jobs] for _ in range(ROUNDS)]
+        rounds = [[run(setting) for _, _, run, setting in jobs] for _ in range(choice.rounds)]
         print("  aim            program               setting  error, m   steps  µs a step        ms")
         for k, (aim, name, _, setting) in sorted(enumerate(jobs), key=lambda job: job[1][0]):
             places, _, steps = rounds[0][k]
@@ -148,7 +148,7 @@ def equal_error():
             print(f"{row} {spent / steps * 1e6:10.1f} {spent * 1e3:9.1f}", flush=True)
 
 
-def slider():
+def slider(_choice):
     """The slider-crank with a flexible rod, and how far apart the converged motions of the programs are."""
     given, M, K = flexible_slider.slider_crank()
     end = flexible_slider.END
@@ -235,7 +235,7 @@ def lattice(folder, cells):
     (folder / "fe" / "pendulum_nodes.txt").write_text("\n".join(table) + "\n")
 
 
-def growth():
+def growth(_choice):
     """Cost of a step against the number of FE nodes, 8 modes."""
     print("FE nodes   building, s   µs a step")
     for cells in (8, 32, 128, 512):
@@ -261,8 +261,11 @@ def main():
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], help=", ".join(PARTS))
-    for name in parser.parse_args().parts or PARTS:
-        PARTS[name]()
+    parser.add_argument("--modes", type=int, nargs="+", default=MODES, help="of the pendulum")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="of which medians are taken")
+    given = parser.parse_args()
+    for name in given.parts or PARTS:
+        PARTS[name](given)
 
 
 if __name__ == "__main__":
