@@ -1,14 +1,14 @@
-"""Cost of flexible bodies: steps, equal error against Exudyn, growth with the number of FE nodes.
+"""Cost of flexible bodies: the same pendulum in flexmb and Exudyn, steps, equal errors, growth with the mesh.
 
     pip install -e '.[bench]' && python scripts/bench/flexible.py [PART...]
 
-The pendulum is that of decks/vsdf: 54 nodes, 162 degrees of freedom, let go horizontally.  Both programs
-get the same M and K and as many modes; their frames and joints differ (Exudyn: free-free modes and the
-mean of the root face, flexmb: three reference nodes and a joint of five equations), so the error of each
-is taken against itself with steps so short that they do not matter.  The part `slider` is the slider-crank
-with a flexible rod; see flexible_slider.py for how the two describe it.  Errors are the largest at ten even
-times.  Times are processor seconds of solving, starting and reporting those ten rows included, the best of
-several runs, the two programs in turn.
+The part `agree` solves the pendulum of decks/vsdf with ever shorter steps in both programs and ends with
+exit code 1 unless the places of its tip agree; see flexible_pendulum.py for how Exudyn describes it.
+`equal-error` does the same first.  `slider` is the slider-crank with a flexible rod; see flexible_slider.py.
+
+Errors are the largest at ten even times; those of the pendulum against one reference for all, flexmb's RK45
+at 1e-11.  Times are processor seconds of solving, starting and reporting those ten rows included, but neither
+building nor compiling.  Of the pendulum they are medians of rounds in which all contestants take turns.
 """
 
 import argparse
@@ -18,22 +18,25 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import flexible_pendulum
 import flexible_slider
 import numpy as np
 from scipy import sparse
-from scipy.io import mmread, mmwrite
+from scipy.io import mmwrite
 
+sys.exudynFast = True  # Exudyn's module without range checks; it looks here when it is imported
 TOP = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(TOP))
 DECKS = TOP / "decks" / "vsdf"
 MODES = (8, 20)
 END, ROWS = 0.5, 10
-STEPS = (1e-3, 5e-4, 2e-4, 1e-4)
-REFERENCE = 1e-5
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-EQUAL_ERROR = 1e-6  # m
-REPEATS = 3
-TIP = 51
+LIMIT = 1e-7  # m, by which the converged places of the two programs may differ
+STEPS = (1e-3, 1e-4)  # s, at which the cost of a step is measured
+EQUAL_ERRORS = (1e-5, 1e-6)  # m
+NEWTON = (1e-8, 1e-6, 1e-5)  # Exudyn's tolerance, of which the first is its default
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  # of the slider-crank
+REPEATS, ROUNDS = 3, 7
+STRIDE = 6  # of the settings that `cheapest` tries first
 
 
 def mechanism(modes, folder=DECKS, *changes):
@@ -64,65 +67,88 @@ def march(given, method, step, parameter, end=END, outputs=slice(0, 1)):
     return places[1:].reshape(ROWS, -1), spent, int(analysis.clock["steps"][0])
 
 
-def exudyn_pendulum(modes):
-    """The system and the sensor of its tip."""
-    import exudyn as exu
-    from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
-    from exudyn.itemInterface import (
-        GenericJoint,
-        MarkerBodyRigid,
-        MarkerSuperElementRigid,
-        ObjectGround,
-        SensorSuperElement,
-    )
-
-    nodes = np.loadtxt(DECKS / "fe" / "pendulum_nodes.txt", comments=("*", "#"))[:, 1:4]
-    mbs, fem = exu.SystemContainer().AddSystem(), FEMinterface()
-    fem.nodes = {"Position": nodes}
-    fem.massMatrix, fem.stiffnessMatrix = (
-        mmread(DECKS / "fe" / f"pendulum_{name}.mtx").tocsr() for name in ("M", "K")
-    )
-    fem.ComputeEigenmodes(modes, excludeRigidBodyModes=6, useSparseSolver=False)
-    added = ObjectFFRFreducedOrderInterface(fem).AddObjectFFRFreducedOrder(mbs, gravity=[0, 0, -9.81])
-    body = added["oFFRFreducedOrder"]
-    root = [int(k) for k in np.flatnonzero(np.abs(nodes[:, 0]) < 1e-9)]
-    place = list(nodes[root].mean(axis=0))
-    ground = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround()), localPosition=place))
-    weights = [1 / len(root)] * len(root)
-    face = MarkerSuperElementRigid(bodyNumber=body, meshNodeNumbers=root, weightingFactors=weights)
-    joint = GenericJoint(markerNumbers=[ground, mbs.AddMarker(face)], constrainedAxes=[1, 1, 1, 1, 0, 1])
-    mbs.AddObject(joint)
-    tip = {"meshNodeNumber": TIP - 1, "outputVariableType": exu.OutputVariableType.Position}
-    sensor = mbs.AddSensor(SensorSuperElement(bodyNumber=body, storeInternal=True, **tip))
-    mbs.Assemble()
-    return mbs, sensor
+def agree(choice):
+    """Whether both programs have the same motion, with few and many modes."""
+    for modes in choice.modes:
+        require_agreement(modes, mechanism(modes))
 
 
-def exudyn_march(modes, step):
-    """As `march`, by generalised-alpha with the same spectral radius."""
-    mbs, sensor = exudyn_pendulum(modes)
-    return flexible_slider.solve(mbs, [sensor], step, END, ROWS)
+def require_agreement(modes, given):
+    """Print how far apart the converged places of the tip are; return flexmb's, or end the program."""
+    exact = march(given, "RK45", 0.0, 1e-11)[0]
+    places, corrected = flexible_pendulum.converged(given.bodies[0].flexible, END, ROWS)
+    apart = np.abs(places - exact).max()
+    galf = np.abs(march(given, "GALF", 2e-5, 0.9)[0] - exact).max()
+    print(f"{modes} modes, {END:g} s: converged Exudyn is off flexmb by {apart:.1e} m", end=" ")
+    print(f"(after a correction of {corrected:.0e} m); GALF with steps of 2e-5 s by {galf:.1e} m", flush=True)
+    if not apart <= LIMIT:
+        sys.exit(f"the two programs do not solve the same pendulum: {apart:.1e} m, more than {LIMIT:g} m")
+    return exact
 
 
-def runs_of(modes):
-    """Name, setting → a run, for all contestants; the first of each is its reference."""
-    given = mechanism(modes)
+def contestants(given):
+    """Name → (a run by its setting, settings from cheap to dear)."""
+    body = given.bodies[0].flexible
+    steps = [END / ROWS / n for n in np.unique(np.round(np.geomspace(20, 5000, 85)).astype(int))]
+    tolerances = [10.0 ** (-k / 4) for k in range(8, 41)]
+
+    def exudyn(newton):
+        return lambda h: flexible_pendulum.exudyn_march(body, h, newton, END, ROWS)
+
     return {
-        "Exudyn": (lambda h: exudyn_march(modes, h), (REFERENCE, *STEPS)),
-        "flexmb GALF": (lambda h: march(given, "GALF", h, 0.9), (REFERENCE, *STEPS)),
-        "flexmb RK45": (lambda tol: march(given, "RK45", 0.0, tol), (1e-12, *TOLERANCES)),
-        "flexmb RAD5": (lambda tol: march(given, "RAD5", 0.0, tol), (1e-10, *TOLERANCES)),
+        **{f"Exudyn, Newton {newton:g}": (exudyn(newton), steps) for newton in NEWTON},
+        "flexmb GALF": (lambda h: march(given, "GALF", h, 0.9), steps),
+        "flexmb RK45": (lambda tol: march(given, "RK45", 0.0, tol), tolerances),
+        "flexmb RAD5": (lambda tol: march(given, "RAD5", 0.0, tol), tolerances),
     }
 
 
-def equal_error():
-    """The pendulum with few and many modes."""
-    for modes in MODES:
-        print(f"{modes} modes, {END:g} s")
-        compare(runs_of(modes), END, (EQUAL_ERROR,))
+def cheapest(run, settings, exact, error):
+    """The cheapest setting with no larger error; None if there is none.  Errors must fall with the cost."""
+
+    def enough(k):
+        return np.abs(run(settings[k])[0] - exact).max() <= error
+
+    high = next((k for k in range(0, len(settings), STRIDE) if enough(k)), None)
+    if high is None:
+        return None
+    low = max(0, high - STRIDE + 1)
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if enough(middle) else (middle + 1, high)
+    return settings[high]
 
 
-def slider():
+def jobs_of(given, exact):
+    """(aim, name, run, setting) of all that is to be timed."""
+    for name, (run, settings) in contestants(given).items():
+        run(settings[0])  # compile
+        if "Exudyn" in name or "GALF" in name:
+            yield from ((f"step {h:g} s", name, run, h) for h in STEPS)
+        for error in EQUAL_ERRORS:
+            setting = cheapest(run, settings, exact, error)
+            if setting is None:
+                print(f"  {name} does not reach {error:g} m")
+            else:
+                yield f"error {error:g} m", name, run, setting
+
+
+def equal_error(choice):
+    """The pendulum with few and many modes: what a step costs, and a given error."""
+    for modes in choice.modes:
+        given = mechanism(modes)
+        exact = require_agreement(modes, given)
+        jobs = list(jobs_of(given, exact))
+        rounds = [[run(setting) for _, _, run, setting in jobs] for _ in range(choice.rounds)]
+        print("  aim            program               setting  error, m   steps  µs a step        ms")
+        for k, (aim, name, _, setting) in sorted(enumerate(jobs), key=lambda job: job[1][0]):
+            places, _, steps = rounds[0][k]
+            spent = np.median([results[k][1] for results in rounds])
+            row = f"  {aim:14} {name:20} {setting:8.1e} {np.abs(places - exact).max():9.1e} {steps:7d}"
+            print(f"{row} {spent / steps * 1e6:10.1f} {spent * 1e3:9.1f}", flush=True)
+
+
+def slider(_choice):
     """The slider-crank with a flexible rod, and how far apart the converged motions of the programs are."""
     given, M, K = flexible_slider.slider_crank()
     end = flexible_slider.END
@@ -209,7 +235,7 @@ def lattice(folder, cells):
     (folder / "fe" / "pendulum_nodes.txt").write_text("\n".join(table) + "\n")
 
 
-def growth():
+def growth(_choice):
     """Cost of a step against the number of FE nodes, 8 modes."""
     print("FE nodes   building, s   µs a step")
     for cells in (8, 32, 128, 512):
@@ -227,7 +253,7 @@ def growth():
         print(f"{6 * (cells + 1):8d} {built:12.2f} {cost * 1e6:12.1f}", flush=True)
 
 
-PARTS = {"equal-error": equal_error, "slider": slider, "growth": growth}
+PARTS = {"agree": agree, "equal-error": equal_error, "slider": slider, "growth": growth}
 
 
 def main():
@@ -235,8 +261,11 @@ def main():
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("parts", nargs="*", choices=[*PARTS, []], help=", ".join(PARTS))
-    for name in parser.parse_args().parts or PARTS:
-        PARTS[name]()
+    parser.add_argument("--modes", type=int, nargs="+", default=MODES, help="of the pendulum")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="of which medians are taken")
+    given = parser.parse_args()
+    for name in given.parts or PARTS:
+        PARTS[name](given)
 
 
 if __name__ == "__main__":

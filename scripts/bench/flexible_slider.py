@@ -161,15 +161,18 @@ def exudyn_slider_crank(rod, M, K, rigid):
     return mbs, sensors, laws
 
 
-def solve(mbs, sensors, step, end, rows):
-    """Run by generalised-alpha: (places (rows, 3 sensors) at even times, processor seconds, steps)."""
+def solve(mbs, sensors, step, end, rows, tolerance=1e-8):
+    """Run by generalised-alpha: (places (rows, 3 sensors) at even times, processor seconds, steps).
+
+    tolerance: relative, of Newton's iterations; 1e-8 is Exudyn's default.
+    """
     import exudyn as exu
 
     settings = exu.SimulationSettings()
     stepping = settings.timeIntegration
     stepping.numberOfSteps, stepping.endTime, stepping.verboseMode = round(end / step), end, 0
     stepping.generalizedAlpha.spectralRadius = 0.9
-    stepping.newton.useModifiedNewton = True
+    stepping.newton.useModifiedNewton, stepping.newton.relativeTolerance = True, tolerance
     settings.solution.file.write = False
     settings.solution.sensors.writePeriod = end / rows
     begin = time.process_time()

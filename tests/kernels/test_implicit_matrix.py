@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.kernels.implicit_march import GAMMA, _correct, implicit_work
 from flexmb_cli.kernels.profile_elimination import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree_jacobian import factorise, renew, set_mass_times, solve_stiff, stiff_work
-from flexmb_cli.model.tree import ELASTIC
+from flexmb_cli.kernels.tree_march import CLOCK
+from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
 from flexmb_cli.solve.tree_dynamics import initial_state
 from tests.kernels.test_elastic_rotation import turning_tree
 from tests.kernels.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
@@ -89,6 +91,31 @@ def test_iteration_of_an_open_tree_solves_its_linear_system(make, seed, one_way)
     close(x, np.linalg.solve(mass + F * D + F**2 * K, mass @ residual), 1e-9)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(seed):
+    """Slopes of speeds by the linear system, the others as they were evaluated.  The size is the norm of
+    Hairer, Nørsett and Wanner I (II.4.11) of what moves speeds, coordinates and attitudes in the stage."""
+    recursion = Recursion(random_tree(seed))
+    arrays, z, n = recursion.arrays, initial_state(recursion.tree), len(recursion.tree.q)
+    s, clock, random = (
+        implicit_work(len(z), n, arrays.closures),
+        np.zeros(1, CLOCK),
+        np.random.default_rng(seed),
+    )
+    clock["rtol"], clock["atol"] = 0.2, 0.1
+    renew(arrays, recursion.work, recursion.coordinates, z, s.stiff)
+    assert factorise(arrays, F, s.stiff)
+    s.trial[:], s.rate[:], slope = z, random.normal(size=len(z)), random.normal(size=len(z))
+    mass, D, K = dense_parts(recursion)
+    x = np.linalg.solve(mass + F * D + F**2 * K, mass @ (s.rate - slope)[:n])
+    rest = (s.rate - slope)[2 * n :]
+    moved = np.concatenate([F * x, F**2 * x, F * rest])[:-1]  # the last place is the work
+    found = _correct(arrays, clock[0], F / GAMMA, slope, s)
+    assert found == pytest.approx(np.sqrt(np.mean((moved / (0.1 + 0.2 * np.abs(z[:-1]))) ** 2)), rel=1e-9)
+    close(slope[2 * n :], s.rate[2 * n :], 0.0)
+    close(s.change, x, 1e-9)
+
+
 @pytest.mark.parametrize("directions", [(1, 2, 3), (2,)])
 @pytest.mark.parametrize("seed", [1, 3, 4])
 def test_iteration_of_a_closed_loop_leaves_its_closures_to_unknown_forces(seed, directions):
@@ -108,3 +135,23 @@ def test_closure_that_repeats_another_changes_nothing():
     once = solved(Recursion(tree), residual)[1]
     twice = solved(Recursion(replace(tree, closures=tree.closures * 2)), residual)[1]
     close(twice, once, 1e-7)
+
+
+def test_driven_hinge_of_a_closed_loop_leaves_the_closures_to_the_others():
+    """It has the row and column of the unit matrix and no column of J: others close the loop."""
+    tree = closed_where_it_is(looped_tree(3))
+    axis = tree.hinges[0].rotations[0]
+    m = next(i for i, c in enumerate(tree.coordinates) if (c.body, c.motion, c.axis) == (0, ROTATION, axis))
+    tree = replace(tree, prescribed=(Prescribed(0, ROTATION, axis, tree.q[m], tree.y[m], 0.0),))
+    recursion = Recursion(tree)
+    residual = np.random.default_rng(3).normal(size=len(tree.q))
+    residual[m] = 0.0
+    x = solved(recursion, residual)[1]
+    mass, D, K = dense_parts(recursion)
+    J, _ = closure_equations(tree, recursion.attitudes)
+    others = np.arange(len(residual)) != m
+    A, J, r = (mass + F * D + F**2 * K)[np.ix_(others, others)], J[:, others], residual[others]
+    whole = np.block([[A, J.T], [J, np.zeros((len(J), len(J)))]])
+    right_side = np.concatenate([mass[np.ix_(others, others)] @ r, J @ r])
+    close(x[others], np.linalg.solve(whole, right_side)[: len(r)], 1e-8)
+    assert x[m] == 0.0

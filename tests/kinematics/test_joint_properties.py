@@ -61,6 +61,23 @@ def position_for(one, random):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+def test_a_screw_turns_at_the_rate_of_its_angle(seed):
+    """Along q + h q̇ + h² q̈ / 2, with the whole turns that are asked for."""
+    random = np.random.default_rng([seed, 8])
+    one = SingleConstraint("screw", random)
+    states = np.array([position_for(one, random), *random.uniform(-1.0, 1.0, (2, 21))])
+    start, motion = screw_angle(one, states[0]), np.zeros((1, 3))
+
+    def turned(h):
+        there = screw_angle(one, states[0] + h * states[1] + 0.5 * h**2 * states[2])
+        return start + (there - start + np.pi) % (2.0 * np.pi) - np.pi
+
+    rotations, near = one._rotations(states[0], states[1]), np.array([start + 4.0 * np.pi + 1.0])
+    equations.screw_motion(one.arrays.constraints, states, rotations, near, motion)
+    assert_same(motion[0], [start + 4.0 * np.pi, slope(turned), curvature(turned)], 1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("label", CONSTRAINTS)
 def test_jacobian_is_the_derivative_of_the_residual(label, seed):
     random = np.random.default_rng([seed, 4])

@@ -2,8 +2,13 @@
 
 import numpy as np
 import pytest
+from mechanisms import analysis_of, sample
+from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.kernels import radau_march
+from flexmb_cli.kernels.radau_leap import _bend, _spread_power
+from flexmb_cli.kernels.radau_step import START
 from flexmb_cli.kernels.radau_table import COMPLEX, REAL, TIMES, WEIGHTS
 from flexmb_cli.kernels.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
@@ -12,6 +17,7 @@ from tests.vsdf.test_generalised_alpha import GRID
 from tests.vsdf.test_runs import Run, momenta
 
 METHOD = " GALF       0.9"
+LAST_STEP, STEP = 0.2, 0.3  # s
 
 
 def run(name, method, *changes, end=0.1, rows=0.01):
@@ -46,6 +52,35 @@ def test_coordinate_accelerations_are_the_rates_of_coordinate_rates():
     back = np.zeros(8)
     speeds_of_rates(1, q, qd, back)
     np.testing.assert_allclose(back, u, atol=1e-14)
+
+
+@pytest.fixture
+def march(tmp_path):
+    """A march over a singular position: the last step took 0.2 s, the next one takes 0.3 s."""
+    found = radau_march.new_march(analysis_of(sample(tmp_path)).work, 0)
+    found.clock["step_length"] = LAST_STEP
+    return found
+
+
+def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_stages(march):
+    """The cubic through the last step, expected, becomes the quartic that also goes through the end:
+    accelerations along a quartic are met."""
+    coefficients = np.random.default_rng(4).uniform(-1, 1, (march.rates.shape[1], 5))
+    at = lambda t: np.array([Polynomial(c)(t) for c in coefficients])  # noqa: E731
+    nodes = LAST_STEP * np.array([0.0, *TIMES])
+    cubic = np.polyfit(nodes, np.array([at(t) for t in nodes]), 3)
+    new = LAST_STEP + STEP * TIMES
+    march.rates[START + 1 : START + 4] = [np.polyval(cubic, t) for t in new]
+    expected = march.rates[START + 3].copy()
+    march.rates[START + 3] = at(new[2])
+    _bend(march, expected, STEP)
+    np.testing.assert_allclose(march.rates[START + 1 : START + 4], [at(t) for t in new], atol=1e-11)
+
+
+def test_the_power_of_a_singular_step_changes_evenly(march):
+    march.clock["power"] = 2.0
+    assert _spread_power(march, 5.0) == 3.0
+    np.testing.assert_allclose(march.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
 
 
 @pytest.mark.long_motion
