@@ -2,20 +2,24 @@
 
 from .outcome import Listener
 
-_ready: set[str] = set()  # entries this process need not look for again: a study asks for every case
+_told: set[str] = set()  # entries this process need not look for again: a study asks for every case
 
 
 def tell_of_compiling(listener: Listener, entry: str) -> None:
-    """Notices for the user when the kernel `entry` ("module.function") is not in the cache, or none lasts."""
-    if entry in _ready:
+    """Notices for the user when the kernel `entry` ("module.function") has to be compiled."""
+    if entry in _told:
         return
+    _told.add(entry)
     from ..kernels import _jit
 
-    if _jit.Cache.must_compile(entry):
-        listener.notice("compiling kernels (once per version, 20 s to two minutes)")
-    else:
-        _ready.add(entry)
-    if not _jit.Cache.lasting:
+    if not _jit.must_compile(entry):
+        return
+    from ..kernels import _cache
+
+    listener.notice("compiling kernels (once per version, 10 s to a minute)")
+    if _cache.folder_to_write() is None:
         listener.notice(
             "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
         )
+    for sentence in _cache.refused:
+        listener.notice(sentence)
