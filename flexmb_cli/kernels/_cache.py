@@ -6,9 +6,7 @@ write to it; anything else is as if it were not there, and is named once (`refus
 
 import contextlib
 import os
-import shutil
 import stat
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -33,6 +31,8 @@ def _bases() -> Iterator[Path]:
         if base:
             yield Path(base) / below
     if hasattr(os, "getuid"):
+        import tempfile
+
         yield Path(tempfile.gettempdir()) / f"flexmb-{os.getuid()}"
 
 
@@ -103,6 +103,8 @@ def _open_unlinked(path, flags):
 
 def folder_to_write() -> Path | None:
     """Return the first folder that can be written, made where it is missing; None where there is none."""
+    import tempfile
+
     for folder in folders():
         with contextlib.suppress(OSError):
             _make(folder)
@@ -122,6 +124,8 @@ def keep(folder: Path | None, name: str, data: bytes) -> None:
     """Keep an object, whole or not at all; the cache only saves time, so that no failure matters."""
     if folder is None:
         return
+    import tempfile
+
     with contextlib.suppress(OSError):
         number, temporary = tempfile.mkstemp(prefix=f".{name[:40]}-", dir=folder)  # mode 0600
         try:
@@ -142,6 +146,8 @@ def versions(place: Path) -> list[Path]:
 
 def _prune(folder):
     """Delete the folders of old versions."""
+    import shutil
+
     old = [path for path in versions(folder.parent)[KEPT_VERSIONS:] if path != folder]
     for path in [*old, *folder.parent.glob(f"{_OLD_PREFIX}*")]:
         if not path.is_symlink():
@@ -158,6 +164,8 @@ def kept() -> Iterator[tuple[Path, int]]:
 
 def clear() -> int:
     """Delete the kept objects of all versions; return how many files."""
+    import shutil
+
     count = len(list(kept()))
     for folder in list(folders()):
         for version in versions(folder.parent) if folder.parent.is_dir() else ():

@@ -2,13 +2,14 @@
 
 import hashlib
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from ..collector import without_collector
 from ..memory import TO_COMPILE, require_memory
 from . import _cache, _objects
 from ._arguments import NotDescribedError, Words, describe, key_of
-from .signatures import PROCESSORS, unit_of, unit_parameters
+from .signatures import PROCESSORS, UNITS, unit_of, unit_parameters
 
 _PACKAGE = __package__ + "."
 _functions: dict[str, list] = {}  # compiled code by the name of the entry
@@ -170,9 +171,9 @@ def emit(unit: str, entries: list, digest: str, targets: list[str]) -> dict[str,
     import numba
 
     machines = {target: PROCESSORS.get(target) or compiler.this_machine() for target in targets}
-    made = compiler.emit_object(
-        unit, [compiler.Entry(name, kernel, p) for kernel, name, p in entries], machines
-    )
+    named = [compiler.Entry(name, kernel, parameters) for kernel, name, parameters in entries]
+    with without_collector():  # numba makes cycles by the million, and a tenth of the time went into them
+        made = compiler.emit_object(unit, named, machines)
     words = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
     return {
         target: _objects.write(
@@ -180,3 +181,14 @@ def emit(unit: str, entries: list, digest: str, targets: list[str]) -> dict[str,
         )
         for target, (told, code) in made.items()
     }
+
+
+def package_objects(folder: Path) -> Iterator[Path]:
+    """Compile all units for all processors and systems into `folder`, for a wheel; yield each file."""
+    digest = _objects.kernel_digest()
+    for unit in UNITS:
+        for target, content in emit(unit, unit_entries(unit), digest, list(PROCESSORS)).items():
+            path = folder / target / f"{unit}{_cache.ENDING}"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+            yield path

@@ -24,8 +24,9 @@ _SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
 # What objects may call; LLVM replaces some of it, as sin and cos together by sincos.
 OF_C = frozenset(
     ("malloc", "free", "memset", "memcpy", "memmove", "sin", "cos", "tan", "asin", "acos", "atan", "atan2")
-    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "fmod", "floor", "ceil", "hypot")
+    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "hypot")
 )
+_LOADING = ("_cache.py", "_entry.py", "_objects.py")
 # Checks of bounds are other code under the same name.
 CHECKED = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
 
@@ -47,10 +48,11 @@ def kernel_digest() -> str:
     """Return a name for the text of all kernels.
 
     A kernel depends on what it calls and on constants of other files: one changed text makes all others.
+    What only finds and loads objects has no part in them.
     """
     here = Path(__file__).parent
     digest = hashlib.sha256(b"checked" if CHECKED else b"")
-    for path in sorted(here.rglob("*.py")):
+    for path in sorted(path for path in here.rglob("*.py") if path.name not in _LOADING):
         digest.update(path.relative_to(here).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
