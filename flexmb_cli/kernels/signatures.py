@@ -80,6 +80,7 @@ UNITS = {
     "kinematics": {
         "kinematic_march.march": "Mechanism f2 f2 f1 f1 f3 f2",
         "newton.evaluate_position": "Mechanism Newton f1 float f1",
+        "newton.reach_of": "Mechanism f1",
         "kinematic_march.predict": "f2 float f1",
         "kinematic_march.screws_expected": "f2 float f1",
         "kinematic_march.defect": "Mechanism f2 f2 float",
