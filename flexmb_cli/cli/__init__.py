@@ -8,6 +8,8 @@ import gc
 import os
 import signal
 import sys
+from collections.abc import Mapping
+from importlib import import_module
 
 import click
 
@@ -22,21 +24,8 @@ from ..errors import (
 )
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
-from .beam import beam
-from .check import check
-from .diff import diff
-from .export import export
-from .json_faults import print_record, wants_json
-from .modes import modes
-from .new import new
-from .plot import plot
-from .report import report
-from .run import run
 from .stops import ignore_stops, pass_over_stops
-from .sweep import sweep
-from .table import table
 from .terminal import lines_visible
-from .verify import verify
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -45,12 +34,51 @@ THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 OBJECTS_UNTIL_COLLECTED = 50_000
 
 
+# In the order a newcomer meets them, with the first lines of their help: no other command is imported for it.
+COMMANDS = {
+    "run": "Solve every DECK and write its OUT table and HDF5 result.",
+    "check": "Read every DECK, assemble it and report what is doubtful,...",
+    "verify": "Run every DAFMS DECK by Kane's equations and in absolute...",
+    "modes": "List eigenfrequencies and damping of the mechanism of every...",
+    "diff": "Compare two OUT tables, DAFMS echoes or series, or HDF5...",
+    "table": "Print quantities of RESULT.h5 over time, on a terminal and in...",
+    "plot": "Draw quantities of RESULT.h5 over time, a panel for each unit.",
+    "report": "Write a self-contained HTML page: motion in 3-D, curves, audit...",
+    "export": "Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or...",
+    "sweep": "Solve the variants of a deck that STUDY (TOML) describes, and...",
+    "new": "Ask for the data of a deck, number by number, and write a deck...",
+    "beam": "Write the finite-element block of a beam to standard output.",
+    "compile": "Compile all kernels now, so that no first run waits for them.",
+}
+
+
+class Commands(Mapping):
+    """The commands by name, each imported when it is asked for."""
+
+    def __getitem__(self, name: str) -> click.Command:
+        if name not in COMMANDS:
+            raise KeyError(name)
+        module = import_module(f".{name}", __name__)
+        return getattr(module, name if hasattr(module, name) else f"{name}_")
+
+    def __iter__(self):
+        return iter(COMMANDS)
+
+    def __len__(self):
+        return len(COMMANDS)
+
+
 class Group(click.Group):
-    """Keeps the commands in the order of their definition."""
+    """Keeps the commands in the order of `COMMANDS`."""
 
     def list_commands(self, ctx):
         """Names in the order a newcomer meets them."""
         return list(self.commands)
+
+    def format_commands(self, ctx, formatter):
+        """Write the names with their help."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})
@@ -66,8 +94,7 @@ def cli(debug):
     gc.set_threshold(OBJECTS_UNTIL_COLLECTED)
 
 
-for command in (run, check, verify, modes, diff, table, plot, report, export, sweep, new, beam):
-    cli.add_command(command)
+cli.commands = Commands()
 
 
 def main():
@@ -164,6 +191,8 @@ def _refuse_usage(fault):
 
 
 def _print_json(exit_code, *faults, file=None):
+    from .json_faults import print_record, wants_json
+
     if wants_json(cli.commands, sys.argv[1:]):
         print_record(exit_code, faults, file)
 

@@ -8,7 +8,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import plain
 
 System = namedtuple(
     "System",
@@ -46,7 +46,7 @@ FORCES, UNKNOWN, PRODUCT, FREE, CORRECTION, QD = 0, 1, 2, 3, 4, 5
 SOLVED, SINGULAR, NO_INERTIA = 0, 1, 2
 
 
-@kernel
+@plain
 def make_work(system, turns):
     """Work for a mechanism with `turns` angles."""
     bodies, m, n = system.masses.shape[0], system.row_scale.shape[0], system.speed_scale.shape[0]

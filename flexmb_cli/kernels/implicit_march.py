@@ -89,12 +89,13 @@ def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
 
 
 @kernel
-def march_implicitly(until, budget, tree, work, coordinates, clock, z, s):
+def march_implicitly(until, budget, tree, work, coordinates, clocks, z, s):
     """Step the state z from clock["t"] to the first step's end at or after `until`, or to the stop.
 
     `s.before` holds the slope at z.  Pauses after `budget` evaluations.  The last step began at
     clock["step_start"] from `s.old` with the slope `s.old_slope`.
     """
+    clock = clocks[0]
     spent = clock["evaluations"] + budget
     while clock["t"] < until and clock["t"] < clock["stop"]:
         if clock["evaluations"] >= spent:

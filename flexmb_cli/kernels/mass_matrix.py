@@ -12,7 +12,7 @@ whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 from collections import namedtuple
 
 from . import floating_frame
-from ._jit import kernel, part
+from ._jit import kernel, part, plain
 from .constrained_system import PRODUCT, A
 
 Inertia = namedtuple("Inertia", "masses flexible mass modal")
@@ -22,7 +22,7 @@ masses, flexible: those of the System.  mass, modal: those of the Work.
 """
 
 
-@kernel
+@plain
 def inertia_of(system, work):
     """The mass matrix at hand: views, which follow the work."""
     return Inertia(system.masses, system.flexible, work.mass, work.modal)

@@ -82,10 +82,8 @@ def note_turns(system, work, march):
 
 
 @kernel
-def angles_at(system, work, q, near):
-    """Angles (angles,) at q, those nearest to `near`, rad."""
-    angles = near.copy()
+def fill_angles(system, work, q, near, angles):
+    """Fill angles (angles,) with those at q that are nearest to `near`, rad."""
     rotation_matrices(q, work.rotations[A])
     place_arms(geometry_of(system, work), q)
     find_turns(system, work, near, angles)
-    return angles

@@ -4,14 +4,14 @@ z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge 
 and last the work that has been applied, whose error does not count.
 """
 
-from ._jit import kernel
+from ._jit import kernel, plain
 from .kane_tree import SOLVED, accelerations
 from .tree_energy import applied_power
 from .tree_kinematics import attitude_rates
 from .tree_loads import set_prescribed
 
 
-@kernel
+@plain
 def parts(tree, z):
     """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
     n = tree.given.shape[0]
@@ -31,11 +31,17 @@ def derivative(tree, work, coordinates, t, z, dz):
     for m in range(y.shape[0]):
         yd[m] = coordinates[m]["rate"]
         qd[m] = y[m]
+    turn_attitudes(tree, y, attitudes, rates)
+    dz[dz.shape[0] - 1] = applied_power(tree, work, coordinates, t, q, y)
+    return SOLVED
+
+
+@kernel
+def turn_attitudes(tree, y, attitudes, rates):
+    """Fill the rates (balls, 4) of Euler parameters for the speeds y."""
     for k in range(1, tree.frames.shape[0]):
         if tree.frames[k]["ball"] >= 0:
             attitude_rates(tree.frames[k], y, attitudes, rates)
-    dz[dz.shape[0] - 1] = applied_power(tree, work, coordinates, t, q, y)
-    return SOLVED
 
 
 @kernel

@@ -1,7 +1,6 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
 from dataclasses import replace
-from difflib import get_close_matches
 
 from ..errors import DeckError, Fault
 from . import number
@@ -39,6 +38,8 @@ class SettableDeck:
 
     def unknown(self, name: str) -> str:
         """What to say of a name that the deck lacks."""
+        from difflib import get_close_matches
+
         close = get_close_matches(name, self._known, n=_NEAREST, cutoff=0.0)
         return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
 

@@ -1,7 +1,6 @@
 """Reader of VSDF decks: keyword cards of four columns, data cards below them."""
 
 import re
-from difflib import get_close_matches
 
 from ..errors import DeckError, Fault, Place
 from . import vsdf_fields
@@ -215,6 +214,8 @@ def _hint(word: str) -> str:
     """What may have been meant by a word that no card has."""
     if word in DATA_WORDS:
         return f"; '{word}' stands on a data card, behind a blank"
+    from difflib import get_close_matches
+
     near = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
     return f"; is '{near[0]}' meant?" if near else ""
 

@@ -8,7 +8,6 @@ the deck does.  `{...}` is a comment.
 
 import re
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 
 from ..errors import DeckError, Fault, Place
 from . import number
@@ -253,6 +252,8 @@ class _Cards:
 
 
 def _unknown(text):
+    from difflib import get_close_matches
+
     near = get_close_matches(text.upper(), BY_KEYWORD, n=1)
     hint = f"; is {near[0]} meant?" if near else ""
     return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {CLOSING}{hint}"

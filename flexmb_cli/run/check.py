@@ -4,19 +4,20 @@ Small mechanisms are assembled by the same kernels left uncompiled, so that `che
 """
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Fault, ModelError
-from ..model.build_young import build_young
-from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import FORWARD, analysis_of
 from .check_parts import before_and_after, gaps_of, parts_of
-from .check_tree import TreeFindings, check_tree
 from .deck import open_deck
 from .ending import ending_recorded
 from .outcome import Outcome, RunOptions, Stop, refuse_warnings
+
+if TYPE_CHECKING:
+    from .check_tree import TreeFindings
 
 INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
@@ -42,7 +43,7 @@ class CheckReport:
     rank: int | None = None
     redundant: list | None = None
     free: list | None = None
-    tree: TreeFindings | None = None
+    tree: "TreeFindings | None" = None
     bodies: list | None = None
     smallest: float | None = None
     gaps: list = field(default_factory=list)
@@ -92,6 +93,8 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
     with ending_recorded(report.outcome, options), Stop.released():
         report.deck = open_deck(path, options, report.outcome)
         if report.deck.dialect == "dafms":
+            from .check_tree import check_tree
+
             _refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
             check_tree(report, options)
         elif report.deck.dialect == "vsdf":
@@ -125,8 +128,11 @@ def _check_mechanism(report, options, jacobian):
 def _built(deck):
     """Mechanism and warnings of a deck that its drivers move, with or without dynamic cards."""
     if analysis_of(deck) is None:
+        from ..model.build_young import build_young
+
         return build_young(deck)
     from ..model.build_young_dynamics import build_young_dynamics
+    from ..model.unit_doubts import unit_doubts
 
     model, warnings = build_young_dynamics(deck)
     return model.mechanism, [*warnings, *unit_doubts(model)]

@@ -6,17 +6,32 @@ from ..errors import DeckError, Fault
 from ..read.dafms_models import changes_of, named_model, only_model
 from ..read.deck import Deck
 from ..read.dialects import read_deck
-from ..read.settings import apply_settings
 from ..read.text import read_text
-from ..write.echo import echo
 from ..write.file_names import result_paths
-from .dafms import run_dafms
 from .ending import ending_recorded
 from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
-from .vsdf import run_vsdf
-from .young_dynamics import run_young_deck
 
-RUNNERS = {"young": run_young_deck, "dafms": run_dafms, "vsdf": run_vsdf}
+
+def _run_young(*arguments):
+    from .young_dynamics import run_young_deck
+
+    run_young_deck(*arguments)
+
+
+def _run_dafms(*arguments):
+    from .dafms import run_dafms
+
+    run_dafms(*arguments)
+
+
+def _run_vsdf(*arguments):
+    from .vsdf import run_vsdf
+
+    run_vsdf(*arguments)
+
+
+# A run imports the models and the solver of its own dialect.
+RUNNERS = {"young": _run_young, "dafms": _run_dafms, "vsdf": _run_vsdf}
 
 
 def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout=None) -> Outcome:
@@ -30,6 +45,8 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
         with Stop.released():
             deck = open_deck(path, options, outcome)
         if options.echo:
+            from ..write.echo import echo
+
             outcome.echo = echo(deck)
         warn_of_foreign_options(deck, options, outcome)
         runner = RUNNERS[deck.dialect]
@@ -47,7 +64,11 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     changes = changes_of(options.changes, source, model)
     if model:
         source = only_model(source, model)
-    deck = apply_settings(read_deck(source, options.dialect), changes)
+    deck = read_deck(source, options.dialect)
+    if changes:
+        from ..read.settings import apply_settings
+
+        deck = apply_settings(deck, changes)
     outcome.faults += deck.warnings
     outcome.faults += _doubly_set(changes)
     outcome.settings = deck.settings

@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
-from ..model.build_young import build_young
 from ..read.deck import Deck
 from ..write.file_names import STANDARD_OUTPUT, ResultPaths
 from .compiling import tell_of_compiling
@@ -25,11 +24,12 @@ def write_solution(solution: "Solution", deck, paths, options, outcome, listener
 
 def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> "Solution":
     """The kinematics of `deck`, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
+    from ..model.build_young import build_young
+    from ..write.hdf5_kinematic import kinematic_layout, kinematic_values
+
     mechanism, warnings = build_young(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
-    from ..write.hdf5_kinematic import kinematic_layout, kinematic_values
-
     contents = Contents(lambda: kinematic_layout(mechanism), kinematic_values)
     return Solution(_analysis(mechanism, options, listener), mechanism.time.rows, contents, _NewtonCount())
 

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from ..errors import Fault
-from ..model.build_young_dynamics import build_young_dynamics
-from ..model.unit_doubts import unit_doubts
 from ..read.deck import Deck
 from ..read.young_dynamics import INVERSE, analysis_of
 from ..write.file_names import ResultPaths
@@ -36,6 +34,8 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     """What a YOUNG deck asks for, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
     if analysis_of(deck) is None:
         return kinematic_solution(deck, options, outcome, listener)
+    from ..model.build_young_dynamics import build_young_dynamics
+    from ..model.unit_doubts import unit_doubts
     from ..write.hdf5_dynamic import dynamic_layout, dynamic_values
 
     model, warnings = build_young_dynamics(deck)

@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import AnalysisError, Fault
 from ..kernels import constrained_march
 from ..kernels.constrained_system import NO_INERTIA
-from ..kernels.screw_turns import NEAR, NEW, OLD, angles_at
+from ..kernels.screw_turns import NEAR, NEW, OLD, fill_angles
 from ..model.mechanism import TimeGrid
 from ..model.motion_law import HELD_TABLE, TABLE
 from ..model.system_arrays import SystemArrays
@@ -165,7 +165,9 @@ class ConstrainedMotion:
 
     def screw_angles(self, q):
         """Angles that count turns at q, those nearest to the deck's estimates."""
-        return angles_at(self.system, self.work, q, self.arrays.turns)
+        angles = self.arrays.turns.copy()
+        fill_angles(self.system, self.work, q, self.arrays.turns, angles)
+        return angles
 
     def _failure(self, answer, due: float = np.inf) -> AnalysisError:
         """Why no step, or no row that was `due` at that time, could be made."""

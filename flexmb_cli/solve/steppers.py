@@ -1,18 +1,28 @@
-"""The methods that step a constrained mechanism through time, behind one face."""
+"""The methods that step a constrained mechanism through time, behind one face.
+
+Each imports its own kernels when it is used.
+"""
 
 from ..errors import Fault
-from ..kernels import alpha_march, constrained_march, radau_march
 
 
 class ExplicitSteps:
     """DOP853: steps chosen by the tolerance."""
 
-    march_rows = staticmethod(constrained_march.march_rows)
     entry = "constrained_march.march_rows"  # the kernel that is compiled
     chosen = True  # whether the lengths of its steps are its own choice
 
+    @property
+    def march_rows(self):
+        """The kernel."""
+        from ..kernels import constrained_march
+
+        return constrained_march.march_rows
+
     def new_march(self, work, turns: int):
         """A march at time 0 with an empty state for a mechanism with this work and so many angles."""
+        from ..kernels import constrained_march
+
         return constrained_march.new_march(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, turns)
 
     def doubts(self, clock) -> list[Fault]:
@@ -26,11 +36,17 @@ class GeneralisedAlpha:
     `radius`: the spectral radius at infinity, 1 for no numerical damping, 0 for the most.
     """
 
-    march_rows = staticmethod(alpha_march.march_rows)
     entry = "alpha_march.march_rows"
 
     def __init__(self, radius: float = 0.9, length: float = 0.0):
         self.radius, self.length = radius, length
+
+    @property
+    def march_rows(self):
+        """The kernel."""
+        from ..kernels import alpha_march
+
+        return alpha_march.march_rows
 
     @property
     def chosen(self) -> bool:
@@ -39,6 +55,8 @@ class GeneralisedAlpha:
 
     def new_march(self, work, turns: int):
         """A march at time 0 with an empty state; see `alpha_march.new_march`."""
+        from ..kernels import alpha_march
+
         march = alpha_march.new_march(work, turns)
         march.clock["rho"], march.clock["fixed"] = self.radius, self.length
         return march
@@ -57,12 +75,20 @@ class GeneralisedAlpha:
 class RadauSteps:
     """Radau IIA of order 5: steps chosen by the tolerance, however stiff modes, springs and dampers are."""
 
-    march_rows = staticmethod(radau_march.march_rows)
     entry = "radau_march.march_rows"
     chosen = True
 
+    @property
+    def march_rows(self):
+        """The kernel."""
+        from ..kernels import radau_march
+
+        return radau_march.march_rows
+
     def new_march(self, work, turns: int):
         """A march at time 0 with an empty state; see `radau_march.new_march`."""
+        from ..kernels import radau_march
+
         return radau_march.new_march(work, turns)
 
     def doubts(self, clock) -> list[Fault]:

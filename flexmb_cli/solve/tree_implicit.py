@@ -25,7 +25,14 @@ def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
     start, length = clock["step_start"].copy(), clock["step_length"].copy()
     while clock["t"] < stop:
         answer = implicit_march.march_implicitly(
-            _next_time(analysis), budget, analysis.arrays, analysis.work, analysis.coordinates, clock, z, work
+            float(_next_time(analysis)),
+            budget,
+            analysis.arrays,
+            analysis.work,
+            analysis.coordinates,
+            analysis.clock,
+            z,
+            work,
         )
         if answer in (implicit_march.VANISHED, implicit_march.FAULTED):
             raise analysis.failure()

@@ -4,8 +4,7 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault, ModelError
 from ..kernels.kane_tree import SOLVED
-from ..kernels.tree_kinematics import attitude_rates
-from ..kernels.tree_motion import derivative, normalise_attitudes, parts
+from ..kernels.tree_motion import derivative, normalise_attitudes, parts, turn_attitudes
 from ..model.tree import ROTATION
 from .linearised import SmallMotions
 from .tree_assembly import assemble_tree
@@ -35,9 +34,7 @@ class TreeSmallMotions(SmallMotions):
         step = self.motions @ y
         q += step
         rates = np.zeros_like(attitudes)
-        for frame in self.arrays.frames[1:]:
-            if frame["ball"] >= 0:
-                attitude_rates(frame, step, attitudes, rates)
+        turn_attitudes(self.arrays, step, attitudes, rates)
         attitudes += rates
         normalise_attitudes(self.arrays, z)
         speeds += self.motions @ yd

@@ -8,7 +8,6 @@ would destroy it.
 
 import errno
 import os
-import secrets
 import stat
 import zlib
 from contextlib import contextmanager, suppress
@@ -253,7 +252,7 @@ def _reserve(target):
     Its short name fits wherever the result's does.
     """
     while True:
-        name = f"{_of_target(target)}{secrets.token_hex(4)}{_SUFFIX}"
+        name = f"{_of_target(target)}{os.urandom(4).hex()}{_SUFFIX}"
         path = os.path.join(os.path.dirname(target), name)
         with suppress(FileExistsError):
             held = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)

@@ -1,6 +1,7 @@
 """Caches of kernels and of flexible bodies: damaged, gone, without a place; and many first runs at once."""
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -34,7 +35,7 @@ def damaged_kernels(stage, chance, number, folder) -> Verdict:
     cache = folder / "cache"
     first = _twice(folder, cache)
     found = [] if first == "42.0" else [f"without damage: {first}"]
-    files = sorted(path for path in cache.rglob("*.nb?"))
+    files = sorted(path for path in cache.rglob("*.object"))
     for path in chance.sample(files, chance.randint(1, len(files))):
         _damage(chance, path, number)
     for _ in range(2):
@@ -117,7 +118,8 @@ def homeless(stage, chance, number, folder) -> Verdict:
     lasting = private / f"flexmb-{os.getuid()}/flexmb"
     lasting.mkdir(parents=True)
     (private / f"flexmb-{os.getuid()}").chmod(0o700)
-    (lasting / warm.name).symlink_to(warm)
+    lasting.chmod(0o700)
+    shutil.copytree(warm, lasting / warm.name)
     no = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "LOCALAPPDATA"))
     somewhere = {"TMPDIR": str(private)}
     ways = [
@@ -134,9 +136,9 @@ def homeless(stage, chance, number, folder) -> Verdict:
 
 
 def _kernels() -> Path:
-    from flexmb_cli.kernels import _jit
+    from flexmb_cli.kernels import _cache
 
-    return _jit.Cache.folder
+    return _cache.folder_to_write()
 
 
 def unwritable_bodies(stage, chance, number, folder) -> Verdict:

@@ -1,4 +1,4 @@
-"""The cache of compiled kernels, damaged or lost: kernels are compiled anew, and never run as they are."""
+"""The cache of compiled kernels, damaged, lost or another user's: kernels are compiled anew."""
 
 import os
 import shutil
@@ -12,8 +12,10 @@ from flexmb_cli.kernels import _jit
 
 pytestmark = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
 
+NOBODY = 65534
 KERNEL = """
-import shutil, sys
+import os, shutil, sys
+from flexmb_cli.kernels import _cache
 from flexmb_cli.kernels._jit import kernel
 
 @kernel
@@ -27,7 +29,7 @@ def twice(x):
 if sys.argv[1:]:
     shutil.rmtree(sys.argv[1])
     open(sys.argv[1], "w").close()
-print(twice(7.0), sum(twice.stats.cache_hits.values()))
+print(twice(7.0), "compiled" if "numba" in sys.modules else "loaded", *_cache.refused)
 """
 
 
@@ -36,18 +38,31 @@ def script(tmp_path_factory):
     """The kernel as a program, and a cache in which it is kept."""
     path = tmp_path_factory.mktemp("kernel") / "kernel.py"
     path.write_text(KERNEL)
-    assert twice(path, path.parent / "cache") == "42.0 0"
-    assert twice(path, path.parent / "cache") == "42.0 1"
+    assert twice(path, path.parent / "cache") == "42.0 compiled"
+    assert twice(path, path.parent / "cache") == "42.0 loaded"
     return path
 
 
-def twice(script, cache, *arguments):
-    """What the kernel gives in a process of its own, and how often it came from the cache."""
+def twice(script, cache, *arguments, **environment):
+    """What the kernel gives in a process of its own, and whether it was compiled for it."""
+    places = {"NUMBA_CACHE_DIR": str(cache), "HOME": "", "XDG_CACHE_HOME": "", "TMPDIR": str(cache.parent)}
     done = subprocess.run(
         [sys.executable, script, *arguments], capture_output=True, text=True, timeout=120,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
+        env=os.environ | places | environment,
     )  # fmt: skip
     return done.stdout.strip() or done.stderr[-500:]
+
+
+@pytest.fixture
+def cache(tmp_path, script):
+    """A copy of the cache, for one test."""
+    return shutil.copytree(script.parent / "cache", tmp_path / "cache")
+
+
+def kept_file(cache):
+    """The one object in a cache."""
+    (path,) = cache.rglob("*.object")
+    return path
 
 
 def garbled(content):
@@ -62,30 +77,115 @@ DAMAGES = {
     "empty": lambda content: b"",
     "zeroed": lambda content: bytes(len(content)),
     "garbled": garbled,
+    "of another version": lambda content: content.replace(b"object 1", b"object 0"),
 }
 
 
 @pytest.mark.processes
-@pytest.mark.parametrize("ending", ["nbi", "nbc"])
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, script, damage, ending):
-    cache = shutil.copytree(script.parent / "cache", tmp_path / "cache")
-    (kept,) = cache.rglob(f"*.{ending}")
+def test_a_damaged_kernel_is_compiled_anew_and_kept(cache, script, damage):
+    kept = kept_file(cache)
     kept.write_bytes(DAMAGES[damage](kept.read_bytes()))
-    assert twice(script, cache) == "42.0 0"
-    assert twice(script, cache) == "42.0 1"
+    assert twice(script, cache) == "42.0 compiled"
+    assert twice(script, cache) == "42.0 loaded"
 
 
 @pytest.mark.processes
-def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_calls_it(tmp_path, script):
-    cache = shutil.copytree(script.parent / "cache", tmp_path / "cache")
-    assert [path.name.partition("-")[0] for path in cache.rglob("*.nbc")] == ["kernel.twice"]
-    command = "import kernel; print(kernel.below(7.0), kernel.below.part.overloads)"
+def test_an_edited_text_is_compiled_anew(tmp_path, cache, script):
+    edited = tmp_path / script.name
+    edited.write_text(KERNEL.replace("3.0", "4.0"))
+    assert twice(edited, cache) == "56.0 compiled"
+
+
+@pytest.mark.processes
+def test_everything_compiled_lies_in_one_place_that_only_the_user_can_write(tmp_path, script):
+    home, copy = tmp_path / "home", tmp_path / "copy"
+    shutil.copytree(
+        Path(_jit.__file__).parents[1], copy / "flexmb_cli", ignore=shutil.ignore_patterns("*.pyc")
+    )
+    shutil.copy(script, copy)
+    before = set(copy.rglob("*.nb?"))
+    for expected in ("compiled", "loaded"):
+        done = subprocess.run(
+            [sys.executable, copy / script.name], capture_output=True, text=True, timeout=120, cwd=copy,
+            env={"HOME": str(home), "PYTHONPATH": str(copy), "TMPDIR": str(tmp_path)},
+        )  # fmt: skip
+        assert done.stdout.split() == ["42.0", expected], done.stderr
+    assert set(copy.rglob("*.nb?")) == before
+    assert kept_file(home).stat().st_mode & 0o777 == 0o600
+    folders = [path for path in home.rglob("*") if path.is_dir()]
+    assert folders and {path.stat().st_mode & 0o777 for path in folders} == {0o700}
+
+
+def of_another_user(path):
+    """Give a file or folder away."""
+    if os.geteuid() != 0:
+        pytest.skip("giving a file away needs root")
+    os.chown(path, NOBODY, NOBODY)
+
+
+CLAIMS = {"another user's": of_another_user, "writable by others": lambda path: path.chmod(0o777)}
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize("place", ["cache", "cache/flexmb", "version", "object"])
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_what_others_may_have_written_is_not_loaded(tmp_path, cache, script, place, claim):
+    """Whoever owned such a folder could have had code of theirs run; the bytes are those of a good object."""
+    kept = kept_file(cache)
+    path = {"version": kept.parent, "object": kept}.get(place, tmp_path / place)
+    CLAIMS[claim](path)
+    said = twice(script, cache, HOME=str(tmp_path / "home"))
+    assert said.startswith(f"42.0 compiled {path} is not used for compiled kernels")
+    assert said.count("is not used") == 1
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize("place", ["version", "object"])
+def test_links_are_not_followed(tmp_path, cache, script, place):
+    kept = kept_file(cache)
+    path = {"version": kept.parent, "object": kept}[place]
+    path.rename(tmp_path / "elsewhere")
+    path.symlink_to(tmp_path / "elsewhere")
+    assert twice(script, cache, HOME=str(tmp_path / "home")).startswith("42.0 compiled")
+
+
+@pytest.mark.processes
+def test_a_pipe_in_place_of_an_object_stops_nothing(cache, script):
+    kept = kept_file(cache)
+    kept.unlink()
+    os.mkfifo(kept)
+    assert twice(script, cache) == "42.0 compiled"
+    assert twice(script, cache) == "42.0 loaded"
+
+
+@pytest.mark.processes
+def test_a_pickle_is_not_looked_at(cache, script, tmp_path):
+    """numba's index was unpickled before any check; an object has no pickle in it."""
+    kept = kept_file(cache)
+    code = f"import os\nos.mkdir({str(tmp_path / 'attacked')!r})"
+    import pickle
+
+    class Attack:
+        def __reduce__(self):
+            return exec, (code,)
+
+    for name in ("kernel.twice-9.py311.nbi", "kernel.twice-9.py311.1.nbc", kept.name):
+        (kept.parent / name).write_bytes(pickle.dumps(Attack()))
+    assert twice(script, cache) == "42.0 compiled"
+    assert not (tmp_path / "attacked").exists()
+    assert b"pickle" not in kept.read_bytes()
+
+
+@pytest.mark.processes
+def test_what_kernels_call_is_compiled_with_them_and_by_itself_only_when_python_calls_it(cache, script):
+    assert [path.name.partition("-")[0] for path in cache.rglob("*.object")] == ["__main__.twice"]
+    command = "import kernel; print(kernel.below(7.0))"
     done = subprocess.run(
         [sys.executable, "-c", command], cwd=script.parent, capture_output=True, text=True, timeout=120,
         env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
     )  # fmt: skip
-    assert done.stdout.split()[-2:] == ["21.0", "OrderedDict()"], done.stderr
+    assert done.stdout.split()[-1] == "21.0", done.stderr
 
 
 def ran(folder, text, **environment):
@@ -183,28 +283,31 @@ except IndexError:
 @pytest.mark.parametrize("how", ["kernel", "part"])
 def test_bounds_are_checked_in_what_a_kernel_calls_too(tmp_path, how):
     """What the third pass of scripts/test rests on."""
-    done = ran(tmp_path, BEYOND % how, NUMBA_BOUNDSCHECK="1")
-    assert done.stdout.strip() == "checked", done.stderr
+    for _ in ("compiled", "loaded"):
+        done = ran(tmp_path, BEYOND % how, NUMBA_BOUNDSCHECK="1")
+        assert done.stdout.strip() == "checked", done.stderr
 
 
 @pytest.mark.processes
-def test_a_cache_that_is_lost_on_the_way_stops_nothing(tmp_path, script):
-    assert twice(script, tmp_path / "cache", tmp_path / "cache") == "42.0 0"
+def test_a_cache_that_is_lost_on_the_way_stops_nothing(cache, script):
+    assert twice(script, cache, cache) == "42.0 compiled"
 
 
 @pytest.mark.processes
-def test_a_checkout_elsewhere_has_a_folder_of_its_own(tmp_path):
-    """numba would not find its kernels in the other's, and the notice of compiling would be left out."""
-    package = Path(_jit.__file__).parents[1]
-    found = set()
-    for name in ("here", "there"):
-        shutil.copytree(package, tmp_path / name / package.name, ignore=shutil.ignore_patterns("__pycache__"))
-        command = "from flexmb_cli.kernels import _jit; print(_jit.__file__, _jit._cache_folder()[0])"
-        done = subprocess.run(
-            [sys.executable, "-c", command], cwd=tmp_path / name, capture_output=True, text=True, check=True,
-            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(tmp_path / name)},
-        )  # fmt: skip
-        source, folder = done.stdout.split()
-        assert source.startswith(str(tmp_path / name))
-        found.add(folder)
-    assert len(found) == 2
+def test_old_versions_are_deleted(cache, script):
+    """The latest three are kept, and nothing of the versions that kept numba's files."""
+    place = cache / "flexmb"
+    for name in ("kernels-0123456789ab", *(f"objects-{k}" for k in range(5))):
+        (place / name).mkdir()
+        (place / name / "old.object").write_text("old")
+        os.utime(place / name, (0, 0))
+    kept_file(cache / "flexmb" / kept_version(cache)).unlink()
+    assert twice(script, cache) == "42.0 compiled"
+    names = sorted(path.name for path in place.iterdir())
+    assert len(names) == 3 and kept_version(cache) in names
+
+
+def kept_version(cache):
+    """Name of the folder of this version."""
+    (path,) = cache.rglob("__main__.twice*.lock")
+    return path.parent.name

@@ -1,0 +1,56 @@
+"""`flexmb compile`: all kernels compiled before the first run, for images of containers."""
+
+import click
+
+from .terminal import tell
+
+
+@click.command("compile")
+@click.option("--list", "listing", is_flag=True, help="Show what is kept in the user's cache, and its size.")
+@click.option("--clear", is_flag=True, help="Delete what is kept in the user's cache, of all versions.")
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+def compile_(listing, clear, quiet):
+    """Compile all kernels now, so that no first run waits for them.
+
+    An installed wheel contains them compiled; a source checkout compiles what a run needs, once per version.
+
+    \b
+    Example:
+        flexmb compile
+    """
+    if listing and clear:
+        raise click.UsageError("--list and --clear exclude each other: give one")
+    from ..run.compiling import clear_compiled, compile_unit, list_compiled, refused_places, units_to_compile
+
+    if listing:
+        _show(list_compiled())
+    elif clear:
+        count = clear_compiled()
+        if not quiet:
+            tell(f"flexmb: {count} file{'' if count == 1 else 's'} of compiled kernels deleted")
+    else:
+        _compile(units_to_compile(), compile_unit, quiet)
+    for sentence in refused_places():
+        tell(f"flexmb: warning: {sentence}")
+
+
+def _compile(units, compile_unit, quiet):
+    import sys
+
+    if not quiet and not units:
+        tell("flexmb: all kernels are compiled")
+    shown = not quiet and sys.stderr.isatty()
+    with click.progressbar(units, label="compiling", file=sys.stderr, hidden=not shown) as bar:
+        for unit in bar:
+            if not quiet and not shown:
+                tell(f"flexmb: compiling {unit}")
+            compile_unit(unit)
+
+
+def _show(files):
+    """A line for each file, and their sum."""
+    total = 0
+    for path, size, compiler in files:
+        click.echo(f"{size / 1024:8.0f} kB  {path}  {compiler}")
+        total += size
+    click.echo(f"{total / 1024:8.0f} kB  in all")

@@ -1,0 +1,190 @@
+"""Where a user's compiled kernels lie, and who may have put them there.
+
+Objects are code.  A folder or file counts only if it belongs to this user or to root and nobody else can
+write to it; anything else is as if it were not there, and is named once (`refused`).
+"""
+
+import contextlib
+import os
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+from ._objects import kernel_digest
+
+ENDING = ".object"
+KEPT_VERSIONS = 3  # of the kernels' text; older folders are deleted
+_PREFIX = "objects-"
+_OLD_PREFIX = "kernels-"  # of versions that kept numba's own files
+
+refused: list[str] = []  # why folders and files were not used, a sentence each
+
+
+def _bases() -> Iterator[Path]:
+    for name, below in (
+        ("NUMBA_CACHE_DIR", ""),
+        ("XDG_CACHE_HOME", ""),
+        ("LOCALAPPDATA", ""),
+        ("HOME", ".cache"),
+    ):
+        base = os.environ.get(name)
+        if base:
+            yield Path(base) / below
+    if hasattr(os, "getuid"):
+        import tempfile
+
+        yield Path(tempfile.gettempdir()) / f"flexmb-{os.getuid()}"
+
+
+def _is_own(found: os.stat_result) -> bool:
+    """Whether only this user, or root, can have written it."""
+    return not hasattr(os, "getuid") or (found.st_uid in (0, os.getuid()) and not found.st_mode & 0o022)
+
+
+def _is_safe_base(found):
+    """A folder for all, such as /tmp, will do where nobody can take away what is another's."""
+    return _is_own(found) or (found.st_uid == 0 and bool(found.st_mode & stat.S_ISVTX))
+
+
+def _refuse(path):
+    sentence = (
+        f"{path} is not used for compiled kernels: it belongs to another user, or others may write to it"
+    )
+    if sentence not in refused:
+        refused.append(sentence)
+
+
+def _is_safe(base: Path, folder: Path) -> bool:
+    """Whether all folders from the base down to `folder` that exist can be trusted."""
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        if not _is_safe_base(base.stat()):
+            _refuse(base)
+            return False
+        for below in (folder.parent, folder):
+            found = below.lstat()
+            if not stat.S_ISDIR(found.st_mode) or not _is_own(found):
+                _refuse(below)
+                return False
+    return True
+
+
+def _version_folder(base: Path) -> Path:
+    return base / "flexmb" / f"{_PREFIX}{kernel_digest()}"
+
+
+def folders() -> Iterator[Path]:
+    """Yield the folders of this version that can be trusted, there or not, best first."""
+    for base in _bases():
+        folder = _version_folder(base)
+        with contextlib.suppress(OSError):
+            if _is_safe(base, folder):
+                yield folder
+
+
+def content(name: str) -> bytes | None:
+    """Return what the first of the folders keeps by this name, None where it is nowhere."""
+    for folder in folders():
+        path = folder / f"{name}{ENDING}"
+        with contextlib.suppress(OSError), open(path, "rb", opener=_open_unlinked) as file:
+            if _is_own(os.fstat(file.fileno())):
+                return file.read()
+            _refuse(path)
+    return None
+
+
+def _open_unlinked(path, flags):
+    """Open a regular file, not what a link or a pipe of that name leads to."""
+    number = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+    if not stat.S_ISREG(os.fstat(number).st_mode):
+        os.close(number)
+        raise OSError(f"{path} is no regular file")
+    return number
+
+
+def folder_to_write() -> Path | None:
+    """Return the first folder that can be written, made where it is missing; None where there is none."""
+    import tempfile
+
+    for folder in folders():
+        with contextlib.suppress(OSError):
+            _make(folder)
+            if folder in folders():  # another may have been quicker
+                tempfile.TemporaryFile(dir=folder).close()
+                return folder
+    return None
+
+
+def _make(folder):
+    folder.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    for below in (folder.parent, folder):
+        below.mkdir(mode=0o700, exist_ok=True)
+
+
+def keep(folder: Path | None, name: str, data: bytes) -> None:
+    """Keep an object, whole or not at all; the cache only saves time, so that no failure matters."""
+    if folder is None:
+        return
+    import tempfile
+
+    with contextlib.suppress(OSError):
+        number, temporary = tempfile.mkstemp(prefix=f".{name[:40]}-", dir=folder)  # mode 0600
+        try:
+            with open(number, "wb") as file:
+                file.write(data)
+            os.replace(temporary, folder / f"{name}{ENDING}")
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+        _prune(folder)
+
+
+def versions(place: Path) -> list[Path]:
+    """Return the folders of all versions in a folder "flexmb", the latest first."""
+    found = [path for path in place.glob(f"{_PREFIX}*") if path.is_dir() and not path.is_symlink()]
+    return sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)
+
+
+def _prune(folder):
+    """Delete the folders of old versions."""
+    import shutil
+
+    old = [path for path in versions(folder.parent)[KEPT_VERSIONS:] if path != folder]
+    for path in [*old, *folder.parent.glob(f"{_OLD_PREFIX}*")]:
+        if not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def kept() -> Iterator[tuple[Path, int]]:
+    """Yield the kept objects of all versions, with their sizes in bytes."""
+    for folder in folders():
+        for version in versions(folder.parent) if folder.parent.is_dir() else ():
+            for path in sorted(version.glob(f"*{ENDING}")):
+                yield path, path.stat().st_size
+
+
+def clear() -> int:
+    """Delete the kept objects of all versions; return how many files."""
+    import shutil
+
+    count = len(list(kept()))
+    for folder in list(folders()):
+        for version in versions(folder.parent) if folder.parent.is_dir() else ():
+            shutil.rmtree(version, ignore_errors=True)
+    return count
+
+
+@contextlib.contextmanager
+def alone(folder: Path | None, name: str) -> Iterator[None]:
+    """Have one of several processes compile; the others wait, and find what it kept."""
+    try:
+        import fcntl
+    except ImportError:  # no such locks here: everyone compiles
+        folder = None
+    with contextlib.ExitStack() as opened:
+        # Where the folder has vanished or became unwritable, everyone compiles, too.
+        if folder is not None:
+            with contextlib.suppress(OSError):
+                number = os.open(folder / f"{name}.lock", os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+                opened.callback(os.close, number)
+                fcntl.flock(number, fcntl.LOCK_EX)
+        yield

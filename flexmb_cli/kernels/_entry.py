@@ -1,0 +1,194 @@
+"""A kernel as Python calls it: by compiled code, which is loaded or made when it is needed."""
+
+import hashlib
+import importlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from ..collector import without_collector
+from ..memory import TO_COMPILE, require_memory
+from . import _cache, _objects
+from ._arguments import NotDescribedError, Words, describe, key_of
+from .signatures import PROCESSORS, UNITS, unit_of, unit_parameters
+
+_PACKAGE = __package__ + "."
+_functions: dict[str, list] = {}  # compiled code by the name of the entry
+_loaded: set[str] = set()  # units whose files were looked for
+
+
+def entry_name(function: Callable) -> str:
+    """Return "module.function", the module as seen from the kernels."""
+    return f"{function.__module__.removeprefix(_PACKAGE)}.{function.__name__}"
+
+
+def is_ready(name: str) -> bool:
+    """Whether the kernel `name` can be called without compiling it."""
+    unit = unit_of(name)
+    if unit is None or not _load_unit(unit, _objects.kernel_digest()):
+        return False
+    wanted = key_of(unit_parameters(unit)[name])
+    return any(compiled.key == wanted for compiled in _functions[name])
+
+
+def _load_unit(unit: str, digest: str) -> bool:
+    """Load the code of a unit from the package or the user's cache; whether there is some."""
+    if unit in _loaded:
+        return True
+    packaged = _objects.PACKAGED / str(_objects.target()) / f"{unit}{_cache.ENDING}"
+    if packaged.is_file() and _take(unit, packaged.read_bytes(), digest):
+        return True
+    kept = _cache.content(unit)
+    return kept is not None and _take(unit, kept, digest)
+
+
+def _take(unit: str, content: bytes, digest: str) -> bool:
+    """Make the functions of an object known; whether it is whole and of this version."""
+    try:
+        found = _objects.load(content, digest)
+    except (_objects.DamagedError, ValueError, KeyError, TypeError):
+        return False
+    for name, functions in found.items():
+        _functions[name] = functions + _functions.get(name, [])
+    _loaded.add(unit)
+    return True
+
+
+class Entry:
+    """A kernel; `py_func` is the function it was made of."""
+
+    def __init__(self, function: Callable, options: dict):
+        self.py_func, self._options = function, options
+        self.__name__, self.__doc__ = function.__name__, function.__doc__
+        self._name, self._made = entry_name(function), None
+
+    def __call__(self, *values):
+        """Call compiled code; the first call of an entry without any compiles it."""
+        for compiled in _functions.get(self._name, ()):
+            fits, result = compiled.call(values)
+            if fits:
+                return result
+        return self._call_new(values)
+
+    def _call_new(self, values):
+        """Load or compile what takes such values, and call it."""
+        if _objects.target() is None or not self._make_ready(values):
+            return self.dispatcher(*values)
+        return self(*values)
+
+    def _make_ready(self, values) -> bool:
+        """Load or compile what takes such values; whether an object can."""
+        unit = unit_of(self._name)
+        if unit is not None and Words(unit_parameters(unit)[self._name]).pack(values):
+            return self._find(values, unit, _objects.kernel_digest(), lambda: unit_entries(unit))
+        try:
+            parameters = [describe(value) for value in values]
+        except NotDescribedError:
+            return False
+        own = f"{self._name}-{hashlib.sha256(key_of(parameters).encode()).hexdigest()[:12]}"
+        return self._find(values, own, self._digest(), lambda: [(self, self._name, parameters)])
+
+    def _find(self, values, unit, digest, entries) -> bool:
+        """Load a unit, or compile its entries; whether this kernel then takes the values."""
+
+        def found():
+            return any(compiled.takes(values) for compiled in _functions.get(self._name, ()))
+
+        if _load_unit(unit, digest) and found():
+            return True
+        _loaded.discard(unit)  # made for other records
+        require_memory(TO_COMPILE)
+        folder = _cache.folder_to_write()
+        with _cache.alone(folder, unit):
+            if _load_unit(unit, digest) and found():  # another process was quicker
+                return True
+            try:
+                data = emit(unit, entries(), digest, [_objects.target()])[_objects.target()]
+            except NotDescribedError:
+                return False
+            _cache.keep(folder, unit, data)
+        return _take(unit, data, digest) and found()
+
+    def _digest(self):
+        """Name of the text of all kernels, and of the file of one that lies elsewhere."""
+        if self.py_func.__module__.startswith(_PACKAGE):
+            return _objects.kernel_digest()
+        try:
+            text = Path(self.py_func.__code__.co_filename).read_bytes()
+        except OSError:  # typed at a prompt
+            text = self.py_func.__code__.co_code + repr(self.py_func.__code__.co_consts).encode()
+        return hashlib.sha256(_objects.kernel_digest().encode() + text).hexdigest()[:16]
+
+    @property
+    def dispatcher(self):
+        """numba's own object, which is made, and numba imported, when it is first needed."""
+        if self._made is None:
+            require_memory(TO_COMPILE)
+            self._made = _compiler().Kernel(self.py_func, targetoptions=self._options)
+        return self._made
+
+    @property
+    def part(self):
+        """What numba compiles into kernels that call this one."""
+        return self.dispatcher.part
+
+    @property
+    def _numba_type_(self):
+        return self.dispatcher._numba_type_
+
+
+class PlainEntry(Entry):
+    """A kernel that Python runs as it is."""
+
+    def __call__(self, *values):
+        """Call the function itself."""
+        return self.py_func(*values)
+
+
+def _compiler():
+    """What compiles kernels; numba is imported here."""
+    import numba
+
+    # Loops over three or four numbers gain nothing from vectors, and compilation takes a fifth longer.
+    numba.config.LOOP_VECTORIZE = 0
+    from . import _linking
+
+    return _linking
+
+
+def unit_entries(unit: str) -> list[tuple[Entry, str, list]]:
+    """Return the entries of a unit: kernel, name, parameters."""
+    found = []
+    for name, parameters in unit_parameters(unit).items():
+        module, _, function = name.rpartition(".")
+        found.append((getattr(importlib.import_module(_PACKAGE + module), function), name, parameters))
+    return found
+
+
+def emit(unit: str, entries: list, digest: str, targets: list[str]) -> dict[str, bytes]:
+    """Return the content of a unit's file for each target."""
+    compiler = _compiler()
+    import llvmlite
+    import numba
+
+    machines = {target: PROCESSORS.get(target) or compiler.this_machine() for target in targets}
+    named = [compiler.Entry(name, kernel, parameters) for kernel, name, parameters in entries]
+    with without_collector():  # numba makes cycles by the million, and a tenth of the time went into them
+        made = compiler.emit_object(unit, named, machines)
+    words = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
+    return {
+        target: _objects.write(
+            {"unit": unit, "digest": digest, "target": target, "compiler": words, "entries": told}, code
+        )
+        for target, (told, code) in made.items()
+    }
+
+
+def package_objects(folder: Path) -> Iterator[Path]:
+    """Compile all units for all processors and systems into `folder`, for a wheel; yield each file."""
+    digest = _objects.kernel_digest()
+    for unit in UNITS:
+        for target, content in emit(unit, unit_entries(unit), digest, list(PROCESSORS)).items():
+            path = folder / target / f"{unit}{_cache.ENDING}"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+            yield path

@@ -1,0 +1,142 @@
+"""Files of compiled kernels: an object for the linker, behind lines with its checksum and what it holds.
+
+Objects are the same wherever they lie, in the package or in the user's cache, and whichever numba made them.
+llvmlite loads them; numba is not imported for it.
+"""
+
+import contextlib
+import ctypes
+import functools
+import hashlib
+import json
+import os
+import sys
+import threading
+from pathlib import Path
+
+from ..memory import TO_LOAD, require_memory
+from ._arguments import Results, Words, key_of
+
+MAGIC = b"flexmb object 1\n"
+PACKAGED = Path(__file__).parent / "objects"  # those of a wheel, a folder for each target
+_PROCESSORS = {"x86_64": "x86_64", "AMD64": "x86_64", "aarch64": "arm64", "arm64": "arm64", "ARM64": "arm64"}
+_SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
+# What objects may call; LLVM replaces some of it, as sin and cos together by sincos.
+OF_C = frozenset(
+    ("malloc", "free", "memset", "memcpy", "memmove", "sin", "cos", "tan", "asin", "acos", "atan", "atan2")
+    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "hypot")
+)
+_LOADING = ("_cache.py", "_entry.py", "_objects.py")
+# Checks of bounds are other code under the same name.
+CHECKED = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
+
+
+class DamagedError(Exception):
+    """A file that is no whole object of this version."""
+
+
+def target() -> str | None:
+    """Return processor and system of this process, None where words are shorter than addresses are here."""
+    machine = os.environ.get("PROCESSOR_ARCHITECTURE", "") if sys.platform == "win32" else os.uname().machine
+    if sys.maxsize < 2**32:
+        return None
+    return f"{_PROCESSORS.get(machine, machine)}-{_SYSTEMS.get(sys.platform, sys.platform)}"
+
+
+@functools.cache
+def kernel_digest() -> str:
+    """Return a name for the text of all kernels.
+
+    A kernel depends on what it calls and on constants of other files: one changed text makes all others.
+    What only finds and loads objects has no part in them.
+    """
+    here = Path(__file__).parent
+    digest = hashlib.sha256(b"checked" if CHECKED else b"")
+    for path in sorted(path for path in here.rglob("*.py") if path.name not in _LOADING):
+        digest.update(path.relative_to(here).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def write(header: dict, code: bytes) -> bytes:
+    """Return the content of a file that holds the object `code`."""
+    content = json.dumps(header, separators=(",", ":")).encode() + b"\n" + code
+    return MAGIC + hashlib.sha256(content).hexdigest().encode() + b"\n" + content
+
+
+def read(content: bytes) -> tuple[dict, bytes]:
+    """Return header and object of a file's content; raises DamagedError."""
+    checksum, _, rest = content.removeprefix(MAGIC).partition(b"\n")
+    if not content.startswith(MAGIC) or hashlib.sha256(rest).hexdigest().encode() != checksum:
+        raise DamagedError
+    header, _, code = rest.partition(b"\n")
+    return json.loads(header), code
+
+
+class Compiled:
+    """One function of an object, as Python calls it."""
+
+    def __init__(self, address: int, parameters: list, result: "str | list"):
+        self.key = key_of(parameters)
+        self._words, self._results = Words(parameters), Results(result)
+        # The interpreter stays locked, as in a call of numba's.
+        self._call = ctypes.PYFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)
+        self._lock = threading.Lock()
+
+    def takes(self, values: tuple) -> bool:
+        """Whether the values are of the kinds that it was compiled for."""
+        with self._lock:
+            return self._words.pack(values)
+
+    def call(self, values: tuple) -> tuple[bool, object]:
+        """Return whether it takes such values, and what it returns."""
+        with self._lock:
+            if not self._words.pack(values):
+                return False, None
+            if self._call(self._words.address, self._results.address):
+                # Kernels raise nothing themselves.
+                raise IndexError("an index is out of bounds") if CHECKED else MemoryError
+            return True, self._results.value()
+
+
+_engines = []  # machine code lives as long as they do
+
+
+def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
+    """Return the functions of an object by name; raises DamagedError where they are of others."""
+    header, code = read(content)
+    if header["digest"] != digest or header["target"] != target():
+        raise DamagedError
+    require_memory(TO_LOAD)
+    engine = _engine(code)
+    _engines.append(engine)
+    found: dict[str, list[Compiled]] = {}
+    for entry in header["entries"]:
+        address = engine.get_function_address(entry["symbol"])
+        found.setdefault(entry["name"], []).append(Compiled(address, entry["parameters"], entry["result"]))
+    return found
+
+
+def _engine(code):
+    import llvmlite.binding as llvm
+
+    with contextlib.suppress(RuntimeError):  # llvmlite may have been told already
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+    if sys.platform == "win32":
+        _name_symbols(llvm)
+    machine = llvm.Target.from_default_triple().create_target_machine(opt=0, jit=True)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine
+
+
+def _name_symbols(llvm):
+    """Tell LLVM where the functions of the C library are: on Windows it does not find them by itself."""
+    library = ctypes.WinDLL("ucrtbase")
+    for name in OF_C:
+        llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
+    checked_stack = ctypes.WinDLL("ntdll").__chkstk  # what LLVM calls for large frames
+    llvm.add_symbol("__chkstk", ctypes.cast(checked_stack, ctypes.c_void_p).value)
+    llvm.add_symbol("_fltused", id(_engines))  # a mark that nothing reads

@@ -1,0 +1,32 @@
+"""Puts compiled kernels into a wheel where FLEXMB_REQUIRE_AOT=1 asks for them; else nothing is compiled.
+
+The objects are those of all processors and systems of `kernels/signatures.py`: one wheel serves them all.
+numba emits them here for every target: no other compiler is needed, neither here nor at the installation.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+TOP = Path(__file__).resolve().parent
+WANTED = os.environ.get("FLEXMB_REQUIRE_AOT", "0") not in ("", "0")
+
+
+class WithObjects(build_py):
+    """The package's files, and the objects beside its kernels."""
+
+    def run(self):
+        """Copy the files, and compile."""
+        super().run()
+        if WANTED and not self.editable_mode:
+            sys.path.insert(0, str(TOP))
+            from flexmb_cli.kernels._entry import package_objects
+
+            for path in package_objects(Path(self.build_lib) / "flexmb_cli" / "kernels" / "objects"):
+                print(f"compiled {path}", flush=True)
+
+
+setup(cmdclass={"build_py": WithObjects}, setup_requires=["numba>=0.61", "numpy>=2.0"] if WANTED else [])

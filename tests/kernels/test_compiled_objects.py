@@ -1,0 +1,242 @@
+"""Objects of compiled kernels: their entries, for which machines they are, and how they are loaded."""
+
+import ast
+import importlib
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexmb_cli.kernels import _arguments, _entry, _jit, _objects, dense, signatures, speeds
+from flexmb_cli.kernels._jit import kernel
+
+PACKAGE = Path(_jit.__file__).parents[1]
+compiled = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
+
+
+def called_by_python():
+    """(kernel's module, function) of every kernel that a module outside `kernels` names in a call."""
+    for path in PACKAGE.rglob("*.py"):
+        if path.parent.name in ("kernels", "joints"):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        modules, functions = {}, {}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("kernels"):
+                below = node.module.removeprefix("kernels").lstrip(".")
+                for name in node.names:
+                    known = functions if below else modules
+                    known[name.asname or name.name] = (below, name.name) if below else name.name
+        for node in ast.walk(tree):
+            if (
+                isinstance(node, ast.Attribute)
+                and isinstance(node.value, ast.Name)
+                and node.value.id in modules
+            ):
+                yield modules[node.value.id], node.attr
+            elif isinstance(node, ast.Name) and node.id in functions:
+                yield functions[node.id]
+
+
+def test_every_kernel_that_python_calls_has_a_signature():
+    """A kernel without one would be compiled by the first run, and no wheel would contain it."""
+    named = set(called_by_python())
+    assert len(named) > 60
+    for module, function in named:
+        found = getattr(importlib.import_module(f"flexmb_cli.kernels.{module}"), function, None)
+        if isinstance(found, _entry.Entry) and not isinstance(found, _entry.PlainEntry):
+            assert signatures.unit_of(f"{module}.{function}"), f"{module}.{function}"
+
+
+def test_every_signature_is_that_of_a_kernel():
+    for unit in signatures.UNITS:
+        for entry, name, parameters in _entry.unit_entries(unit):
+            function = getattr(entry, "py_func", entry)
+            assert function.__code__.co_argcount == len(parameters), name
+
+
+def test_numbers_arrays_and_tuples_are_packed_as_described():
+    values = (3, 2.5, True, np.arange(6.0).reshape(2, 3), (np.zeros(2, int), 7))
+    words = _arguments.Words([_arguments.describe(value) for value in values])
+    assert words.pack(values)
+    integers, floats = words._room
+    assert (integers[0], floats[1], integers[2]) == (3, 2.5, 1)
+    assert list(integers)[3:6] == [values[3].ctypes.data, 2, 3]
+    assert list(integers)[6:9] == [values[4][0].ctypes.data, 2, 7]
+
+
+OTHER = [
+    np.zeros((2, 2)),
+    np.zeros(4, np.float32),
+    np.zeros(8)[::2],
+    np.asfortranarray(np.zeros((2, 3))),
+    np.frombuffer(bytes(32)),
+    [0.0, 1.0],
+    1.0,
+]
+
+
+@pytest.mark.parametrize("value", OTHER, ids=lambda value: str(type(value).__name__))
+def test_other_arrays_are_not_taken(value):
+    """Code for another type, order or dimension would read, or write, beyond the array."""
+    assert not _arguments.Words([["a", 1, "<f8"]]).pack((value,))
+
+
+def test_a_tuple_that_comes_again_is_not_packed_anew():
+    words = _arguments.Words([_arguments.describe((np.zeros(2),))])
+    one, other = (np.zeros(2),), (np.zeros(2),)
+    assert words.pack((one,)) and words.pack((other,))
+    assert words._room[0][0] == other[0].ctypes.data
+    assert words.pack((one,)) and words._room[0][0] == one[0].ctypes.data
+
+
+@compiled
+@pytest.mark.parametrize("place", [np.zeros(14)[::2], np.zeros(7, np.float32)])
+def test_what_no_object_takes_is_left_to_numba(place):
+    place[3] = 2.0
+    speeds.normalise(1, place)
+    assert place[3] == 1.0
+
+
+@compiled
+def test_too_few_arguments_are_refused():
+    with pytest.raises(TypeError):
+        dense.substitute(1)
+
+
+def product_and_sum(a, b, c):
+    """What a processor with fused multiply-add can do at once, rounding once."""
+    return a * b + c
+
+
+@pytest.fixture(scope="module")
+def for_all_machines():
+    """The objects of two small kernels, for every target."""
+    if _jit.interpreted():
+        pytest.skip("nothing is compiled")
+    entries = [
+        (speeds.normalise, "speeds.normalise", ["i", ["a", 1, "<f8"]]),
+        (kernel(product_and_sum), "product_and_sum", ["f", "f", "f"]),
+    ]
+    return _entry.emit("small", entries, "0" * 16, list(signatures.PROCESSORS))
+
+
+def instructions(code):
+    """The 32-bit words of the sections of an arm64 object that hold instructions."""
+    import llvmlite.binding as llvm
+
+    for section in llvm.ObjectFileRef.from_data(code).sections():
+        if section.is_text():
+            yield from np.frombuffer(section.data(), "<u4").tolist()
+
+
+def is_fused(word):
+    """Whether an arm64 instruction is FMADD, FMSUB, FNMADD, FNMSUB, FMLA or FMLS (Arm ARM, C4.1)."""
+    return word >> 24 == 0x1F or word & 0xBF20FC00 == 0x0E20CC00
+
+
+def test_fused_instructions_are_recognised():
+    """fmadd and fmsub d0, d1, d2, d3, fmla v0.2d, v1.2d, v2.2d; fmul d0, d1, d2 and fadd d0, d0, d2."""
+    assert all(map(is_fused, (0x1F420C20, 0x1F428C20, 0x4E62CC20)))
+    assert not any(map(is_fused, (0x1E620820, 0x1E612800)))
+
+
+@pytest.mark.parametrize("target", [name for name in signatures.PROCESSORS if name.startswith("arm64")])
+def test_nothing_is_multiplied_and_added_at_once(for_all_machines, target):
+    """Fused operations round once and give other digits than x86-64."""
+    _, code = _objects.read(for_all_machines[target])
+    found = list(instructions(code))
+    multiplied = [word for word in found if word & 0xFFE0FC00 == 0x1E600800]  # fmul of doubles
+    assert len(found) > 30 and multiplied
+    assert not any(map(is_fused, found))
+
+
+# First bytes of object files by system: ELF, Mach-O, COFF with the number of the machine.
+FORMATS = {"linux": b"\x7fELF", "macos": b"\xcf\xfa\xed\xfe"}
+MACHINES = {"x86_64-windows": b"\x64\x86", "arm64-windows": b"\x64\xaa"}
+
+
+def test_every_system_gets_objects_of_its_format(for_all_machines):
+    assert set(for_all_machines) == set(signatures.PROCESSORS)
+    for target, content in for_all_machines.items():
+        head, code = _objects.read(content)
+        assert head["target"] == target
+        assert code.startswith(MACHINES.get(target) or FORMATS[target.partition("-")[2]]), target
+
+
+@compiled
+def test_an_object_of_another_version_or_machine_is_not_loaded(for_all_machines):
+    content = for_all_machines[_objects.target()]
+    assert set(_objects.load(content, "0" * 16)) == {"speeds.normalise", "product_and_sum"}
+    other = next(target for target in for_all_machines if target != _objects.target())
+    for foreign, digest in ((content, "1" * 16), (for_all_machines[other], "0" * 16)):
+        with pytest.raises(_objects.DamagedError):
+            _objects.load(foreign, digest)
+
+
+@compiled
+def test_the_same_text_gives_the_same_object(for_all_machines):
+    """No address of the compiling process, and nothing of its surroundings, gets into it."""
+    code = (
+        "from flexmb_cli.kernels import _entry, _objects, speeds\n"
+        "entries = [(speeds.normalise, 'speeds.normalise', ['i', ['a', 1, '<f8']])]\n"
+        "import hashlib\n"
+        "made = _entry.emit('one', entries, '', [_objects.target()])\n"
+        "print(hashlib.sha256(_objects.read(made[_objects.target()])[1]).hexdigest())\n"
+    )
+    said = {
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+        ).stdout
+        for seed in "12"
+    }  # fmt: skip
+    assert len(said) == 1
+
+
+# All of numba that its documentation does not promise: to be looked at when numba has a new version.
+PRIVATE = {
+    "numba.core.codegen": {
+        "JITCodeLibrary": ("finalize", "_optimize_final_module", "_get_module_for_linking"),
+        "RuntimeLinker": ("PREFIX",),
+    },
+    "numba.core.compiler": {"Compiler": ("compile_extra",), "lookup_environment": ()},
+    "numba.core.compiler_lock": {"global_compiler_lock": ("__enter__",)},
+    "numba.core.registry": {
+        "CPUDispatcher": ("compile", "add_overload", "_numba_type_"),
+        "cpu_target": ("target_context",),
+    },
+    "numba.core.runtime.nrtdynmod": {"create_nrt_module": ()},
+    "numba.np.arrayobj": {"make_array": (), "populate_array": ()},
+    "numba.core": {
+        "cgutils": ("pack_array", "for_range", "alloca_once_value"),
+        "types": ("BaseTuple", "Array"),
+    },
+}
+
+
+def test_what_is_private_to_numba_is_used_in_one_place():
+    """In `_linking.py`, and loops in LLVM's language in `_allocator.py`."""
+    used = re.compile(r"^\s*(?:from|import) (numba[.\w]*)", re.MULTILINE)
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        for module in used.findall(path.read_text(encoding="utf-8")):
+            found.setdefault(module, set()).add(path.name)
+    inside = {name: files for name, files in found.items() if name != "numba"}
+    assert set().union(*inside.values()) == {"_linking.py", "_allocator.py"}
+    assert set(inside) == set(PRIVATE)
+
+
+@compiled
+@pytest.mark.parametrize("module", PRIVATE)
+def test_what_is_private_to_numba_is_still_there(module):
+    imported = importlib.import_module(module)
+    for name, attributes in PRIVATE[module].items():
+        found = getattr(imported, name, None)
+        assert found is not None, f"numba moved {module}.{name}: _linking.py"
+        for attribute in attributes:
+            assert hasattr(found, attribute), f"numba changed {module}.{name}.{attribute}: _linking.py"
