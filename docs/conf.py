@@ -1,4 +1,4 @@
-"""Sphinx settings.  Sphinx with MyST: Markdown with checked cross-references, commands from click, formulas as MathML."""
+"""Sphinx settings.  Chosen for checked references and pages made from click; MyST reads Markdown."""
 
 import subprocess
 import sys
