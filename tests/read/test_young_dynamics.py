@@ -10,7 +10,7 @@ from flexmb_cli.read.dialects import read_deck
 from flexmb_cli.read.settings import apply_settings
 from flexmb_cli.read.text import decode
 
-README = Path(__file__).parents[2] / "README.md"
+README = Path(__file__).parents[2] / "decks/young/README.md"
 DECKS = Path(__file__).parents[2] / "decks/young/dynamics"
 ONE_BODY = "1 0 0 0 0 0 0 0 0 0 0 0\n0 0 0 1 0 0 0\n0 1 0.5\n"
 
