@@ -1,10 +1,11 @@
-"""Puts compiled kernels into a wheel where FLEXMB_REQUIRE_AOT=1 asks for them; else nothing is compiled.
+"""Puts the decks into a wheel, and compiled kernels where FLEXMB_REQUIRE_AOT=1 asks for them; else none.
 
 The objects are those of all processors and systems of `kernels/signatures.py`: one wheel serves them all.
 numba emits them here for every target: no other compiler is needed, neither here nor at the installation.
 """
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -15,12 +16,14 @@ TOP = Path(__file__).resolve().parent
 WANTED = os.environ.get("FLEXMB_REQUIRE_AOT", "0") not in ("", "0")
 
 
-class WithObjects(build_py):
-    """The package's files, and the objects beside its kernels."""
+class WithDecksAndObjects(build_py):
+    """The package's files, the decks of `flexmb examples`, and the objects beside the kernels."""
 
     def run(self):
         """Copy the files, and compile."""
         super().run()
+        if not self.editable_mode:
+            shutil.copytree(TOP / "decks", Path(self.build_lib) / "flexmb_cli" / "decks", dirs_exist_ok=True)
         if WANTED and not self.editable_mode:
             sys.path.insert(0, str(TOP))
             from flexmb_cli.kernels._entry import package_objects
@@ -29,4 +32,6 @@ class WithObjects(build_py):
                 print(f"compiled {path}", flush=True)
 
 
-setup(cmdclass={"build_py": WithObjects}, setup_requires=["numba>=0.61", "numpy>=2.0"] if WANTED else [])
+setup(
+    cmdclass={"build_py": WithDecksAndObjects}, setup_requires=["numba>=0.61", "numpy>=2.0"] if WANTED else []
+)

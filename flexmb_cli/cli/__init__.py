@@ -48,6 +48,7 @@ COMMANDS = {
     "sweep": "Solve the variants of a deck that STUDY (TOML) describes, and...",
     "new": "Ask for the data of a deck, number by number, and write a deck...",
     "beam": "Write the finite-element block of a beam to standard output.",
+    "examples": "List the supplied decks, or copy those named, with the files...",
     "compile": "Compile all kernels now, so that no first run waits for them.",
 }
 
@@ -81,16 +82,21 @@ class Group(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-@click.group(cls=Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Group, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="flexmb")
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
-def cli(debug):
+@click.pass_context
+def cli(context, debug):
     """Solve rigid and flexible multibody systems from legacy decks.
 
     \b
     Example:
-        flexmb run decks/young/IN4-BAR.dat
+        flexmb examples IN4-BAR
+        flexmb check IN4-BAR.dat
+        flexmb run IN4-BAR.dat
     """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
     gc.set_threshold(OBJECTS_UNTIL_COLLECTED)
 
 

@@ -1,0 +1,107 @@
+"""`flexmb examples`: the supplied decks, listed or copied."""
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+PACKAGE = Path(__file__).resolve().parents[1]
+# In a wheel the decks lie in the package, in a checkout beside it.
+PLACES = (PACKAGE / "decks", PACKAGE.parent / "decks")
+SUFFIXES = {".dat": "YOUNG", ".DAT": "DAFMS", ".vsdf": "VSDF", ".toml": "study"}
+
+
+@click.command()
+@click.argument("names", nargs=-1, metavar="[NAME...]")
+@click.option(
+    "-o", "--output-dir", type=click.Path(path_type=Path), default=".", help="Folder of the copies."
+)
+@click.option("--force", is_flag=True, help="Replace files that are there already.")
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
+def examples(names, output_dir, force, quiet):
+    """List the supplied decks, or copy those named, with the files they need.
+
+    \b
+    Example:
+        flexmb examples
+        flexmb examples IN4-BAR pendulum_ccx
+    """
+    decks = supplied()
+    if not names:
+        _list(decks)
+        return
+    for name in names:
+        if name not in decks:
+            raise click.UsageError(f"there is no example {name!r}; `flexmb examples` lists them")
+    for name in names:
+        copied = _copy(decks[name], output_dir, force)
+        if not quiet:
+            click.echo(f"{name} → {', '.join(map(str, copied))}")
+
+
+def supplied() -> dict[str, Path]:
+    """Return the supplied decks and studies by name.
+
+    Decks of two dialects with one name are told apart by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
+    """
+    folder = next((place for place in PLACES if place.is_dir()), None)
+    if folder is None:
+        raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
+    found = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
+    stems = [path.stem for path in found]
+    return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
+
+
+def _list(decks):
+    described = {}
+    for folder in {path.parent for path in decks.values()}:
+        described |= dict(_descriptions(folder))
+    width = max(map(len, decks))
+    for name, path in sorted(decks.items(), key=lambda item: (list(SUFFIXES).index(item[1].suffix), item[0])):
+        told = described.get((path.suffix, path.stem), "")
+        click.echo(f"{name:{width}}  {SUFFIXES[path.suffix]:5}  {told}".rstrip())
+
+
+def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
+    """Yield what the page beside the decks says of each: ((suffix, name), text)."""
+    page = next((p / "README.md" for p in (folder, folder.parent) if (p / "README.md").exists()), None)
+    suffixes = {path.suffix for path in folder.iterdir() if path.suffix in SUFFIXES}
+    for line in page.read_text(encoding="utf-8").splitlines() if page else ():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if len(cells) > 1 and cells[0].startswith("`"):
+            for name in _whole_names(re.findall(r"`([\w-]+)`", cells[0])):
+                yield from (((suffix, name), cells[1]) for suffix in suffixes)
+
+
+def _whole_names(names):
+    """Complete names such as `_n5` behind `shaft_beam_n2`."""
+    for name in names:
+        yield names[0].rpartition("_")[0] + name if name.startswith("_") else name
+
+
+def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
+    """Copy a deck and the files it names into `folder`; return the copies, the deck first."""
+    text = deck.read_bytes().decode("utf-8")
+    sources = {}
+    for word in text.replace('"', " ").split():
+        named = deck.parent / word
+        if "/" in word and named.is_file():
+            # What lies beside the folder of the decks is put beside the copy.
+            sources[named] = Path(named.name) if word.startswith("..") else Path(word)
+            text = text.replace(word, sources[named].as_posix())
+    targets = {source: folder / to for source, to in sources.items()}
+    _refuse_taken([folder / deck.name, *targets.values()], force)
+    for source, target in targets.items():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / deck.name).write_text(text, encoding="utf-8", newline="")
+    return [folder / deck.name, *targets.values()]
+
+
+def _refuse_taken(targets, force):
+    taken = [str(target) for target in targets if target.exists()]
+    if taken and not force:
+        raise click.UsageError(f"{taken[0]} is there already; --force replaces it")
