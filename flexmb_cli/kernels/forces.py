@@ -30,7 +30,7 @@ def add_applied_forces(system, work, u, t, f):
         if load["kind"] == LINE:
             power += _add_line(system, work, load, f)
         elif load["kind"] == RELATIVE:
-            power += _add_relative(system, work, load, f)
+            power += _add_relative(system, work, load, t, f)
         else:
             factor = 1.0
             if load["law"] >= 0:
@@ -93,13 +93,15 @@ def _stretch(system, work, load):
 
 
 @kernel
-def _add_relative(system, work, load, f):
-    """Spring and damper in an angle or a stroke; returns the power of the damper."""
+def _add_relative(system, work, load, t, f):
+    """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
     geometry = geometry_of(system, work)
     rate = measure_rates(geometry, load["measure"])[0]
-    pull = load["stiffness"] * _stretch(system, work, load) + load["damping"] * rate
-    add_measure_row(geometry, load["measure"], -pull, f)
-    return -load["damping"] * rate * rate
+    push = -load["damping"] * rate
+    if load["law"] >= 0:
+        push += law_values(system.laws, system.knots, load["law"], t)[0]
+    add_measure_row(geometry, load["measure"], push - load["stiffness"] * _stretch(system, work, load), f)
+    return push * rate
 
 
 @kernel

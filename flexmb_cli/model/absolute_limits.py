@@ -39,12 +39,18 @@ def _dampers(tree):
 
 
 def _motors(tree):
-    """A motor needs an axis that rests, or that both bodies share at all times."""
+    """The angular velocities of three free rotations are no rates of coordinates."""
     for motor in tree.motors:
         hinge = tree.hinges[motor.body]
-        alone = motor.motion == ROTATION or len(hinge.translations) == 1
-        if hinge.parent != INERTIAL and not (alone and has_shared_axis(hinge, motor.axis)):
-            yield _foreign_hinge(tree, motor, "motor", "a moving parent and other freedoms")
+        if hinge.parent != INERTIAL and motor.motion == ROTATION and len(hinge.rotations) == 3:
+            yield _foreign_hinge(tree, motor, "motor", "a moving parent and three free rotations")
+
+
+def has_fixed_axis(tree: Tree, motor) -> bool:
+    """Whether a motor acts along an axis that rests, or that both bodies of its hinge share at all times."""
+    hinge = tree.hinges[motor.body]
+    alone = motor.motion == ROTATION or len(hinge.translations) == 1
+    return hinge.parent == INERTIAL or (alone and has_shared_axis(hinge, motor.axis))
 
 
 def has_shared_axis(hinge: Hinge, axis: int) -> bool:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .absolute_hinges import coordinate_measure
-from .absolute_limits import has_shared_axis
+from .absolute_limits import has_fixed_axis, has_shared_axis
 from .absolute_tree import Frames, shape_of
 from .measure_table import MeasureTable
 from .motion_law import HELD_TABLE, POLYNOMIAL, MotionLaw
@@ -33,7 +33,10 @@ class _Loads:
             arm = self.table.arm(torque.body, np.zeros(3))
             self._add(TORQUE, arm, np.eye(3)[torque.axis - 1], law=self._law(torque.law))
         for motor in self.tree.motors:
-            self._add_motor(motor)
+            if has_fixed_axis(self.tree, motor):
+                self._add_motor(motor)
+            else:
+                self._add_along_coordinate(motor)
         for spring in self.tree.springs:
             self._add_spring(spring)
         return np.array(self.found, dtype=LOAD).reshape(-1)
@@ -63,8 +66,21 @@ class _Loads:
             place = self.table.arm(base.body, base.place, base.shape if base.shape.size else None)
             self._add(kind, place, -axis, law, True)
 
+    def _add_along_coordinate(self, motor):
+        """Generalised force along the hinge coordinate, whose axes move against each other."""
+        record = self._relative(motor)
+        record["law"] = self._law(motor.law)
+        self.found.append(record)
+
     def _add_spring(self, spring):
-        where = spring.body, spring.motion, spring.axis
+        record = self._relative(spring)
+        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
+        record["free_length"] = spring.rest
+        self.found.append(record)
+
+    def _relative(self, item):
+        """A load that acts in the hinge coordinate of a spring or motor."""
+        where = item.body, item.motion, item.axis
         near = next(
             q
             for c, q in zip(self.tree.coordinates, self.tree.q, strict=True)
@@ -73,9 +89,7 @@ class _Loads:
         record = blank_load(RELATIVE)
         measure = coordinate_measure(self.table, self.tree, self.frames, *where, near)
         record["measure"] = self.table.spring(measure)
-        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
-        record["free_length"] = spring.rest
-        self.found.append(record)
+        return record
 
     def _law(self, law: Table) -> int:
         if len(law.times) == 1:

@@ -62,7 +62,7 @@ LOAD = np.dtype(
         ("arm", np.int64),  # point of action of a force; of a torque any arm of its body
         ("measure", np.int64),  # RELATIVE: the angle or stroke the spring acts in; LINE: its V
         ("following", np.int64),  # 1: the vector is in body axes
-        ("law", np.int64),  # what multiplies the vector, -1: 1
+        ("law", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
         ("vector", np.float64, 3),  # N or N m
         ("stiffness", np.float64),  # N/m, N m/rad
         ("free_length", np.float64),  # m or rad

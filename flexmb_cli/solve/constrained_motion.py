@@ -227,8 +227,10 @@ def _names(equations):
 
 def _repetition_warning(found):
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
-    owners = list(dict.fromkeys(equation.owner for group in found.redundant for equation in group))
-    placed = [e for group in found.redundant for e in group if e.place]
+    # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
+    repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
+    owners = list(dict.fromkeys(equation.owner for equation in repeated))
+    placed = [equation for equation in repeated if equation.place]
     count = len(found.redundant)
     shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
     message = (
@@ -236,6 +238,10 @@ def _repetition_warning(found):
         "motion is unique, reactions are those of least norm"
     )
     return about("warning", message, *placed)
+
+
+def _in_deck(equation):
+    return equation.place or (0, 0), equation.owner, equation.part
 
 
 def _first(report, filled):

@@ -8,6 +8,7 @@ from ..kernels.constrained_system import NO_INERTIA
 from ..kernels.constraint_projection import project_position
 from ..kernels.mass_matrix import inertia_of, mass_times
 from ..kernels.speeds import move, normalise
+from ..model.by_size import by_size
 from .assembly import assemble_by_search, assembly_failure
 from .diagnosis import CLOSED, NAMED, Mobility, involved, sparse_basis
 
@@ -99,7 +100,7 @@ def inertia_failure(analysis, t: float) -> AnalysisError:
     bodies = analysis.arrays.bodies
     motion = (Z @ vectors[:, 0])[: 6 * bodies].reshape(bodies, 6)
     size = np.max(np.abs(motion), axis=1)
-    names = [analysis.arrays.body_names[b] for b in np.argsort(-size) if size[b] > NAMED * size.max()]
+    names = [analysis.arrays.body_names[b] for b in by_size(size) if size[b] > NAMED * size.max()]
     message = (
         f"at t = {t:.6g} s {', '.join(names[:3])} can move without any mass or inertia resisting "
         f"(smallest inertia {values[0]:.3g}); give masses and inertias to what can move"

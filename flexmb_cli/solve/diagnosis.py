@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Fault
+from ..model.by_size import by_size, first_of_largest
 from ..model.equations import Equation
 from ..model.joint_types import JOINT_TYPES
 from .levenberg_marquardt import least_squares
@@ -167,28 +168,28 @@ def mobility(evaluator: Evaluator, q, t, near) -> Mobility:
 
 
 def sparse_basis(vectors) -> tuple[np.ndarray, tuple[int, ...]]:
-    """Other vectors spanning the same space, of unit length, each with a coordinate of its own: its pivot.
+    """Return vectors spanning the same space, of unit length, each with a coordinate of its own: its pivot.
 
-    Null vectors of a singular value decomposition mix unrelated motions; elimination with full
-    pivoting separates them, so that each can be named.
+    Null vectors of a singular value decomposition mix unrelated motions; elimination separates them, so that
+    each can be named.  Columns of the null space have lengths that no choice of its basis changes: pivots
+    found by them are the same on every processor.
     """
     basis = np.array(vectors, dtype=float)
-    pivots = []
-    for k in range(len(basis)):
-        row, column = divmod(int(np.argmax(np.abs(basis[k:]))), basis.shape[1])
-        pivots.append(column)
-        basis[[k, k + row]] = basis[[k + row, k]]
-        for other in range(len(basis)):
-            if other != k:
-                basis[other] -= basis[k] * (basis[other, column] / basis[k, column])
-    norms = np.linalg.norm(basis, axis=1, keepdims=True)
-    return basis / np.where(norms > 0.0, norms, 1.0), tuple(pivots)
+    left, pivots = basis.copy(), []
+    for _ in range(len(basis)):
+        pivots.append(first_of_largest(np.linalg.norm(left, axis=0)))
+        direction = left[:, pivots[-1]] / np.linalg.norm(left[:, pivots[-1]])
+        left -= np.outer(direction, direction @ left)
+    pivots.sort()
+    if pivots:
+        basis = np.linalg.solve(basis[:, pivots], basis)
+    return basis / np.linalg.norm(basis, axis=1, keepdims=True), tuple(pivots)
 
 
 def involved(vector) -> list[int]:
     """Places of a vector that are not zero, largest first."""
     size = np.abs(vector)
-    return [int(k) for k in np.argsort(-size, kind="stable") if size[k] > NAMED * size.max()]
+    return [k for k in by_size(size) if size[k] > NAMED * size.max()]
 
 
 def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
@@ -211,7 +212,7 @@ def motion_text(evaluator: Evaluator, q, motion) -> str:
     """A null vector in words: which bodies turn about, or move along, which global direction."""
     bodies = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
-    moving = [int(k) for k in np.argsort(-size, kind="stable") if size[k] > NAMED * size.max()]
+    moving = [k for k in by_size(size) if size[k] > NAMED * size.max()]
     parts = [
         _body_motion(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], bodies[k]) for k in moving[:3]
     ]

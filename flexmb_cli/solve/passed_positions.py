@@ -4,6 +4,7 @@ import numpy as np
 
 from ..kernels.constrained_solve import evaluate_jacobian
 from ..kernels.speeds import move
+from ..model.by_size import by_size
 from .constrained_system import new_work
 from .diagnosis import about
 from .flexible_start import PositionGaps
@@ -168,10 +169,10 @@ class PassedPositions:
 def _owners(equations, size):
     """One equation of each owner with a large share, in the deck's order."""
     found = {}
-    for row in np.argsort(-size, kind="stable"):
+    for row in by_size(size):
         if size[row] < SHARE * size.max() or len(found) == MOST_TOLD:
             break
-        found.setdefault(equations[int(row)].owner, equations[int(row)])
+        found.setdefault(equations[row].owner, equations[row])
     joints = [one for one in found.values() if "joint" in one.owner or "hinge" in one.owner]
     return sorted(joints or found.values(), key=lambda one: one.place or (0, 0))
 

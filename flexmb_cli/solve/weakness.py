@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model.by_size import by_size
 from .position import Evaluator
 from .rows import twice_g
 
@@ -71,8 +72,8 @@ def _largest_value(matrix, vector):
 def weakest_owners(evaluator: Evaluator, weak: Weakness) -> list:
     """The equations with the largest shares of the combination, one an owner: joints if there are some."""
     size, owners = np.abs(weak.combination), {}
-    for row in np.argsort(-size, kind="stable"):
-        equation = evaluator.arrays.equations[int(row)]
+    for row in by_size(size):
+        equation = evaluator.arrays.equations[row]
         if size[row] < SHARE * size.max():
             break
         if equation.place is not None:
@@ -94,7 +95,7 @@ def _motion(evaluator, q, motion):
     """The bodies that take the largest part in a motion, and how."""
     rates = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
-    moving = [int(k) for k in np.argsort(-size, kind="stable")[:MOST_TOLD] if size[k] > SHARE * size.max()]
+    moving = [k for k in by_size(size)[:MOST_TOLD] if size[k] > SHARE * size.max()]
     return ", ".join(
         _of_body(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], rates[k]) for k in moving
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..model.by_size import by_size
 from .body_text import body_lines
 
 SHOWN_PARTS = 3
@@ -46,5 +47,5 @@ def _position_lines(position):
 
 def _parts(names, shape):
     sizes = np.abs(shape)
-    order = [k for k in np.argsort(-sizes, kind="stable")[:SHOWN_PARTS] if sizes[k] >= NAMED]
+    order = [k for k in by_size(sizes)[:SHOWN_PARTS] if sizes[k] >= NAMED]
     return ", ".join(f"{names[k]} {sizes[k]:.2f}" for k in order)
