@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import visible
 from .tolerances import KINDS, Tolerance
 
 SHOWN_MISSING = 20
@@ -179,10 +180,10 @@ class Report:
 
     def _verdict(self):
         if self.equal:
-            return f"{self.a}, {self.b}: no difference in {self.compared} numbers"
+            return f"{visible(self.a)}, {visible(self.b)}: no difference in {self.compared} numbers"
         known = f", {self.explained} of them by known errors" if self.explaining else ""
         counts = f"{self.differing} of {self.compared} numbers differ{known}"
-        return f"{self.a}, {self.b}: {counts}, {len(self.missing)} things are missing"
+        return f"{visible(self.a)}, {visible(self.b)}: {counts}, {len(self.missing)} things are missing"
 
 
 def _aligned(row, widths):
