@@ -162,3 +162,8 @@ def _excerpt(line, before):
 def visible(text: str) -> str:
     """`text` with marks for what cannot be printed: data may hold anything, and no terminal shall obey it."""
     return "".join(char if char.isprintable() or char == "\t" else "�" for char in text)
+
+
+def lines_visible(text: str) -> str:
+    """`visible` of every line."""
+    return "\n".join(map(visible, text.split("\n")))

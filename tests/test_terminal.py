@@ -101,6 +101,33 @@ def test_the_echo_of_a_deck_shows_marks(tmp_path):
     assert "\x1b" not in done.stdout + done.stderr
 
 
+NAME = "IN\x1b[31m\u202e\nx.dat"
+REPORTS = {
+    "check": ["check", NAME],
+    "echo": ["check", "--echo", NAME],
+    "run": ["run", "--no-h5", "--echo", NAME],
+    "diff": ["diff", NAME, NAME],
+    "update": ["diff", NAME, NAME, "--update"],
+}
+
+
+@pytest.mark.parametrize("report", REPORTS)
+def test_file_names_are_masked_in_a_pipe_too(tmp_path, report):
+    """What is piped into `less -R` or a log is shown by a terminal in the end."""
+    (tmp_path / NAME).write_bytes((DECKS.parent / "young" / "IN1-1-1.dat").read_bytes())
+    flexmb = [sys.executable, "-m", "flexmb_cli"]
+    if report in ("diff", "update"):
+        again = subprocess.run(
+            [*flexmb, "run", NAME, "--no-h5", "-q", "--out", "x"], cwd=tmp_path, timeout=300
+        )
+        assert again.returncode == 0
+        os.replace(tmp_path / "x", tmp_path / NAME)
+    done = subprocess.run([*flexmb, *REPORTS[report]], cwd=tmp_path, capture_output=True, timeout=120)
+    told = (done.stdout + done.stderr).decode("utf-8")
+    assert done.returncode == 0 and "IN�[31m��x.dat" in told
+    assert not set(told) & set("\x1b\u202e")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")
 @pytest.mark.parametrize(
     ("stream", "arguments"),

@@ -176,7 +176,7 @@ def _admit(fault):
     """A fault of flexmb itself, with a request to report it."""
     if "--debug" in sys.argv:
         raise fault
-    told = f"a fault of flexmb itself: {type(fault).__name__}: {fault}"
+    told = lines_visible(f"a fault of flexmb itself: {type(fault).__name__}: {fault}")
     click.echo(
         f"flexmb: error: {told}\nPlease report it with the deck; `flexmb --debug …` shows where it happened.",
         err=True,
@@ -231,7 +231,7 @@ def _open_closed_streams():
 
 def _tell(sentence):
     with contextlib.suppress(OSError):
-        click.echo(sentence, err=True)
+        click.echo(lines_visible(sentence), err=True)
 
 
 def _report_failure(failure):

@@ -60,7 +60,7 @@ def diff(a, b, update, as_json, quiet, **options):
     elif not quiet:
         show("" if new else report.text())
         if update:
-            done = f"taken from {b}" if updated else "left as it is"
+            done = f"taken from {visible(b)}" if updated else "left as it is"
             show(f"{visible(a)}: {'new reference, ' if new else ''}{done}\n")
     sys.exit(DONE if report.equal or updated else 1)
 

@@ -1,11 +1,11 @@
-"""What is printed: strangers' texts and file names command no terminal; files and pipes get every byte."""
+"""What is printed: strangers' texts and file names command no terminal; tables reach pipes unchanged."""
 
 import sys
 from contextlib import contextmanager
 
 import click
 
-from ..errors import visible
+from ..errors import lines_visible, visible
 from ..run.ending import StreamError
 
 
@@ -49,17 +49,11 @@ def standard_output() -> OutputText:
     return OutputText(sys.stdout)
 
 
-def lines_visible(text: str) -> str:
-    """`visible` of every line."""
-    return "\n".join(map(visible, text.split("\n")))
-
-
 def tell(sentence: str) -> None:
     """A sentence on standard error; a line break within a file name is marked, too."""
     click.echo(visible(sentence), err=True)
 
 
 def show(text: str, err: bool = False) -> None:
-    """Lines of a report on standard output, or on standard error."""
-    stream = sys.stderr if err else sys.stdout
-    click.echo(lines_visible(text) if stream.isatty() else text, nl=False, err=err)
+    """Lines of a report on standard output, or on standard error; a pipe may well lead to a terminal."""
+    click.echo(lines_visible(text), nl=False, err=err)

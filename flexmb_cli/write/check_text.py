@@ -1,5 +1,7 @@
 """Text of what `flexmb check` found (`run.check.CheckReport`)."""
 
+from ..errors import visible
+
 COLUMNS = ("x", "y", "z", "e0", "e1", "e2", "e3")
 MOST_NAMES = 8
 MOST_GAPS = 500
@@ -10,7 +12,7 @@ def check_text(report) -> str:
     counts = report.counts
     joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
     lines = [
-        f"{report.outcome.deck}: {report.deck.dialect.upper()} deck",
+        f"{visible(report.outcome.deck)}: {report.deck.dialect.upper()} deck",
         f"  bodies {counts['bodies']}, joints: {joints}",
         f"  simplified {counts['simplified']}, distance {counts['distance']}, drivers {counts['drivers']}, "
         f"grounded bodies {counts['grounds']}, points of interest {counts['points']}",

@@ -1,5 +1,7 @@
 """Text of what `flexmb check` found of a tree (`run.check_tree.TreeFindings`)."""
 
+from ..errors import visible
+
 MOST_COORDINATES = 24
 
 
@@ -7,7 +9,7 @@ def check_tree_text(report) -> str:
     """Counts, coordinates, inertia, closures and energies at the start, one fact a line."""
     counts, found = report.counts, report.tree
     lines = [
-        f"{report.outcome.deck}: {report.deck.dialect.upper()} deck{_one_way(counts)}",
+        f"{visible(report.outcome.deck)}: {report.deck.dialect.upper()} deck{_one_way(counts)}",
         f"  bodies {counts['bodies']}, of them flexible {counts['flexible']}; "
         f"closures {counts['closures']}, closed directions {counts['closed_directions']}",
         f"  coordinates {counts['coordinates']}: rotations {counts['rotations']}, "

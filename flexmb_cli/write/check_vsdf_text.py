@@ -1,5 +1,6 @@
 """Text of what `flexmb check` found of a VSDF deck (`run.check.CheckReport`)."""
 
+from ..errors import visible
 from .check_text import assembly_lines, few, redundant_lines
 
 
@@ -8,7 +9,7 @@ def check_vsdf_text(report) -> str:
     counts = report.counts
     joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
     lines = [
-        f"{report.outcome.deck}: VSDF deck",
+        f"{visible(report.outcome.deck)}: VSDF deck",
         f"  bodies {counts['bodies']}, of them flexible {counts['flexible']}, joints: {joints}",
         f"  pins {counts['pins']}, motions {counts['motions']}, forces and torques {counts['loads']}, "
         f"springs {counts['springs']}, output nodes {counts['outputs']}",

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import visible
 from .tolerances import KINDS, Tolerance
 
 SHOWN_MISSING = 20
@@ -189,11 +190,12 @@ class Report:
 
     def _verdict(self):
         words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""
+        files = f"{visible(self.a)}, {visible(self.b)}"
         if not self.missing and not self.differing:
-            return f"{self.a}, {self.b}: no difference in {self.compared} numbers{words}"
+            return f"{files}: no difference in {self.compared} numbers{words}"
         known = f", {self.explained} of them by known errors" if self.explaining else ""
         counts = f"{self.differing} of {self.compared} numbers differ{known}"
-        return f"{self.a}, {self.b}: {counts}, {len(self.missing)} things are missing{words}"
+        return f"{files}: {counts}, {len(self.missing)} things are missing{words}"
 
 
 def _count(number: int, thing: str) -> str:

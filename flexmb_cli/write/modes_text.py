@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..errors import visible
 from ..model.by_size import by_size
 from .body_text import body_lines
 
@@ -12,7 +13,7 @@ NAMED = 0.1  # of the largest part
 def modes_text(report) -> str:
     """What `flexmb modes` found (`run.modes.ModesReport`): flexible bodies, then the mechanism."""
     dialect = report.deck.dialect.upper()
-    lines = [f"{report.outcome.deck}: {dialect} deck, flexible bodies {len(report.bodies)}"]
+    lines = [f"{visible(report.outcome.deck)}: {dialect} deck, flexible bodies {len(report.bodies)}"]
     for body in report.bodies:
         lines += body_lines(body, precision=True)
     if report.mechanism:

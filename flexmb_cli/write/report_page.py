@@ -15,7 +15,7 @@ from string import Template
 import h5py
 import numpy as np
 
-from ..errors import DeckError
+from ..errors import DeckError, lines_visible
 from ..read.deck import DeckText
 from ..read.dialects import read_deck
 from ..read.settings import apply_settings
@@ -103,7 +103,7 @@ def report_page(result: h5py.File, library: str) -> str:
     name = attribute(result, "deck_name")
     return PAGE.substitute(
         hashes=" ".join(map(_hash, (library, SCRIPT))),
-        title=escape(f"{name}: {attribute(result, 'dialect')} {attribute(result, 'analysis')}"),
+        title=_shown(f"{name}: {attribute(result, 'dialect')} {attribute(result, 'analysis')}"),
         status=_status(result),
         animation=ANIMATION if moving else "<p>There are no rows to draw.</p>",
         curves="".join(
@@ -113,7 +113,7 @@ def report_page(result: h5py.File, library: str) -> str:
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
-        deck=escape(_deck(result)),
+        deck=_shown(_deck(result)),
         echo=_echo(result),
         figures=_json({"animation": moving, "curves": drawn}),
         library=library,
@@ -153,13 +153,13 @@ def _curves(result):
 
 def _left_out(result):
     still = still_energies(result)
-    return f"<p>Not drawn, for they do not change: {escape(', '.join(still))}.</p>" if still else ""
+    return f"<p>Not drawn, for they do not change: {_shown(', '.join(still))}.</p>" if still else ""
 
 
 def _figure(panel: Panel):
     data = [
         {
-            "type": "scatter", "mode": "lines", "name": escape(curve.label),
+            "type": "scatter", "mode": "lines", "name": _shown(curve.label),
             "line": {"color": COLOURS[k % len(COLOURS)], "dash": ("solid", "dash")[k // len(COLOURS) % 2]},
             "x": _short(curve.x), "y": _short(curve.y),
         }
@@ -167,8 +167,8 @@ def _figure(panel: Panel):
     ]  # fmt: skip
     layout = {
         "margin": {"l": 80, "r": 20, "t": 20, "b": 50},
-        "xaxis": {"title": {"text": escape(panel.x_label)}},
-        "yaxis": {"title": {"text": escape(panel.y_label)}, "exponentformat": "power", "automargin": True},
+        "xaxis": {"title": {"text": _shown(panel.x_label)}},
+        "yaxis": {"title": {"text": _shown(panel.y_label)}, "exponentformat": "power", "automargin": True},
         "showlegend": True,
         "hovermode": "closest",
     }
@@ -183,7 +183,7 @@ def _short(values):
 def _status(result):
     told = shortfall(result)
     if told:
-        return f'<p class="failed">{escape(told)}</p>'
+        return f'<p class="failed">{_shown(told)}</p>'
     time = result["time"][:]
     span = f", t = {time[0]:g} to {time[-1]:g} s" if len(time) else ""
     return f"<p>Complete: {len(time)} rows{span}.</p>"
@@ -229,7 +229,7 @@ def _changes(result):
     settings = settings_of(result)
     if not settings:
         return ""
-    return f"<p>Numbers changed for this run by --set: <b>{escape(', '.join(settings))}</b></p>"
+    return f"<p>Numbers changed for this run by --set: <b>{_shown(', '.join(settings))}</b></p>"
 
 
 def _echo(result):
@@ -240,13 +240,18 @@ def _echo(result):
     try:
         told = echo(apply_settings(read_deck(text, dialect), settings))
     except DeckError as failure:
-        return f"<p>This deck cannot be read: {escape(str(failure))}</p>"
-    return ECHO.format(AS_CHANGED if settings else AS_TYPED, escape(told))
+        return f"<p>This deck cannot be read: {_shown(str(failure))}</p>"
+    return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(told))
+
+
+def _shown(text):
+    """HTML that shows `text`, with a mark for what turns the direction of writing or cannot be printed."""
+    return escape(lines_visible(text.replace("\r\n", "\n")))
 
 
 def _table(pairs):
     cells = (
-        f'<tr><th>{escape(what)}</th><td class="number">{escape(told)}</td></tr>' for what, told in pairs
+        f'<tr><th>{_shown(what)}</th><td class="number">{_shown(told)}</td></tr>' for what, told in pairs
     )
     return f"<table>{''.join(cells)}</table>"
 

@@ -1,9 +1,12 @@
 """What `flexmb verify` prints of two formulations of one deck."""
 
+from ..errors import visible
+
 
 def verify_text(found) -> str:
     """A line for each quantity of a `run.verify.Verification`, then the largest difference."""
-    lines = [f"{found.outcome.deck}: Kane's equations and absolute coordinates, {found.outcome.rows} rows"]
+    outcome = found.outcome
+    lines = [f"{visible(outcome.deck)}: Kane's equations and absolute coordinates, {outcome.rows} rows"]
     lines.append(f"  {'quantity':<24}{'difference':>12}{'of':>12} {'unit':<6}{'share':>10}{'at':>12}")
     for each in found.differences:
         lines.append(

@@ -79,10 +79,26 @@ def test_words_of_the_file_are_text_and_nothing_else(tmp_path):
     page = page_on(spoil(write_result(tmp_path / "r.h5")))
     assert page.count("</script>") == 3
     assert "<img" not in page
-    shown = page.replace("\u2028", "\ufffd")  # names are shown with a mark for what cannot be printed
-    assert (
-        shown.count(html.escape(HOSTILE.replace("\u2028", "\ufffd"))) >= 5
-    )  # deck, its name in title, heading and table, names
+    # Deck, its name in title, heading and table, names; with a mark for what cannot be printed.
+    assert page.count(html.escape(HOSTILE.replace("\u2028", "\ufffd"))) >= 5
+
+
+def test_nothing_in_the_page_turns_the_direction_of_writing_around(tmp_path):
+    """Trojan Source (Boucher and Anderson, 2021): a deck is read otherwise than it is shown."""
+    path = write_result(tmp_path / "r.h5")
+    turning = "".join(map(chr, (0x202A, 0x202B, 0x202C, 0x202D, 0x202E, 0x2066, 0x2067, 0x2068, 0x2069)))
+    marks = "\u200e\u200f\u061c"
+    with h5py.File(path, "r+") as file:
+        file["deck"][()] = f"1 1 0 {turning}{marks} 0\r\n\x1b[2J second line"
+        file["audit"].move("constraint_residual", f"a{turning}")
+        del file[f"audit/a{turning}"].attrs["long_name"]
+        file.attrs["settings"] = f"a={turning}"
+        file.attrs["deck_name"] = f"{turning}.dat"
+    page = page_on(path)
+    # The library that draws has its own, in strings of its program.
+    own = page.partition('<script id="figures"')[0]
+    assert not set(own) & set(turning + marks + "\x1b\r")
+    assert "�[2J second line" in own
 
 
 def test_a_failed_run_says_so_and_why(tmp_path):
