@@ -86,25 +86,22 @@ def _lowest(K, S, count):
 
 def _lowest_at_once(K, S, count):
     split = split_by_mass(S)
-    if not split.light.shape[1]:
-        return _lowest_of_masses(K, S, count)
+    rank = len(split.masses)
+    count = min(count, rank)
+    if 2 * count <= len(K):
+        return _slowest(K, S, count)
+    if rank == len(K):
+        return pencil(K, S, count)
     # The shapes without mass follow the others as K wants: static condensation, exact here.
     light = quasi_static_shapes(K, split.light)
     following = split.heavy - light @ (light.T @ (K @ split.heavy))
-    reduced = following.T @ (K @ following)
-    masses, count = np.diag(split.masses), min(count, len(split.masses))
-    try:
-        values, vectors = _lowest_of_masses((reduced + reduced.T) / 2, masses, count)
-    except FreeMotion as motion:
-        raise type(motion)(following @ motion.shape) from None
+    values, vectors = pencil(following.T @ (K @ following), np.diag(split.masses), count)
     return values, following @ vectors
 
 
-def _lowest_of_masses(K, S, count):
-    """The lowest eigenvalues and vectors where every shape has mass."""
+def _slowest(K, S, count):
+    """Few of many: the largest eigenvalues of the inverse problem."""
     try:
-        if 2 * count > len(K):
-            return pencil(K, S, count)
         inverse, vectors = pencil(S, K, count, largest=True)
     except np.linalg.LinAlgError:
         lowest = np.linalg.eigh(K)[1][:, 0]

@@ -188,6 +188,11 @@ def _pin(record, bodies, ground, findings):
     given = [record.at(f"p.{axis}") for axis in "xyz"]
     point = record.vector("p") if any(number.text for number in given) else None
     held = tuple(digit == "1" for digit in digits)
+    if end and point is None:
+        place = bodies[end.body].global_position(end.node)
+        record.made.update(
+            {f"p.{axis}": f"{value + 0.0:.9g}" for axis, value in zip("xyz", place, strict=True)}
+        )
     return end and Pin(record.subject, end, held, point, record.place)
 
 

@@ -48,7 +48,8 @@ class Record:
 
     `subject` is its name in messages ("universal joint 1"), `prefix` its name in `--set` and in
     echoes ("universal.1").  `made` is where a builder may keep what it made of the record, which never
-    changes: decks that differ in other records share this one.
+    changes: decks that differ in other records share this one.  Under the key of an empty field it is what
+    the model took for it.
     """
 
     section: str

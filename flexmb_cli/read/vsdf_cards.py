@@ -120,7 +120,7 @@ CARDS = (
         (
             _whole("body", "rigid body, 0: ground"),
             _whole("node", "number of the node", None),
-            *_vector("r", "position, body or global axes", "m"),
+            *_vector("r", "position, axes of the rigid body, of the ground global", "m"),
         ),
     ),
     Card(
@@ -146,13 +146,27 @@ CARDS = (
             Column("ratio", "damping ratio of every mode", default=0.0),
         ),
     ),
-    Card("POSI", "position", "position of body {}", "body", (_BODY, *_vector("r", "origin, global", "m"))),
+    Card(
+        "POSI",
+        "position",
+        "position of body {}",
+        "body",
+        (_BODY, *_vector("r", "origin of the node table or rigid body, global", "m")),
+    ),
     Card(
         "EULP",
         "attitude",
         "attitude of body {}",
         "body",
-        (_BODY, *(Column(f"e{k}", f"Euler parameter e{k}", default=0.0) for k in range(4))),
+        (
+            _BODY,
+            *(
+                Column(
+                    f"e{k}", f"Euler parameter e{k} of the axes of the node table or rigid body", default=0.0
+                )
+                for k in range(4)
+            ),
+        ),
     ),
     Card(
         "VELO",
@@ -161,8 +175,8 @@ CARDS = (
         "body",
         (
             _BODY,
-            *_vector("v", "velocity of the body's origin, global axes", "m/s"),
-            *_vector("w", "angular velocity, body axes", "rad/s"),
+            *_vector("v", "velocity of the body frame's origin (FLEX: n1), global axes", "m/s"),
+            *_vector("w", "angular velocity, axes of the body frame (FLEX: e1 from n1 to n2)", "rad/s"),
         ),
     ),
     Card(
@@ -229,7 +243,7 @@ CARDS = (
             _BODY,
             _NODE,
             *_vector("F", "force", "N"),
-            _whole("follows", "1: in body axes, else global"),
+            _whole("follows", "1: in axes of the body frame (FLEX: e1 from n1 to n2), else global"),
             _whole("table", "table of its factor, 0: constant"),
         ),
     ),

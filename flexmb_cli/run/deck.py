@@ -44,13 +44,16 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
     with ending_recorded(outcome, options):
         with Stop.released():
             deck = open_deck(path, options, outcome)
-        if options.echo:
-            from ..write.echo import echo
-
-            outcome.echo = echo(deck)
         warn_of_foreign_options(deck, options, outcome)
         runner = RUNNERS[deck.dialect]
-        runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
+        try:
+            runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
+        finally:
+            if options.echo:
+                from ..write.echo import echo
+
+                # By now the model tells what it took for empty fields.
+                outcome.echo = echo(deck)
     return outcome
 
 

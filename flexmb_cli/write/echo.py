@@ -11,9 +11,10 @@ _ALIGN_RIGHT = (True, False, True, False, False)
 def echo(deck: Deck) -> str:
     """A table of all numbers of `deck`, one a line, columns aligned, ending with a line end.
 
-    Line of the deck (`--set` for a number set there), readable name, value as typed, unit, meaning.
+    Line of the deck (`--set` for a number set there), readable name, value as typed, unit, meaning.  An
+    empty field has what the model took for it, once that is built, else its default.
     """
-    rows = [HEADINGS, *(_row(name, number) for name, number in deck.numbers())]
+    rows = [HEADINGS, *(_row(record, number) for record in deck.records for number in record.numbers)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return "".join(f"{line}\n" for line in (_title(deck), *(_aligned(row, widths) for row in rows)))
 
@@ -23,9 +24,10 @@ def _title(deck):
     return f"{visible(deck.source.name)}: read as a {deck.dialect.upper()} deck, which begins with {begins}"
 
 
-def _row(name, number):
+def _row(record, number):
     line = str(number.place.line) if number.place else "--set"
-    cells = name, number.text or str(number.value), number.unit or "-", number.meaning
+    value = number.text or str(record.made.get(number.key, number.value))
+    cells = f"{record.prefix}.{number.key}", value, number.unit or "-", number.meaning
     return line, *map(visible, cells)
 
 

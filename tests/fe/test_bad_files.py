@@ -85,7 +85,8 @@ MATRICES = [
     (
         "HB",
         HB.replace("1.000000000000000D+00", "1.000000000000000X+00"),
-        "x, line 10: '1.000000000000000X+00' is no number",
+        "x, line 10: '1.000000000000000X+00' is no number; fields are 25 columns wide by the format of line "
+        "4: are they wider or narrower here?",
     ),
     ("HB", HB.replace("(1I14)", "(none)", 1), "x, line 4: no FORTRAN format in '(none)'"),
     (
@@ -115,7 +116,8 @@ MATRICES = [
     (
         "ABQ",
         "1,1, 1,1\n",
-        "x, line 1: row node, row direction, column node, column direction, value wanted, by commas",
+        "x, line 1: row node, row direction, column node, column direction, value wanted, or row, column, "
+        "value, by commas or blanks",
     ),
     (
         "ABQ",

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import mmread
+from scipy.io import hb_write, mmread
+from scipy.sparse import csc_matrix
 
 from flexmb_cli.read.fe_files.formats import read_matrix
+from flexmb_cli.read.fe_files.matrix_file import FEFileFault
 from flexmb_cli.read.fe_files.node_table import read_node_table
 
 FILES = Path(__file__).parents[2] / "decks" / "vsdf" / "fe"
@@ -99,6 +101,24 @@ def test_touching_values_are_cut_by_the_width_of_their_format(tmp_path):
     assert found.tolist() == [[4.0, -12.5], [-12.5, -2.0]]
 
 
+def test_a_matrix_from_scipys_writer_is_read_though_its_fields_are_narrower_than_told(tmp_path):
+    """scipy.io.hb_write announces 3E25.16 and writes 24 columns a value: signs end up in the field before."""
+    values = np.array([[2 / 3, -1e5 / 7, 0.0], [-1e5 / 7, 3e-7, -11 / 9], [0.0, -11 / 9, 1 / 3]])
+    hb_write(str(tmp_path / "x"), csc_matrix(values))
+    widths = {len(line) for line in (tmp_path / "x").read_text().splitlines()[6:]}
+    assert "E25.16" in (tmp_path / "x").read_text() and widths == {24, 72}
+    mapping = " 1 1 UX\n 2 1 UY\n 3 1 UZ\n"
+    text = (tmp_path / "x").read_text()
+    assert read(tmp_path, text, "HB", mapping=mapping, kind="ANS").tolist() == values.tolist()
+
+
+def test_touching_fields_of_another_width_than_told_are_named(tmp_path):
+    text = harwell_boeing("RSA", (1, 3, 4), (1, 2, 2), (4.0, -1.5, -2.0))
+    text = text.replace("  4.0000D+00 -1.5000D+00", "  4.00000D+00-1.50000D+00")
+    with pytest.raises(FEFileFault, match="by the format of line 4: are they wider or narrower here"):
+        read(tmp_path, text, "HB", mapping=MAPPING, kind="ANS")
+
+
 def test_rua_is_full_and_not_mirrored(tmp_path):
     text = harwell_boeing("RUA", (1, 3, 5), (1, 2, 1, 2), (4.0, 1.0, 1.0, 5.0))
     assert read(tmp_path, text, "HB", mapping=MAPPING, kind="ANS").tolist() == [[4.0, 1.0], [1.0, 5.0]]
@@ -138,6 +158,12 @@ def test_abaqus_rows_without_nodes_follow_the_node_table(tmp_path):
     found = read_matrix(tmp_path / "x", "ABQ", "K")
     assert found.equations is None
     assert full(found).tolist() == [[4.0, 1.0], [1.0, 5.0]]
+
+
+def test_abaqus_coordinates_are_parted_by_blanks(tmp_path):
+    """*MATRIX OUTPUT, FORMAT=COORDINATE: row, column, value."""
+    (tmp_path / "x").write_text("         1         1   4.0000000000000D+00\n 2 1 1.0E+00\n\n 2 2   5.0\n")
+    assert full(read_matrix(tmp_path / "x", "ABQ", "K")).tolist() == [[4.0, 1.0], [1.0, 5.0]]
 
 
 DMIG = {

@@ -1,7 +1,8 @@
 """Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE.
 
-Abaqus Analysis User's Guide, "Generating matrices".  The suffix .mtx is also Matrix Market's: the
-format is told by the deck.  Nodes with negative labels are internal freedoms of elements.
+Abaqus Analysis User's Guide, "Generating matrices"; coordinates come with blanks or commas.  The suffix .mtx
+is also Matrix Market's: the format is told by the deck.  Nodes with negative labels are internal freedoms of
+elements.
 """
 
 from pathlib import Path
@@ -23,12 +24,16 @@ def read_abaqus(path: Path) -> MatrixFile:
     body, numbers = filled(lines, comment="*")
     if not body:
         raise FEFileFault(f"{name} holds no entries")
-    width = body[0].count(",") + 1
+    comma = "," in body[0]
+    width = len(body[0].split("," if comma else None))
     if width not in (3, 5):
-        message = "row node, row direction, column node, column direction, value wanted, by commas"
+        message = (
+            "row node, row direction, column node, column direction, value wanted, or row, column, value, "
+            "by commas or blanks"
+        )
         raise line_fault(name, numbers[0], message)
     meaning = "row, column, value" if width == 3 else "row node, direction, column node, direction, value"
-    entries = table(name, body, numbers, width, meaning, comma=True)
+    entries = table(name, body, numbers, width, meaning, comma)
     where = whole(name, entries[:, :-1], numbers, "nodes and directions")
     # Rows, columns and directions count from 1; nodes of elements' own freedoms are negative.
     wrong = np.flatnonzero((where[:, slice(None) if width == 3 else slice(1, None, 2)] < 1).any(axis=1))

@@ -1,7 +1,8 @@
 """Harwell-Boeing matrices as ANSYS HBMAT writes them, and the mapping file of their equations.
 
 Duff, Grimes, Lewis, Users' Guide for the Harwell-Boeing Sparse Matrix Collection (1992); ANSYS
-command HBMAT.  Fields are cut by the FORTRAN formats of line 4; they may touch.
+command HBMAT.  Fields are cut by the FORTRAN formats of line 4, as they may touch; where blanks part as many
+numbers as the heading announces, these count: scipy.io.hb_write has other widths than its format line.
 """
 
 import re
@@ -100,27 +101,47 @@ def _format(name, line, first, width):
 
 
 def _numbers(name, lines, start, count, form, wanted):
-    """`wanted` numbers from `count` lines cut by the width of their format."""
+    """`wanted` numbers from `count` lines, parted by blanks or cut by the width of their format."""
     letter, width = form
     section = lines[start : start + count]
     if len(section) < count:
         raise FEFileFault(f"{name} ends at line {len(lines)}, {count - len(section)} lines too early")
+    read = integer if letter == "I" else real
+    parted = _parted(section, read, wanted)
+    return _cut(name, section, start, width, read, wanted) if parted is None else parted
+
+
+def _parted(section, read, wanted):
+    """The numbers between blanks, None where they are not `wanted` ones."""
+    words = " ".join(section).split()
+    if len(words) != wanted:
+        return None
+    try:
+        return np.array([read(word) for word in words])
+    except ValueError:
+        return None
+
+
+def _cut(name, section, start, width, read, wanted):
+    """The numbers in fields of `width` columns."""
     cells = [
         (line[i : i + width], number)
         for number, line in enumerate(section, start=start + 1)
         for i in range(0, len(line.rstrip()), width)
     ]
     if len(cells) < wanted:
-        raise FEFileFault(
-            f"{name}, lines {start + 1}-{start + count}: {wanted} numbers wanted, {len(cells)} found"
-        )
-    read = integer if letter == "I" else real
+        message = f"{wanted} numbers wanted, {len(cells)} found in fields of {width} columns (line 4)"
+        raise FEFileFault(f"{name}, lines {start + 1}-{start + len(section)}: {message}")
     values = []
     for cell, number in cells[:wanted]:
         try:
             values.append(read(cell))
         except ValueError:
-            raise line_fault(name, number, f"'{cell.strip()}' is no number") from None
+            message = (
+                f"'{cell.strip()}' is no number; fields are {width} columns wide by the format of line 4: "
+                "are they wider or narrower here?"
+            )
+            raise line_fault(name, number, message) from None
     return np.array(values)
 
 
