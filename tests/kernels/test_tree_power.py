@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels.tree_energy import applied_power, energies
+from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Table
 from tests.kernels.test_implicit_matrix import dense_parts
-from tests.kernels.test_kane_forward_dynamics import Recursion
+from tests.kernels.test_kane_forward_dynamics import Recursion, close
 from tests.naive.random_trees import random_tree
+
+T = 0.3  # s
+MOTOR, TORQUE = Table((0.0, 1.0), (2.0, 5.0)), Table((0.0, 1.0), (-3.0, 1.0))  # N m: 2.9 and -1.8 at T
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -37,3 +41,21 @@ def test_kinetic_and_stored_energies_are_those_of_the_matrices(seed):
     expected = tree.y @ recursion.dense()[0] @ tree.y / 2, sum(in_springs), tree.q @ K @ tree.q / 2
     found = energies(recursion.arrays, recursion.work, tree.q, tree.y)
     assert found == pytest.approx(expected, rel=1e-10, abs=1e-12)
+
+
+def test_motors_and_torques_that_grow_with_time_act_and_work_with_their_value_at_the_time():
+    """A motor's torque on its coordinate, and that on the last body as a constant one of the same size."""
+    plain = random_tree(5, gravity=(0.0, 0.0, 0.0), springs=())
+    body, axis = next((k, h.rotations[0]) for k, h in enumerate(plain.hinges) if len(h.rotations) in (1, 2))
+    last = plain.bodies[-1]
+    stronger = replace(last, torque=(last.torque[0], last.torque[1] - 1.8, last.torque[2]))
+    mass, remainder, force = Recursion(replace(plain, bodies=(*plain.bodies[:-1], stronger))).dense()
+    place = {(c.body, c.motion, c.axis): m for m, c in enumerate(plain.coordinates)}
+    force[place[body, ROTATION, axis]] += 2.9
+    torques = (BodyTorque(len(plain.bodies) - 1, 2, TORQUE),)
+    recursion = Recursion(replace(plain, motors=(Motor(body, ROTATION, axis, MOTOR),), torques=torques))
+    recursion.state = (T, *recursion.state[1:])
+    close(recursion.forward(), np.linalg.solve(mass, force - remainder), 1e-11)
+    elastic = plain.q @ dense_parts(recursion)[2] @ plain.y
+    power = applied_power(recursion.arrays, recursion.work, recursion.coordinates, *recursion.state[:3])
+    assert power == pytest.approx(force @ plain.y + elastic, rel=1e-10)
