@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
+from flexmb_cli.kernels.tree_projection import _respond_to_rows
 from flexmb_cli.model.tree import INERTIAL, Closure
+from flexmb_cli.solve.tree_dynamics import initial_state
 from tests.kernels.test_kane_forward_dynamics import Recursion, close
 from tests.naive.particle_tree import Particles, second_derivative
 from tests.naive.random_trees import random_tree
@@ -80,6 +82,19 @@ def closed_where_it_is(tree):
     b_point = np.array(closure.b_point)
     b_point[[axis - 1 for axis in closure.directions]] += there.real
     return replace(tree, closures=(replace(closure, b_point=tuple(b_point)),))
+
+
+@pytest.mark.parametrize("seed", [1, 3, 4, 6, 7])
+def test_a_correction_that_closes_rows_is_the_least_in_the_measure_of_the_mass(seed):
+    """x = -b⁻¹ Jᵀ (J b⁻¹ Jᵀ)⁻¹ gap: the minimum of x · b x for J x = -gap."""
+    tree = closed_where_it_is(looped_tree(seed))
+    recursion, gaps = Recursion(tree), np.array([0.3, -0.2, 0.1])
+    recursion.forward()
+    recursion.arrays.closures["force"] = -gaps
+    _respond_to_rows(recursion.arrays, recursion.work, recursion.coordinates, initial_state(tree))
+    J, _ = closure_equations(tree, recursion.attitudes)
+    yielding = np.linalg.solve(recursion.dense()[0], J.T)
+    close(recursion.coordinates["response"], -yielding @ np.linalg.solve(J @ yielding, gaps), 1e-9)
 
 
 def test_loop_answers_to_a_prescribed_acceleration_once():
