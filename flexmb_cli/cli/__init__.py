@@ -4,7 +4,6 @@ What a command needs is imported inside it, so that `--help`, `check` and `diff`
 """
 
 import contextlib
-import gc
 import os
 import signal
 import sys
@@ -29,9 +28,6 @@ from .terminal import lines_visible
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# Readers make objects by the hundred thousand and hardly a cycle: at Python's 700 the search for cycles takes
-# a third of the time of a large file.
-OBJECTS_UNTIL_COLLECTED = 50_000
 
 
 # In the order a newcomer meets them, with the first lines of their help: no other command is imported for it.
@@ -97,7 +93,6 @@ def cli(context, debug):
     """
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
-    gc.set_threshold(OBJECTS_UNTIL_COLLECTED)
 
 
 cli.commands = Commands()

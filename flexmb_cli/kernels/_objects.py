@@ -24,7 +24,8 @@ _SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
 # What objects may call; LLVM replaces some of it, as sin and cos together by sincos.
 OF_C = frozenset(
     ("malloc", "free", "memset", "memcpy", "memmove", "sin", "cos", "tan", "asin", "acos", "atan", "atan2")
-    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "hypot")
+    + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "rint")
+    + ("hypot",)
 )
 _LOADING = ("_cache.py", "_entry.py", "_objects.py")
 # Checks of bounds are other code under the same name.

@@ -4,11 +4,15 @@ Where joints and points sit on their bodies is constant in body axes; the motion
 rest.  Bodies are numbered from 1 as in decks, 0 is the ground (the inertial frame of a tree).
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..model.mechanism import Mechanism
-from ..model.tree import Closure, Tree
 from .result_file import XYZ, Axis, Constant
+
+if TYPE_CHECKING:
+    from ..model.tree import Closure, Tree
 
 SIDE = Axis("side", ("I", "J"), "first and second body of a joint")
 OF_JOINT = ("joint/joint", SIDE.path)
@@ -37,7 +41,7 @@ def mechanism_geometry(mechanism: Mechanism) -> tuple[Constant, ...]:
     return tuple(found)
 
 
-def tree_geometry(tree: Tree) -> tuple[Constant, ...]:
+def tree_geometry(tree: "Tree") -> tuple[Constant, ...]:
     """Gravity, centres of mass, nodes, bodies of hinge points and nodes, bodies and points of closures."""
     bodies = [hinge.parent for hinge in tree.hinges]
     centres = np.array([_centre(body) for body in tree.bodies], float)
@@ -106,7 +110,7 @@ def _centre(body):
     return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
 
 
-def _closed_points(tree: Tree, closure: Closure):
+def _closed_points(tree: "Tree", closure: "Closure"):
     sides = ((closure.a, closure.a_node, closure.a_point), (closure.b, closure.b_node, closure.b_point))
     return [
         point if node is None else tree.bodies[body].elastic.positions[node] for body, node, point in sides
