@@ -2,12 +2,14 @@
 
 import json
 import sys
+from pathlib import Path
 
 import click
 
 from .deck_options import DECK, deck_options, every_deck, show_faults
 from .finite import AnyFinite
 from .terminal import show, tell, wants_debug
+from .written_place import WrittenPlace
 
 
 @click.command()
@@ -25,11 +27,17 @@ from .terminal import show, tell, wants_debug
     is_flag=True,
     help="Linearise it about the static equilibrium it can fall into, and tell where that is.",
 )
-def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
+@click.option(
+    "--out",
+    type=WrittenPlace(),
+    metavar="FILE",
+    help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
+)
+def modes(decks, changes, echo, as_json, quiet, time, equilibrium, out, **options):
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 
     A VSDF deck's flexible bodies are reduced, with effective masses and what is left out; its mechanism
-    is looked at when --at or --equilibrium is given, or where all bodies are rigid.
+    is looked at when --at, --equilibrium or --out is given, or where all bodies are rigid.
 
     \b
     Example:
@@ -39,10 +47,11 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
     from ..run.modes import modes_of_deck
     from ..run.outcome import Listener, RunOptions
 
+    _refuse_output(out, decks)
     listener = Listener(notice=lambda sentence: quiet or tell(f"flexmb: {sentence}"))
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
-    wish = Wish(time, equilibrium)
+    wish = Wish(time, equilibrium, state_space=as_json, out=out)
     for report in every_deck(decks, lambda deck: modes_of_deck(deck, wish, choices, listener)):
         show_faults(report.outcome, quiet)
         if as_json:
@@ -51,6 +60,21 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, **options):
             _print_modes(report, echo, quiet)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
+
+
+def _refuse_output(out, decks):
+    from ..write.state_space_file import FORMS
+    from .output_file import refuse_inputs
+
+    if out is None:
+        return
+    if Path(out).suffix.lower() not in FORMS:
+        raise click.UsageError(
+            f"--out {out}: end the name with one of {', '.join(FORMS)}, which chooses the form"
+        )
+    if len(decks) > 1:
+        raise click.UsageError("--out takes the state space of one deck; call modes for each deck")
+    refuse_inputs(out, decks, "--out")
 
 
 def _print_modes(report, with_echo, quiet):

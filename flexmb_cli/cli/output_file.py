@@ -7,11 +7,13 @@ import click
 STANDARD_OUTPUT = "-"
 
 
-def refuse_inputs(output: str, inputs) -> None:
-    """Raise UsageError when `output` is one of the files that the command reads."""
+def refuse_inputs(output: str, inputs, option: str = "-o") -> None:
+    """Raise UsageError when `output`, given with `option`, is one of the files that the command reads."""
     for path in inputs:
         if _are_one(output, path):
-            raise click.UsageError(f"-o {output} would overwrite {path}, which is read; name another file")
+            raise click.UsageError(
+                f"{option} {output} would overwrite {path}, which is read; name another file"
+            )
 
 
 def refuse_standard_output(output: str, what: str) -> None:

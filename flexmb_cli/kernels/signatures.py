@@ -113,6 +113,7 @@ UNITS = {
         "tree_motion.derivative": "Tree FRAME_WORK1 COORDINATE_WORK1 float f1 f1",
         "tree_motion.normalise_attitudes": "Tree f1",
         "tree_motion.turn_attitudes": "Tree f1 f2 f2",
+        "tree_projection.measure": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",
     },
     "implicit_trees": {
         "implicit_march.march_implicitly": (

@@ -19,15 +19,20 @@ def matlab_bytes(result: h5py.File) -> bytes:
     Names are those of the result, with _ for what MATLAB does not take: body 1 is body_1.  Raises
     `ResultError` for a result that is too large for the format.
     """
-    from scipy.io import savemat
-
     content = _struct(result)
     content["info"] = {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
-    stream = io.BytesIO()
     if _size(content) > LARGEST:
         limit = "larger than the 2 GB of a MATLAB 5 file; MATLAB reads the result itself (h5read)"
         raise ResultError(result.filename, limit)
-    savemat(stream, {"flexmb": content}, long_field_names=True, oned_as="column")
+    return variable_bytes("flexmb", content)
+
+
+def variable_bytes(name: str, content) -> bytes:
+    """Return the bytes of a file with one variable; a dictionary is a struct."""
+    from scipy.io import savemat
+
+    stream = io.BytesIO()
+    savemat(stream, {name: content}, long_field_names=True, oned_as="column")
     # scipy writes the time of the day here; the same result shall give the same bytes.
     text = b"MATLAB 5.0 MAT-file, written by flexmb"
     return text.ljust(HEADER) + stream.getvalue()[HEADER:]

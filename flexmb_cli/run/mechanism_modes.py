@@ -20,15 +20,20 @@ INTERPRETED_LIMIT = 30
 
 @dataclass(frozen=True)
 class Wish:
-    """What to linearise about: `time`, s (None: the start), or the `equilibrium` found from there."""
+    """What to linearise about: `time`, s (None: the start), or the `equilibrium` found from there.
+
+    `state_space`: whether B, C and D are asked for; `out`: the file that they go to.
+    """
 
     time: float | None = None
     equilibrium: bool = False
+    state_space: bool = False
+    out: str | None = None
 
     @property
     def of_mechanism(self) -> bool:
-        """Whether a place to linearise at is named."""
-        return self.equilibrium or self.time is not None
+        """Whether a place to linearise at is named, or a file for the state space."""
+        return self.equilibrium or self.time is not None or self.out is not None
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,7 @@ class MechanismModes:
 
     `modes` is a `solve.linearised.Modes`; `names` (n,) of the speeds its shapes have; `position`: name and
     numbers of each body or coordinate, which lengths in m, Euler parameters and angles in rad make up.
+    `space`: its `solve.state_space.StateSpace`, where it was asked for.
     """
 
     time: float
@@ -44,6 +50,7 @@ class MechanismModes:
     modes: object
     names: tuple[str, ...]
     position: tuple[tuple[str, tuple[float, ...]], ...]
+    space: object = None
 
     def as_dict(self) -> dict:
         """The record that `--json` prints."""
@@ -51,6 +58,7 @@ class MechanismModes:
         return {
             "time": self.time,
             "equilibrium": self.equilibrium,
+            "frozen": not modes.constant,
             "freedoms": len(modes.eigenvalues) // 2,
             "frequency": modes.frequency.tolist(),
             "damping": modes.damping.tolist(),
@@ -61,7 +69,24 @@ class MechanismModes:
             "speeds": list(self.names),
             "shapes": [{"real": shape.real.tolist(), "imag": shape.imag.tolist()} for shape in modes.shapes],
             "position": {name: list(values) for name, values in self.position},
+            "state_space": self.space and self.state_space,
         }
+
+    @property
+    def state_space(self) -> dict:
+        """The record of the state space."""
+        return {"time": self.time, **record_of(self.space)}
+
+
+def record_of(space) -> dict:
+    """Return a StateSpace as lists and words."""
+    signals = {
+        what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]
+        for what in ("inputs", "outputs")
+    }
+    states = [vars(s) for s in space.states]
+    matrices = {name: getattr(space, name).tolist() for name in "ABCD"}
+    return {**matrices, "states": states, **signals, "axes": space.axes, "constant": space.constant}
 
 
 def flexible_modes(
@@ -105,7 +130,9 @@ def _prepare(speeds, wish: Wish, grid, listener, entry="constrained_march.march_
 
 
 def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
-    from ..solve.linearised import bring_to, modes, settle
+    from ..solve.constrained_responses import ConstrainedResponses, constrained_signals
+    from ..solve.equilibrium import settle
+    from ..solve.linearised import ConstrainedLinearised, bring_to, linearised, modes_of
 
     try:
         bring_to(analysis, analysis.grid.start if wish.time is None else wish.time)
@@ -113,25 +140,38 @@ def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
         outcome.faults += analysis.warnings
     refuse_warnings(outcome, options)
     if wish.equilibrium:
-        settle(analysis)
-    found, arrays = modes(analysis), analysis.arrays
+        settle(analysis, ConstrainedLinearised)
+    motion, A, constant = linearised(analysis)
+    space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
+    found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
-    z = analysis.march.z
+    z = motion.q
     position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
     first = 7 * arrays.bodies
     for f in arrays.flexible:
         eta = z[first + f["first"] : first + f["first"] + f["modes"]]
         position.append((f"{arrays.body_names[f['body']]} modal", tuple(eta.tolist())))
-    return MechanismModes(float(analysis.clock["t"][0]), wish.equilibrium, found, names, tuple(position))
+    return MechanismModes(motion.t, wish.equilibrium, found, names, tuple(position), space)
+
+
+def _space(wish, responses, motion, A, signals):
+    """The state space of a linearised motion, where it is asked for."""
+    from ..solve.state_space import state_space
+
+    if not wish.state_space and wish.out is None:
+        return None
+    return state_space(responses(motion), responses(motion.soon(A)), signals(motion))
 
 
 def tree_modes(tree: Tree, wish: Wish, listener: Listener) -> MechanismModes:
-    """Small motions of a tree; raises ModelError for closed loops, AnalysisError."""
+    """Small motions of a tree; raises ModelError, AnalysisError."""
     grid = tree.time
     _prepare(len(tree.coordinates), wish, grid, listener, "tree_march.call")
-    from ..solve.linearised import modes_of, settle
+    from ..solve.equilibrium import settle
+    from ..solve.linearised import linearised, modes_of
     from ..solve.tree_dynamics import TreeAnalysis
-    from ..solve.tree_linearised import TreeSmallMotions, start_tree
+    from ..solve.tree_linearised import TreeLinearised, start_tree
+    from ..solve.tree_responses import TreeResponses, tree_signals
 
     time = grid.start if wish.time is None else wish.time
     if time > grid.start:
@@ -139,10 +179,12 @@ def tree_modes(tree: Tree, wish: Wish, listener: Listener) -> MechanismModes:
     analysis = TreeAnalysis(tree)
     start_tree(analysis, time)
     if wish.equilibrium:
-        settle(analysis, TreeSmallMotions)
-    motions = TreeSmallMotions(analysis)
+        settle(analysis, TreeLinearised)
+    motion, A, constant = linearised(analysis, TreeLinearised)
+    space = _space(wish, TreeResponses, motion, A, tree_signals)
+    found = modes_of(motion, A, constant)
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     n = len(names)
-    q = np.asarray(analysis.state[n : 2 * n]).tolist()
+    q = np.asarray(motion.z[n : 2 * n]).tolist()
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
-    return MechanismModes(motions.t, wish.equilibrium, modes_of(motions), names, position)
+    return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)

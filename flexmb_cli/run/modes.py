@@ -57,6 +57,7 @@ def _fill(report: ModesReport, wish: Wish, options: RunOptions, listener: Listen
         report.bodies = [body.flexible for body in mechanism.bodies if body.flexible is not None]
         if wish.of_mechanism or not report.bodies:
             report.mechanism = flexible_modes(mechanism, wish, options, outcome, listener)
+            _write(report.mechanism, wish)
         return
     if deck.dialect == "dafms":
         tree = tree_of(deck, options, outcome)
@@ -66,6 +67,14 @@ def _fill(report: ModesReport, wish: Wish, options: RunOptions, listener: Listen
         _refuse_kinematics(deck)
         report.mechanism = young_modes(deck, wish, options, outcome, listener)
     report.deck = deck
+    _write(report.mechanism, wish)
+
+
+def _write(mechanism: MechanismModes, wish: Wish):
+    if wish.out is not None:
+        from .state_space_output import write_state_space
+
+        write_state_space(wish.out, mechanism.state_space)
 
 
 def _refuse_kinematics(deck):

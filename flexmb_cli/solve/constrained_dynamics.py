@@ -3,12 +3,16 @@
 import numpy as np
 
 from ..kernels.constrained_report import Report
+from ..kernels.constrained_system import System
 from ..model.dynamic_arrays import dynamic_arrays
 from ..model.dynamics import DynamicModel
+from ..model.flexible_mechanism import NodePoint
+from ..model.joint_types import DRIVER
 from .constrained_motion import ConstrainedMotion
 from .constrained_start import assembled
 from .constrained_system import AnyCountEvaluator
 from .dynamic_rows import DynamicRows, dynamic_rows
+from .linearised_terms import Terms
 from .start_speeds import given_speeds
 from .steppers import ExplicitSteps, GeneralisedAlpha
 
@@ -35,9 +39,36 @@ class ForwardDynamics(ConstrainedMotion):
         """Which of the speeds the deck gives, and their values."""
         return given_speeds(self.velocities, self.arrays.bodies, q)
 
+    @property
+    def terms(self) -> Terms:
+        """Names of loads, drivers, joints and points."""
+        model, mechanism = self.model, self.mechanism
+        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]
+        joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
+        return Terms(
+            tuple(loads),
+            tuple((driver.name, driver.direction <= 3) for driver in mechanism.drivers),
+            tuple(joints),
+            tuple((point.name, point.body) for point in mechanism.points),
+        )
+
+    def driven_system(self, k: int, additions, t: float) -> System:
+        """Return the system with additions to the value, rate and second rate of driver k at t."""
+        value, rate, second = additions
+        constraints = self.system.constraints.copy()
+        record = constraints[np.flatnonzero(constraints["kind"] == DRIVER.code)[k] :][:1]
+        record["C"] += value - rate * t + 0.5 * second * t * t
+        record["B"] += rate - second * t
+        record["A"] += second
+        return self.system._replace(constraints=constraints)
+
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
         return dynamic_rows(self.mechanism, report)
+
+
+def _point(body, place):
+    return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
 def _stepper(model):

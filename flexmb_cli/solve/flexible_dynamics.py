@@ -3,14 +3,19 @@
 import numpy as np
 
 from ..kernels.constrained_report import Report
+from ..kernels.constrained_system import System
 from ..model.dynamics import InitialVelocity
 from ..model.flexible_arrays import flexible_arrays
 from ..model.flexible_mechanism import FlexibleMechanism
+from ..model.motion_law import POLYNOMIAL
+from ..model.point_joints import TRANSLATIONS
+from ..model.system_records import LAW, law_record
 from ..model.vsdf_model import Integrator
 from .constrained_motion import ConstrainedMotion
 from .dynamic_rows import global_axes
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
+from .linearised_terms import Terms
 from .parted_joints import parted_joints
 from .start_speeds import given_speeds
 from .steppers import ExplicitSteps, GeneralisedAlpha, RadauSteps
@@ -55,6 +60,34 @@ class FlexibleDynamics(ConstrainedMotion):
         given, wanted = given_speeds(self.velocities, bodies, q)
         modes = self.arrays.speeds - 6 * bodies
         return np.append(given, np.ones(modes, bool)), np.append(wanted, np.zeros(modes))
+
+    @property
+    def terms(self) -> Terms:
+        """Names of loads, drivers, joints and points."""
+        m = self.mechanism
+        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]
+        loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
+        return Terms(
+            tuple(loads),
+            tuple(
+                (motion.name, motion.kind == "STRK" or motion.kind in TRANSLATIONS) for motion in m.motions
+            ),
+            tuple((joint.name, joint.a[0], joint.b[0]) for joint in m.joints),
+            tuple((point.name, point.body) for point in m.outputs),
+        )
+
+    def driven_system(self, k: int, additions, t: float) -> System:
+        """Return the system with additions to the value, rate and second rate of motion k at t.
+
+        A polynomial takes the place of its law, which at t has the same value and rates.
+        """
+        value, rate, second = np.add(self.mechanism.motions[k].law.at(t), additions)
+        c = value - rate * t + 0.5 * second * t * t, rate - second * t, 0.5 * second, 0.0
+        group = self.arrays.groups[len(self.mechanism.joints) + len(self.mechanism.pins) + k]
+        measures = self.system.measures.copy()
+        measures["law"][group["first_row"]] = self.system.laws.size
+        laws = np.append(self.system.laws, np.array([law_record(POLYNOMIAL, c)], dtype=LAW))
+        return self.system._replace(laws=laws, measures=measures)
 
     def block(self, report: Report) -> FlexibleRows:
         """The rows of a report in the terms of the model."""

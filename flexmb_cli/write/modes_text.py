@@ -25,6 +25,8 @@ def _mechanism_lines(found):
     modes = found.modes
     where = "about the equilibrium" if found.equilibrium else "of the mechanism"
     yield f"  small motions {where} at t = {found.time:.6g} s: freedoms {len(modes.eigenvalues) // 2}"
+    if not modes.constant:
+        yield f"    frozen at t = {found.time:.6g} s: the coefficients change along the motion"
     if found.equilibrium:
         yield from _position_lines(found.position)
     if len(modes.frequency):

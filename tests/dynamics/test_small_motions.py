@@ -12,9 +12,10 @@ from flexmb_cli.model.mechanism import Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.model.tree import INERTIAL, Hinge, Tree
 from flexmb_cli.model.tree import Body as Part
 from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.linearised import bring_to, modes, modes_of, settle
+from flexmb_cli.solve.equilibrium import settle
+from flexmb_cli.solve.linearised import ConstrainedLinearised, bring_to, modes
 from flexmb_cli.solve.tree_dynamics import TreeAnalysis
-from flexmb_cli.solve.tree_linearised import TreeSmallMotions, start_tree
+from flexmb_cli.solve.tree_linearised import TreeLinearised, start_tree
 
 G = 9.81
 DOWN = (math.cos(math.pi / 4), 0.0, math.sin(math.pi / 4), 0.0)  # x axis turned to -z
@@ -74,14 +75,14 @@ def test_a_damped_oscillator_has_its_textbook_frequency_and_damping_ratio():
 
 def test_a_weight_settles_where_its_spring_carries_it():
     analysis = started(replace(oscillator(), gravity=(0.0, 0.0, -G)))
-    settle(analysis)
+    settle(analysis, ConstrainedLinearised)
     assert analysis.march.z[9] == pytest.approx(1.0 - 2.0 * G / 80.0, rel=1e-10)
 
 
 def test_a_pendulum_let_go_at_an_angle_settles_hanging():
     half = 0.5 * (math.pi / 2 - 1.0)
     analysis = started(pendulum((math.cos(half), 0.0, math.sin(half), 0.0)))
-    settle(analysis)
+    settle(analysis, ConstrainedLinearised)
     assert analysis.march.z[10:14] == pytest.approx(DOWN, abs=1e-9)
 
 
@@ -148,11 +149,11 @@ def test_a_pendulum_let_go_above_the_horizontal_falls_and_one_that_stands_stays(
     """Newton's method alone would go to the nearest position without force, which is the upper one."""
     half = 0.5 * (math.pi / 2 - 2.6)
     analysis = started(pendulum((math.cos(half), 0.0, math.sin(half), 0.0)))
-    settle(analysis)
+    settle(analysis, ConstrainedLinearised)
     assert modes(analysis).growing.size == 0
     up = (DOWN[0], 0.0, -DOWN[2], 0.0)
     analysis = started(pendulum(up))
-    settle(analysis)
+    settle(analysis, ConstrainedLinearised)
     assert analysis.march.z[10:14] == pytest.approx(up, abs=1e-12)
 
 
@@ -234,6 +235,6 @@ def test_a_top_of_a_tree_is_seen_from_space():
     start_tree(analysis, 0.0)
     root = math.sqrt((TOP_ALONG * spin) ** 2 - 4.0 * TOP_ACROSS * weight)
     expected = [(TOP_ALONG * spin + sign * root) / (2.0 * TOP_ACROSS) for sign in (-1.0, 1.0)]
-    found = modes_of(TreeSmallMotions(analysis))
+    found = modes(analysis, TreeLinearised)
     assert found.frequency * 2.0 * math.pi == pytest.approx(expected, rel=1e-7)
     assert found.unheld == 2

@@ -1,0 +1,25 @@
+"""Writes the state space of a mechanism in the form that the name of the file asks for."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ..write.atomic import write_whole
+from ..write.state_space_file import arrays_of, json_bytes, npz_bytes
+
+
+def write_state_space(path: str, record: dict) -> None:
+    """Write the record of a state space to `path`; raises OutputError."""
+    forms = {".npz": npz_bytes, ".mat": _matlab_bytes, ".json": json_bytes}
+    write_whole(path, forms[Path(path).suffix.lower()](record))
+
+
+def _matlab_bytes(record):
+    from .matlab_file import variable_bytes
+
+    # MATLAB has cells of texts where NumPy has arrays of them.
+    arrays = {
+        name: value.astype(object) if value.dtype.kind == "U" and value.ndim else value
+        for name, value in arrays_of(record).items()
+    }
+    return variable_bytes("state_space", {name: np.asarray(value) for name, value in arrays.items()})
