@@ -140,9 +140,15 @@ class ConstrainedLinearised(LinearisedMotion):
 
     def later(self, h, rate, jerk) -> "ConstrainedLinearised":
         """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
-        t = self.t + h
-        q = self.moved(self.q, h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk)))
-        u = self.u + h * (rate + 0.5 * h * jerk)
+        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
+        return self._at(self.moved(self.q, d), self.u + h * (rate + 0.5 * h * jerk), self.t + h)
+
+    def elsewhere(self, d, w) -> "ConstrainedLinearised":
+        """Return the same coordinates where the position is displaced by d and the speeds by w."""
+        return self._at(self.moved(self.q, d), self.u + w, self.t)
+
+    def _at(self, q, u, t):
+        """The same coordinates near q and u, where they meet the constraints."""
         analysis = self.analysis
         self.refuse(project_position(self.system, analysis.work, q, t, analysis.march.turns[NEAR]))
         self.refuse(project_speeds(self.system, analysis.work, q, u, t)[0])

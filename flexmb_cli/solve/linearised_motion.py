@@ -14,11 +14,16 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
+from ..errors import AnalysisError
+
 STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power
 STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
 # Part of the motion's own time scale over which the coefficients are compared, and the share of the
 # largest one in a row that may change.
 TIME_SHARE, CONSTANT = 3e-3, 1e-6
+ROUND_OFF = 1e-10  # of the square of the largest speed
+FAR = 0.3  # scaled displacement up to which an accelerating motion is followed
+SAME_EIGENVALUE, SLOWEST = 1e-5, 1e-6  # relative change of an eigenvalue, and share of the largest one
 
 
 def differentiated(function, h: float):
@@ -71,6 +76,10 @@ class LinearisedMotion(ABC):
         """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
 
     @abstractmethod
+    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "LinearisedMotion":
+        """Return the same coordinates where the position is displaced by d and the speeds by w."""
+
+    @abstractmethod
     def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
         """Return u' (n,) after the short time h, s, of a motion with u' = rate now."""
 
@@ -114,16 +123,39 @@ class LinearisedMotion(ABC):
         return A
 
     def is_constant(self, A: np.ndarray) -> bool:
-        """Return whether the coefficients A stay the same along the motion."""
-        f, pace = self.freedoms, self.path(A)[0]
-        for share in (1.0, 2.0):
-            change = np.abs(self.soon(A, share).first_order() - A)
-            for rows, columns, power in ((0, 0, 1), (1, 0, 2), (1, 1, 1)):
-                block = slice(rows * f, (rows + 1) * f), slice(columns * f, (columns + 1) * f)
-                size = np.max(np.abs(A[block]), axis=1, initial=pace**-power)
-                if np.any(change[block] > CONSTANT * size[:, None]):
-                    return False
-        return True
+        """Return whether the coefficients A stay the same along the motion.
+
+        A steady motion is followed for a short while.  One that accelerates also shows by A at the position
+        that its accelerations lead to, and at the speeds that they give where nothing opposes them.
+        """
+        pace, shift, left = self.path(A)[0], *self._destination(A)
+        there = [lambda: self.soon(A), lambda: self.soon(A, 2.0)]
+        if (
+            np.max(np.abs(shift), initial=0.0) > CONSTANT
+            or np.max(np.abs(left), initial=0.0) > CONSTANT / pace**2
+        ):
+            there.append(lambda: self.elsewhere(*self._far_change(shift, left)))
+        try:
+            return all(self._agrees(A, place().first_order(), pace) for place in there)
+        except AnalysisError:
+            # A singular position is not far.
+            return False
+
+    def _far_change(self, shift, left):
+        shift = shift * min(1.0, FAR / max(np.max(np.abs(shift), initial=0.0), FAR))
+        return self.Z @ (self.units * shift), self.Z @ (self.units * left) * self.duration
+
+    def _agrees(self, A, other, pace):
+        """Whether entries, row by row, and eigenvalues of two matrices are the same."""
+        f, change = self.freedoms, np.abs(other - A)
+        for rows, columns, power in ((0, 0, 1), (1, 0, 2), (1, 1, 1)):
+            block = slice(rows * f, (rows + 1) * f), slice(columns * f, (columns + 1) * f)
+            size = np.max(np.abs(A[block]), axis=1, initial=pace**-power)
+            if np.any(change[block] > CONSTANT * size[:, None]):
+                return False
+        sizes, others = (np.sort(np.abs(np.linalg.eigvals(matrix))) for matrix in (A, other))
+        floor = np.max(sizes, initial=0.0) * SLOWEST
+        return bool(np.all(np.abs(others - sizes) <= SAME_EIGENVALUE * sizes + floor))
 
     def path(self, A: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Return the time, s, in which the motion changes by one unit, its u' and u'' (n,)."""
@@ -144,14 +176,24 @@ class LinearisedMotion(ABC):
         ]
         return 1.0 / max(*rates, 1.0 / self.duration)
 
+    def _destination(self, A):
+        """How far (f,) the accelerations push against the stiffness, and those (f,) that nothing opposes."""
+        f = self.freedoms
+        pushed = self.speed_rates(self.u, self.rate) / self.units
+        # Accelerations of turning that cancel leave round-off.
+        floor = ROUND_OFF * np.max(np.abs(self.u) / self.scale, initial=0.0) ** 2
+        pushed = np.where(np.abs(pushed) > floor, pushed, 0.0)
+        shift = np.linalg.lstsq(A[f:, :f], -pushed, rcond=1e-12)[0] if f else pushed
+        left = pushed + A[f:, :f] @ shift
+        largest = np.max(np.abs(pushed), initial=0.0)
+        return shift, np.where(np.abs(left) > 1e-6 * largest, left, 0.0)
+
     def _rate_without_residue(self, A):
         """u' without the accelerations that an equilibrium found by iteration leaves in stiff coordinates."""
-        f = self.freedoms
-        left = self.speed_rates(self.u, self.rate) / self.units
-        shift = np.linalg.lstsq(A[f:, :f], left, rcond=1e-12)[0] if f else left
-        is_residue = np.max(np.abs(shift), initial=0.0) <= CONSTANT
-        fits = np.allclose(A[f:, :f] @ shift, left, rtol=1e-6, atol=1e-6 * np.max(np.abs(left), initial=0.0))
-        return self.rate - self.Z @ (self.units * left) if is_residue and fits else self.rate
+        shift, left = self._destination(A)
+        if np.max(np.abs(shift), initial=0.0) > CONSTANT or np.any(left):
+            return self.rate
+        return self.rate - self.Z @ self.speed_rates(self.u, self.rate)
 
     def standing_stiffness(self, stencil) -> np.ndarray:
         """Return the derivative (f, f) of the accelerations of the coordinates held at rest."""

@@ -160,10 +160,15 @@ class TreeLinearised(LinearisedMotion):
 
     def later(self, h, rate, jerk) -> "TreeLinearised":
         """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
-        z = self.displaced(h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk)))
-        z[: self.u.size] += h * (rate + 0.5 * h * jerk)
-        z = self._closed(z, self.t + h)
-        return TreeLinearised(self.analysis, self.axes, (z, self.t + h), self.free)
+        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
+        return self._at(self.changed(d, h * (rate + 0.5 * h * jerk)), self.t + h)
+
+    def elsewhere(self, d, w) -> "TreeLinearised":
+        """Return the same coordinates where the coordinates are displaced by d and the speeds by w."""
+        return self._at(self.changed(d, w), self.t)
+
+    def _at(self, z, t):
+        return TreeLinearised(self.analysis, self.axes, (self._closed(z, t), t), self.free)
 
     def _closed(self, z, t):
         """The state with loops closed and speeds that fit them, the independent coordinates kept."""

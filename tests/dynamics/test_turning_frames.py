@@ -2,15 +2,19 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from dynamic_runs import AT_REST, GROUND, body
 
+from flexmb_cli.model.build_dafms import build_dafms
 from flexmb_cli.model.dynamics import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Prescribed, Spring, Tree
 from flexmb_cli.model.tree import Body as Part
+from flexmb_cli.read.dialects import read_deck
+from flexmb_cli.read.text import read_text
 from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
 from flexmb_cli.solve.equilibrium import settle
 from flexmb_cli.solve.linearised import ConstrainedLinearised, bring_to, linearised, modes
@@ -249,3 +253,16 @@ def test_a_closed_loop_that_turns_settles_where_its_forces_balance():
     settle(analysis, TreeLinearised)
     assert analysis.state[3 + 1] == pytest.approx(200.0 * 0.05 / (200.0 - MASS * OMEGA**2), rel=1e-9)
     assert analysis.state[0] == OMEGA
+
+
+def test_a_stiff_slow_spin_up_is_frozen_and_a_linear_oscillator_is_not():
+    """A torque will turn the shaft and soften its beam, whose own motion is far faster.
+
+    The mass on the turntable starts off its place of balance, but its coefficients do not depend on that.
+    """
+    deck = Path(__file__).parents[2] / "decks/dafms/shaft_beam_n10.DAT"
+    analysis = TreeAnalysis(build_dafms(read_deck(read_text(str(deck))))[0])
+    start_tree(analysis, 0.0)
+    assert not modes(analysis, TreeLinearised).constant
+    loaded = turntable(1, springs(X, 100.0, gap=0.05))
+    assert found(loaded).constant
