@@ -38,4 +38,4 @@ def _body_line(body):
         return line
     low, high = body["frequencies"][0], body["frequencies"][-1]
     line += f", nodes {body['nodes']}, modes {body['modes']} from {low:.4g} to {high:.4g} Hz"
-    return f"{line}, relative error by the digits of the files up to {max(body['frequency_errors']):.0e}"
+    return f"{line}, precise to {max(body['frequency_errors']):.0e}"

@@ -123,4 +123,4 @@ def test_modes_and_check_print_the_error_beside_the_frequency(tmp_path, monkeypa
     assert [float(line.split()[3]) for line in table[9:11]] == [3e-5, 2e-6]
     record = json.loads(CliRunner().invoke(modes, [deck, "--json"]).stdout)
     assert record["bodies"][0]["frequency_errors"][0] == pytest.approx(2.6e-5, rel=0.1)
-    assert "relative error by the digits of the files up to 3e-05" in CliRunner().invoke(check, [deck]).stdout
+    assert "Hz, precise to 3e-05\n" in CliRunner().invoke(check, [deck]).stdout
