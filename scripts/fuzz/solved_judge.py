@@ -53,7 +53,8 @@ def judge(path, text, warned: bool) -> str:
     result = Result(path)
     try:
         _finite(result)
-        if len(result["time"]):
+        # Rows of a run that failed are marked; what made it fail may begin in the last of them.
+        if result.complete and len(result["time"]):
             with np.errstate(all="ignore"):
                 _attitudes(result)
                 if text is not None:
