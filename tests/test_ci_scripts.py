@@ -100,21 +100,21 @@ def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
     with_packages(checkout, refused=99)
     code, told, _ = run(checkout, ".ci/run", FLEXMB_CI_ATTEMPTS="2")
     assert code == 0
-    last = told[-9:]
+    last = told[-10:]
     why = "not installed, tried 2 times: E: Could not get lock"
     assert last[0] == f"scripts/test: calculix-ccx {why}"
     assert last[1] == f"scripts/test: chromium chromium-driver {why}"
     assert last[2] == f"scripts/test: strace {why}"
     assert last[3:5] == ["scripts/test: skipped tests and why:", SKIPPED]
     assert last[5].startswith("scripts/test: ") and last[5].endswith("min on two quiet cores")
-    assert last[6:] == ["scripts/test: pytest closed its passes with", CLOSING, CLOSING]
+    assert last[6:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
 
 
 def test_a_failing_pass_is_told_last_and_fails_ci(checkout):
     code, told, _ = run(checkout, "scripts/test", ENDS="1")
     assert code == 1
-    assert "scripts/test: failed: 1. compiled" in told[-7:]
-    assert told[-2:] == [CLOSING, CLOSING]
+    assert "scripts/test: failed: 1. compiled" in told[-8:]
+    assert told[-3:] == [CLOSING] * 3
 
 
 def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkout):

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import pytest
 
 FUZZ = Path(__file__).parents[1] / "scripts" / "fuzz"
@@ -12,6 +13,11 @@ pytestmark = [
     pytest.mark.processes,
     pytest.mark.skipif(sys.platform != "linux", reason="limits of memory, and /proc"),
 ]
+
+
+sys.path.insert(0, str(FUZZ))
+from solved_judge import judge  # noqa: E402
+from young_text import read_young_text  # noqa: E402
 
 
 def ran(script, *words):
@@ -70,3 +76,37 @@ def test_without_atheris_the_script_says_so():
     done = python("-c", code)
     assert done.returncode == 2
     assert "atheris is not installed; is there a wheel for Python 3." in done.stderr
+
+
+def test_damaged_decks_are_solved_as_the_judge_sees_it():
+    told = ran("solved.py", "--count", "30", "--seed", "3")
+    assert "30 decks: " in told and " solved; 0 wrong" in told
+
+
+UNSEEN = {"audit/newton_iterations", "audit/velocity_residual", "energy/applied_power"}
+
+
+@pytest.mark.parametrize("name", ["IN4-BAR.dat", "dynamics/IN-BRICARD.dat", "dynamics/IN4-BAR-MASS.dat"])
+def test_the_judge_sees_a_change_of_a_thousandth_in_one_row_of_any_quantity(tmp_path, name):
+    deck, result = FUZZ.parents[1] / "decks" / "young" / name, tmp_path / "r.h5"
+    python("-m", "flexmb_cli", "run", deck, "--no-out", "--h5", result, "-q")
+    text = read_young_text(deck.read_text())
+    assert judge(result, text, warned=False) == ""
+    with h5py.File(result) as file:
+        count, found = len(file["time"]), []
+        file.visititems(lambda path, item: found.append(path) if _moves(item, count) else None)
+    assert {path for path in found if not _seen(result, path, text)} <= UNSEEN
+
+
+def _moves(item, count):
+    return isinstance(item, h5py.Dataset) and item.dtype.kind == "f" and item.shape[:1] == (count,)
+
+
+def _seen(result, path, text):
+    with h5py.File(result, "r+") as file:
+        kept, middle = file[path][()], len(file[path]) // 2
+        file[path][middle] = kept[middle] * 1.001 + 1e-3
+    wrong = judge(result, text, warned=False)
+    with h5py.File(result, "r+") as file:
+        file[path][...] = kept
+    return wrong
