@@ -290,7 +290,7 @@ def _acting(result, text, bodies):
         yield int(numbers[1]), force, place, torque
         yield int(numbers[0]), -force, place, -torque
     for k, name in enumerate(result.names.get("held/name", ())):
-        kind, number = name.rsplit(" ", 1)
+        kind, *_, number = name.split()  # "ground 1", "simplified constraint 1"
         if kind in text.sections:
             body = int(text.sections[kind][int(number) - 1][0])
             yield body, result["held/force"][:, k], bodies.r[:, body - 1], result["held/torque"][:, k]
