@@ -21,7 +21,10 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
 @click.option("--rtol", type=RELATIVE, help="Relative tolerance of a step (1e-11).")
 @click.option("--atol", type=TOLERANCE, help="Absolute tolerance of a step (1e-13).")
 def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **options):
-    """Run every DAFMS DECK by Kane's equations and in absolute coordinates, and compare; writes nothing.
+    """Run every DECK by two formulations and compare the motions; writes nothing.
+
+    DAFMS: Kane's equations and absolute coordinates.  YOUNG: Euler parameters and natural coordinates.
+    VSDF, all modes: two floating frames.
 
     \b
     Example:

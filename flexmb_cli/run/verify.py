@@ -1,17 +1,23 @@
-"""Both formulations of a DAFMS deck, and how far their motions lie apart."""
+"""Two formulations of a deck, and how far their motions lie apart.
+
+DAFMS: Kane's equations and absolute coordinates.  YOUNG: Euler parameters and natural coordinates.  VSDF: two
+floating frames.
+"""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import ANALYSIS_FAILED, Fault, ModelError
+from ..errors import ANALYSIS_FAILED
 from ..model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ..write.echo import echo
+from . import verify_frames, verify_young
 from .absolute_march import AbsoluteMarch
 from .dafms_tree import tree_of
 from .deck import open_deck
 from .ending import ending_recorded
 from .outcome import Listener, Outcome, RunOptions, Stop
+from .verify_difference import Difference, largest_difference
 
 # Both march more closely than they are compared; deflections are small against a metre.
 RTOL, ATOL = 1e-11, 1e-13
@@ -20,29 +26,17 @@ ENERGIES = ("kinetic", "potential", "strain", "total")
 POINTS = {"position": "m", "velocity": "m/s"}
 
 
-@dataclass(frozen=True)
-class Difference:
-    """Largest difference of a quantity over the run, at a time, s, and the largest value of its kind."""
-
-    name: str
-    unit: str
-    difference: float
-    scale: float
-    time: float
-
-    @property
-    def relative(self) -> float:
-        """The difference as a share of the scale; of what is always zero, the difference."""
-        return self.difference / self.scale if self.scale else self.difference
-
-
 @dataclass
 class Verification:
-    """What a comparison found; `tolerance` is what a relative difference may reach."""
+    """What a comparison found; `tolerance` is what a relative difference may reach.
+
+    `formulations` names what was compared.
+    """
 
     outcome: Outcome
     tolerance: float
     differences: tuple[Difference, ...] = ()
+    formulations: str = ""
 
     @property
     def largest(self) -> Difference | None:
@@ -65,37 +59,37 @@ class Verification:
             for found in self.differences
         ]
         agree = bool(rows) and self.outcome.exit_code == 0
-        return self.outcome.as_dict() | {"tolerance": self.tolerance, "agree": agree, "differences": rows}
+        record = {"formulations": self.formulations, "tolerance": self.tolerance, "agree": agree}
+        return self.outcome.as_dict() | record | {"differences": rows}
 
 
 def verify_deck(
     path: str, options: RunOptions, tolerance: float, listener: Listener | None = None
 ) -> Verification:
-    """Run the DAFMS deck at `path` by Kane's equations and in absolute coordinates, and compare the motions.
+    """Run the deck at `path` by two formulations, and compare the motions.
 
     The outcome's exit code is 1 when they lie further apart than `tolerance`.  Never raises for what a
     deck can do.
     """
     found = Verification(Outcome(path), tolerance)
     with ending_recorded(found.outcome, options), Stop.released():
-        tree = _tree(path, options, found.outcome)
-        found.differences = differences(tree, *_motions(tree, listener or Listener()))
-        found.outcome.rows = tree.time.rows
+        deck = open_deck(path, options, found.outcome)
+        if options.echo:
+            found.outcome.echo = echo(deck)
+        found.formulations, compare = COMPARED[deck.dialect]
+        found.differences = compare(deck, options, found.outcome, listener or Listener())
         if not found.largest.relative <= tolerance:
             found.outcome.exit_code = ANALYSIS_FAILED
     return found
 
 
-def _tree(path, options, outcome) -> Tree:
-    deck = open_deck(path, options, outcome)
-    if options.echo:
-        outcome.echo = echo(deck)
-    if deck.dialect != "dafms":
-        message = f"a deck of dialect {deck.dialect} has one formulation only: verify compares DAFMS decks"
-        raise ModelError([Fault("error", message)])
+def _tree_differences(deck, options, outcome, listener):
     tree = tree_of(deck, options, outcome)
     given = {"method": "dop853", "rtol": RTOL, "atol": ATOL} | options.integration
-    return replace(tree, integration=replace(tree.integration, **given))
+    tree = replace(tree, integration=replace(tree.integration, **given))
+    found = differences(tree, *_motions(tree, listener))
+    outcome.rows = tree.time.rows
+    return found
 
 
 def _motions(tree, listener):
@@ -161,7 +155,11 @@ def _coordinates(tree, kane, absolute):
 
 
 def _largest(name, unit, kane, one, other, scale=None):
-    apart = np.abs(one - other).reshape(len(one), -1).max(axis=1)
-    row = int(np.argmax(apart))
-    scale = float(np.max(np.abs(one))) if scale is None else float(scale)
-    return Difference(name, unit, float(apart[row]), scale, float(kane["time"][row]))
+    return largest_difference(name, unit, kane["time"], one, other, scale)
+
+
+COMPARED = {
+    "dafms": ("Kane's equations and absolute coordinates", _tree_differences),
+    "young": (verify_young.FORMULATIONS, verify_young.young_differences),
+    "vsdf": (verify_frames.FORMULATIONS, verify_frames.frame_differences),
+}
