@@ -118,6 +118,9 @@ def _compare_files(report, a, b, tolerances, same_attitude):
             report.words.append(f"{name}: {first!r} against {second!r}")
     flips = same_attitude and _have_attitudes(a, b)
     found = _compared_datasets(a), _compared_datasets(b)
+    if attribute(a, "Conventions") != attribute(b, "Conventions"):
+        # Versions of the format have scales of the same numbers at other places.
+        _leave_out_lone_scales(*found)
     for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
         tolerance = tolerances.of(kind_of(name))
         if tolerance.ignores:
@@ -138,6 +141,16 @@ def kind_of(name: str) -> str:
 
 def _compared_datasets(file):
     return {name: dataset for name, dataset in datasets(file).items() if name not in NOT_COMPARED}
+
+
+def _leave_out_lone_scales(one, other):
+    """Take the dimension scales that only one of two files has out of its datasets."""
+    lone = [
+        (item, name) for item, beside in ((one, other), (other, one)) for name in item.keys() - beside.keys()
+    ]
+    for found, name in lone:
+        if h5py.h5ds.is_scale(found[name].id):
+            del found[name]
 
 
 def _compare_dataset(report, name, pair, tolerance, signs):

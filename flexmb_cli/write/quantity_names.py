@@ -184,7 +184,10 @@ class _Labels:
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
     def _names(self, scale):
-        return self._listed(f"{self._path(scale).rpartition('/')[0]}/name", len(scale))
+        """Names of what a scale counts: beside it, or in its kind's group (/reaction/joint: /joint/name)."""
+        group, _, kind = self._path(scale).rpartition("/")
+        beside = self._listed(f"{group}/name", len(scale))
+        return beside or self._listed(f"{kind}/name", len(scale))
 
     def _listed(self, path, count):
         """The names at `path`, none when there is no such list; Damaged unless there are `count`."""

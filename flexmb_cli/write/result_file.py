@@ -19,7 +19,9 @@ from ..read.deck import Deck
 from .atomic import Replacement, located, put_in_place
 from .forgiving_disk import ForgivingDisk
 
-CONVENTIONS = "flexmb-1"
+# 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
+# of the shapes of bodies lay beside it, which netCDF does not know.
+CONVENTIONS = "flexmb-2"
 COMPLETE, FAILED = "complete", "failed"
 CUT_SHORT = "the run was cut short"
 
@@ -217,15 +219,27 @@ class ResultFile:
     def _make_constant(self, constant, scales):
         dataset = self._file.create_dataset(constant.path, data=constant.values)
         for number, path in enumerate(constant.axes):
-            dataset.dims[number].attach_scale(scales[path])
+            dataset.dims[number].attach_scale(self._scale_for(constant.path, path, scales))
         _describe(dataset, constant.units, constant.long_name)
+
+    def _scale_for(self, dataset, axis, scales):
+        """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
+        folder, _, name = axis.rpartition("/")
+        if not folder or dataset.startswith(f"{folder}/"):
+            return scales[axis]
+        path = f"{dataset.rpartition('/')[0]}/{name}"
+        if path not in scales:
+            scales[path] = self._file.create_dataset(path, data=scales[axis][:])
+            scales[path].make_scale(name)
+            _describe(scales[path], "1", scales[axis].attrs["long_name"])
+        return scales[path]
 
     def _make_series(self, series, scales):
         time = self._growing(TIME, ())
         time.make_scale("time")
         datasets = {TIME.path: time}
         for item in series:
-            axes = [scales[path] for path in item.axes]
+            axes = [self._scale_for(item.path, path, scales) for path in item.axes]
             datasets[item.path] = self._growing(item, axes)
             for number, scale in enumerate([time, *axes]):
                 datasets[item.path].dims[number].attach_scale(scale)

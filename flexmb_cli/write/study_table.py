@@ -16,7 +16,8 @@ from .atomic import Replacement, located
 from .forgiving_disk import ForgivingDisk
 from .result_file import FILE_FORMAT, TEXT, printable_name
 
-CONVENTIONS = "flexmb-study-1"
+# 2: series have a dimension scale along their report rows, too.
+CONVENTIONS = "flexmb-study-2"
 BLOCK_NUMBERS = 2**17  # written at a time
 PARQUET = ".parquet"
 
@@ -121,7 +122,21 @@ def _datasets(file, head):
     for name, dataset in made.items():
         if name != "case":
             dataset.dims[0].attach_scale(made["case"])
+    for length in sorted({column.length for column in head.columns if column.length}):
+        scale = _row_scale(file, length)
+        for column in head.columns:
+            if column.length == length:
+                made[column.path].dims[1].attach_scale(scale)
     return made
+
+
+def _row_scale(file, length):
+    """The scale along series of so many report rows, `/row`; further ones have their length in the name."""
+    name = f"row_{length}" if "row" in file else "row"
+    scale = file.create_dataset(name, data=np.arange(1, length + 1))
+    scale.make_scale(name)
+    _describe(scale, "1", "number of the report row of a series")
+    return scale
 
 
 def _dataset(file, path, shape, kind, long_name, units="1"):

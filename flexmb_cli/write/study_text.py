@@ -18,9 +18,11 @@ from .heap_check import fault_of_heaps
 from .quantities import NOTHING, ResultError
 from .quantity_names import folded
 from .stored_result import Damaged, attribute, check_shapes, check_structure, understood
-from .study_table import BLOCK_NUMBERS, CONVENTIONS
+from .study_table import BLOCK_NUMBERS
 from .table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 
+# Of any number behind it.
+CONVENTIONS = "flexmb-study-"
 CASE, EXIT_CODE, MESSAGE = "case", "exit_code", "message"
 GROUPS = ("parameter", "result")
 
@@ -57,7 +59,7 @@ def is_study(path) -> bool:
     """Whether the file at `path` can be opened and is the table of a study."""
     try:
         with h5py.File(path, "r") as file, understood():
-            return not fault_of_heaps(file) and attribute(file, "Conventions") == CONVENTIONS
+            return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(CONVENTIONS)
     except (OSError, Damaged):
         return False
 

@@ -122,7 +122,7 @@ def test_names_do_not_follow_the_wording_of_messages(written, rows, mechanism):
 def test_the_file_tells_where_it_comes_from(written, rows, deck):
     with h5py.File(written(rows([0.0]))) as file:
         assert dict(file.attrs) == {
-            "Conventions": "flexmb-1",
+            "Conventions": "flexmb-2",
             "flexmb_version": __version__,
             "dialect": "young",
             "analysis": "kinematic",
