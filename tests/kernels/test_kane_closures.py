@@ -44,9 +44,9 @@ def closure_equations(tree, attitudes):
     return J, second_derivative(lambda t: gaps(q + t * y, t * y), y)
 
 
-def looped_tree(seed, directions=(1, 2, 3), b=1):
+def looped_tree(seed, directions=(1, 2, 3), b=1, tilted=False):
     """A random tree whose last body is tied to another one; the gap itself need not be closed."""
-    tree = random_tree(seed, bodies=6)
+    tree = random_tree(seed, bodies=6, tilted=tilted)
     ends = {"a_point": (0.3, -0.2, 0.4), "b_point": (0.1, 0.5, -0.3)}
     return replace(tree, closures=(Closure("loop", 5, b, directions, **ends),))
 
@@ -84,10 +84,11 @@ def closed_where_it_is(tree):
     return replace(tree, closures=(replace(closure, b_point=tuple(b_point)),))
 
 
+@pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("seed", [1, 3, 4, 6, 7])
-def test_a_correction_that_closes_rows_is_the_least_in_the_measure_of_the_mass(seed):
+def test_a_correction_that_closes_rows_is_the_least_in_the_measure_of_the_mass(seed, tilted):
     """x = -b⁻¹ Jᵀ (J b⁻¹ Jᵀ)⁻¹ gap: the minimum of x · b x for J x = -gap."""
-    tree = closed_where_it_is(looped_tree(seed))
+    tree = closed_where_it_is(looped_tree(seed, tilted=tilted))
     recursion, gaps = Recursion(tree), np.array([0.3, -0.2, 0.1])
     recursion.forward()
     recursion.arrays.closures["force"] = -gaps
