@@ -363,7 +363,7 @@ __main__.main()
 
 @pytest.mark.processes
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of memory are Unix's")
-@pytest.mark.parametrize("megabytes", [350, 365, 380])
+@pytest.mark.parametrize("megabytes", [220, 240, 260])
 def test_a_limit_of_memory_ends_a_run_in_words_and_in_time(tmp_path, megabytes):
     """OpenBLAS asks for its buffers without end where they are refused; only a kill stopped that."""
     flexmb("run", FOUR_BAR, "-q", cwd=tmp_path)
@@ -373,7 +373,8 @@ def test_a_limit_of_memory_ends_a_run_in_words_and_in_time(tmp_path, megabytes):
         [sys.executable, "-c", code, "run", str(FOUR_BAR)],
         cwd=tmp_path, capture_output=True, text=True, timeout=60,
     )  # fmt: skip
-    assert done.returncode == 1 and "not enough memory" in done.stderr
+    assert done.returncode == 1
+    assert "not enough memory" in done.stderr or "for want of memory" in done.stderr
 
 
 def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
