@@ -9,7 +9,7 @@ from .constrained_motion import ConstrainedMotion
 from .constrained_start import assembled, given_speeds
 from .constrained_system import AnyCountEvaluator
 from .dynamic_rows import DynamicRows, dynamic_rows
-from .steppers import ExplicitSteps, GeneralisedAlpha
+from .steppers import ExplicitSteps, GeneralisedAlpha, RadauSteps
 
 
 class ForwardDynamics(ConstrainedMotion):
@@ -40,5 +40,7 @@ class ForwardDynamics(ConstrainedMotion):
 
 
 def _stepper(model):
+    if model.radau:
+        return RadauSteps()
     steps = model.alpha_steps
     return ExplicitSteps() if steps is None else GeneralisedAlpha(steps.radius, steps.length)
