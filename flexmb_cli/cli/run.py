@@ -35,13 +35,15 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
-@click.option("--rtol", type=RELATIVE, help="DAFMS: relative tolerance of a step (1e-9).")
-@click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (1e-9).")
+@click.option("--rtol", type=RELATIVE, help="DAFMS: relative tolerance of a step (DOP853 1e-12, else 1e-9).")
+@click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (DOP853 1e-14, else 1e-9).")
 @click.option("--method", type=click.Choice(["dop853", "radau", "lsoda", "sdirk4"]),
               help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
+@click.option("--estimate-error", is_flag=True,
+              help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
 def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     """Solve every DECK and write its OUT table and HDF5 result.
 
@@ -54,6 +56,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     decks = with_models(decks)
     _refuse_mixed_output(as_json, options)
     _refuse_foreign_resume(options)
+    _refuse_foreign_estimate(options)
     _refuse_parallel_input(decks, jobs)
     solver = _given(options, **SOLVER_OPTIONS)
     integration = _given(options, rtol="rtol", atol="atol", method="method")
@@ -95,6 +98,11 @@ def _refuse_foreign_resume(options):
         raise click.UsageError(
             "--resume goes with --formulation kane: the other one leaves nothing to resume"
         )
+
+
+def _refuse_foreign_estimate(options):
+    if options["estimate_error"] and options["formulation"] == "absolute":
+        raise click.UsageError("--estimate-error goes with --formulation kane")
 
 
 def _given(options, **names):
@@ -205,6 +213,10 @@ def _report_outcome(outcome, quiet, verbose):
         tell(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}")
     elif (outcome.exit_code in (ANALYSIS_FAILED, INTERNAL_FAULT) or outcome.files) and not quiet:
         tell(f"{outcome.deck}: {_kept(outcome)}")
+    if outcome.errors and not quiet:
+        from ..run.error_estimate import estimate_text
+
+        click.echo(estimate_text(outcome.errors), err=True)
     if verbose and not quiet and outcome.statistics:
         click.echo(f"  {outcome.statistics}", err=True)
 

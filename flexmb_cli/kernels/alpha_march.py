@@ -31,9 +31,11 @@ from .generalised_alpha import BEFORE, LAST, MEAN, NEW, NEW_MEAN, iterate, solve
 from .rotation import rotation_matrices
 from .screw_turns import NEAR, OLD, note_turns
 from .screw_turns import NEW as TURNED
+from .singular_ahead import laid_out, look_ahead
 from .step_turns import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 
 SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
+SHARE = 0.5  # of a step in front of a singular position
 SAME = 1e-9  # of a step: times this near to each other are one
 
 CLOCK = np.dtype(
@@ -58,12 +60,16 @@ CLOCK = np.dtype(
         ("gap", np.float64),  # and that gap, scaled
         ("rtol", np.float64),
         ("atol", np.float64),
-        ("error", np.float64),  # of the step that is tried, in tolerances,
+        ("error", np.float64),  # of the step that is tried, in tolerances, of the share of chosen ones,
+        ("span", np.float64),  # of the whole run, s
         ("turned", np.float64),  # and how far a body turns in it, of the longest turn
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("new_power", np.float64),  # and at the end of the step that is tried
         ("old_power", np.float64),  # and at the start of the last step
+        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
+        ("pivot_time", np.float64),  # and that time, s
+        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
     ]
 )
 
@@ -123,7 +129,7 @@ def march_rows(task, system, work, march, report, budget):
 def _begin(system, work, march):
     clock, rates = march.clock[0], march.rates
     clock["start"] = clock["step_start"] = clock["t"]
-    clock["left"] = 1.0
+    clock["left"], clock["singular"], clock["span"] = 1.0, np.inf, clock["stop"] - clock["t"]
     _copy(march.z, march.trial)
     if not iterate(system, work, march, clock["t"], 0.0, 0.0, 0.0):
         return STEP_VANISHED
@@ -184,10 +190,10 @@ def _holds(system, march, h):
 @kernel
 def _length(clock):
     """Length of the next step: steps of given length end at whole multiples."""
-    left = clock["stop"] - clock["t"]
+    left, step = clock["stop"] - clock["t"], laid_out(clock, clock["step"], SHARE)
     if clock["fixed"] > 0.0:
         left = min(left, clock["start"] + (clock["whole"] + 1) * clock["fixed"] - clock["t"])
-    return clock["step"] if abs(clock["step"] - left) <= SAME * left else min(clock["step"], left)
+    return step if abs(step - left) <= SAME * left else min(step, left)
 
 
 @kernel
@@ -201,7 +207,7 @@ def _retreat(clock, h):
 
 @kernel
 def _factor(clock):
-    factor = SAFETY * clock["error"] ** (-1.0 / 3.0) if clock["error"] > 0.0 else FASTEST
+    factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
     if clock["turned"] > 0.0:
         factor = min(factor, SAFETY / clock["turned"])
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
@@ -226,6 +232,8 @@ def _accept(system, work, march, h):
         rotation_matrices(q, work.rotations[A])
         place_arms(geometry_of(system, work), q)
         note_turns(system, work, march)
+    if clock["fixed"] == 0.0:
+        look_ahead(system, work, march, rates[LAST], clock["step"])
 
 
 @kernel

@@ -22,9 +22,11 @@ from .constrained_report import complete, coordinates_and_speeds
 from .constrained_solve import accelerate, factorise_at
 from .constrained_system import SOLVED
 from .constraint_projection import largest_gap, project_position, project_speeds
-from .dop853_table import ALL_STAGES, DENSE_TERMS, ERROR_3, ERROR_5, STAGE_TIMES, STAGES
+from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
+from .explicit_error import error_on_constraints, scaled_norm, step_error
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage
 from .screw_turns import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
+from .singular_ahead import laid_out, leads_over, look_ahead
 from .speeds import coordinate_rates, normalise
 
 # What a call may be asked for, and what it answers.
@@ -39,6 +41,10 @@ SMALLEST_STEP = 1e-14
 # Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
 # some 1e-8 s: steps so short follow that blow, and the speeds jump.
 SHORT = 1e-6
+SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
+# Of a step over such a position: its error before it is projected, and by how much that may move it, scaled;
+# on another branch it would be off by its turn.
+BLURRED, MOST_BLURRED = 1e4, 1e-5
 HOPELESS = 1e10  # error of a step that cannot be made
 
 CLOCK = np.dtype(
@@ -67,6 +73,9 @@ CLOCK = np.dtype(
         ("length", np.float64),  # of the step that is tried, s
         ("error", np.float64),  # of the step whose end is being evaluated
         ("longest", np.float64),  # step so far, s
+        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
+        ("pivot_time", np.float64),  # and that time, s
+        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
         ("excused", np.int64),  # whether the caller knows that steps are short here, and goes on
     ]
 )
@@ -154,7 +163,7 @@ def _digest(system, work, march, report, spent):
         # The ends of the step were solved; where a point between them is not, its slope stays as it is.
         return _next_dense(march, report, spent)
     if phase == STEP_END:
-        if failed or not clock["moved"] < MOST_MOVED:
+        if failed or not _holds(system, work, march):
             return _reject(march, 0.2 if failed else 0.5)
         _accept(system, work, march)
         return _next(march, report, spent) if clock["gap"] <= REPEATED_GAP else CONTRADICTION
@@ -165,6 +174,16 @@ def _digest(system, work, march, report, spent):
     _copy(march.trial, report.states[clock["row"]])
     clock["row"] += 1
     return _next(march, report, spent)
+
+
+@kernel
+def _holds(system, work, march):
+    """Whether a step may be made, whose projected end is in trial."""
+    clock, h = march.clock[0], march.clock[0]["length"]
+    if not leads_over(clock, h):
+        return clock["moved"] < MOST_MOVED
+    clock["error"] = min(clock["error"], error_on_constraints(system, work, march, h))
+    return clock["error"] < 1.0 and clock["moved"] * clock["rtol"] < MOST_BLURRED
 
 
 @kernel
@@ -179,25 +198,16 @@ def _begin(march):
     clock = march.clock[0]
     _copy(march.z, march.old)
     _copy(march.z, march.trial)
-    clock["step_start"], clock["dense"] = clock["t"], 0
+    clock["step_start"], clock["dense"], clock["singular"] = clock["t"], 0, np.inf
     return _ask(clock, FIRST, STAGES, clock["t"], 0)
 
 
 @kernel
 def _choose_first_step(march):
     clock = march.clock[0]
-    size, speed = _scaled_norm(march, march.z), _scaled_norm(march, march.slopes[STAGES])
+    size, speed = scaled_norm(march, march.z), scaled_norm(march, march.slopes[STAGES])
     clock["step"] = 0.01 * size / speed if size > 1e-5 and speed > 1e-5 else 1e-6
     return READY
-
-
-@kernel
-def _scaled_norm(march, a):
-    clock, total, counted = march.clock[0], 0.0, a.shape[0] - 1
-    for i in range(counted):
-        scale = clock["atol"] * march.units[i] + clock["rtol"] * abs(march.z[i])
-        total += (a[i] / scale) ** 2
-    return (total / counted) ** 0.5
 
 
 @kernel
@@ -222,7 +232,7 @@ def _next(march, report, spent):
 @kernel
 def _try_step(march):
     clock = march.clock[0]
-    h = clock["length"] = min(clock["step"], clock["stop"] - clock["t"])
+    h = clock["length"] = min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
     if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
         return STEP_VANISHED
     set_stage(march.z, march.slopes, 1, h, march.trial)
@@ -246,32 +256,13 @@ def _next_stage(system, work, march):
     set_stage(march.z, march.slopes, stage, h, march.trial)
     if stage < STAGES:
         return _ask(clock, STAGE, stage, clock["t"] + h * STAGE_TIMES[stage], 0)
-    error = clock["error"] = _step_error(march, h)
+    error = clock["error"] = step_error(march, h)
     # `not <` rejects a nan as well.
-    if not error < 1.0:
+    if not error < (BLURRED if leads_over(clock, h) else 1.0):
         return _reject(march, next_factor(error, 1) if error < HOPELESS else 0.2)
     if not expect_turns(system, work, march, h) < MOST_TURNED:
         return _reject(march, 0.5)
     return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
-
-
-@kernel
-def _step_error(march, h):
-    """Error of the step from z to trial against the tolerance."""
-    clock, z, new, slopes = march.clock[0], march.z, march.trial, march.slopes
-    counted = z.shape[0] - 1
-    square_5 = square_3 = 0.0
-    for i in range(counted):
-        scale = clock["atol"] * march.units[i] + clock["rtol"] * max(abs(z[i]), abs(new[i]))
-        e5 = e3 = 0.0
-        for j in range(STAGES):
-            e5 += ERROR_5[j] * slopes[j, i]
-            e3 += ERROR_3[j] * slopes[j, i]
-        square_5 += (e5 / scale) ** 2
-        square_3 += (e3 / scale) ** 2
-    if square_5 == 0.0:
-        return 0.0
-    return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5
 
 
 @kernel
@@ -292,7 +283,7 @@ def _project(system, work, march, z, t):
         return np.inf
     for i in range(z.shape[0]):
         before[i] -= z[i]
-    return _scaled_norm(march, before)
+    return scaled_norm(march, before)
 
 
 @kernel
@@ -312,6 +303,7 @@ def _accept(system, work, march):
     clock["steps"] += 1
     note_turns(system, work, march)
     clock["gap"], clock["worst"] = largest_gap(system, work)
+    look_ahead(system, work, march, coordinates_and_speeds(system, march.slopes[STAGES])[1], clock["step"])
 
 
 @kernel

@@ -26,6 +26,7 @@ from .constraint_projection import evaluate_residual, rate_gap
 from .independent_rows import cholesky
 from .mass_matrix import inertia_of, mass_matrices, mass_times
 from .screw_turns import NEAR, expect_turns
+from .singular_ahead import blur
 from .speeds import move
 from .stiff_tangent import tangent_times
 
@@ -41,6 +42,8 @@ SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
 SHARE = 1e-6  # of the step's error: what the iterations may leave in a step of given length
 ITERATED = 0.02  # of the tolerance: what they may leave in a step whose length is chosen
 FLOOR = 1e-13  # of the speeds: round-off
+MOST_BLURRED = 0.3  # and where that is all round-off
+PASSED_ON = 3.0  # how much less of an error is left at the end of a run
 CAUTION = 0.8
 LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
 CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
@@ -99,12 +102,27 @@ def iterate(system, work, march, t, by_position, by_speed, h):
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
             left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
-        clock["error"] = step_error(system, march, h)
-        enough = ITERATED if clock["fixed"] == 0.0 else max(SHARE * clock["error"], FLOOR / clock["rtol"])
+        # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
+        share, part = _share(work, clock, h)
+        clock["error"] = step_error(system, march, h) / share
+        enough = max(share * part if part > 0.0 else SHARE * clock["error"], FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED:
             return True
         before = size
     return False
+
+
+@kernel
+def _share(work, clock, h):
+    """The share of the tolerance that a step of length h may err by, and what iterations may leave of it.
+
+    0 of steps of given length, whose iterations follow their error.
+    """
+    if clock["fixed"] > 0.0:
+        return 1.0, 0.0
+    share = min(1.0, PASSED_ON * h / clock["span"])
+    blurred = blur(work, share * clock["rtol"])
+    return share * blurred, MOST_BLURRED if blurred > 1.0 else ITERATED
 
 
 @part

@@ -13,31 +13,12 @@ from .radau_closing import moved, settle
 from .radau_step import START, place_stages, place_trial, predict, prepare, work_scale
 from .radau_table import STAGES, TIMES
 from .screw_turns import MOST_TURNED, expect_turns
+from .singular_ahead import blur, most_declined
 
-NEARLY = 0.05  # pivot in front of a singular position
-DECLINE = 0.85  # of the pivot in the last step: its end is known well enough
 UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
 # How much of what is not as expected remains an error of the step: of the accelerations at its end in its
 # speeds, before they are bent and after; of the change of the power, which is taken as linear, in its work.
 BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
-
-
-@kernel
-def last_pivot(work):
-    """The last pivot, with its sign, of the factors at hand; 1 where there are no equations."""
-    last = work.rank[0] - 1
-    return work.factors[last, last] if last >= 0 else 1.0
-
-
-@kernel
-def leap_length(work, clock):
-    """Twice the time to where the last pivot, which declines, vanishes, s; 0 where none is seen."""
-    pivot, before = clock["pivot"], clock["old_pivot"]
-    if clock["old_order"] != clock["order"] or work.quality[0] != clock["order"]:
-        return 0.0
-    if not abs(pivot) < NEARLY or not 0.0 < pivot * before < DECLINE * before * before:
-        return 0.0
-    return 2.0 * clock["step_length"] * pivot / (before - pivot)
 
 
 @kernel
@@ -63,14 +44,15 @@ def leap(system, work, march, h):
             expected[k] = rates[START + STAGES, k]
         clock["evaluations"] += 1
         code, power = settle(system, work, march, clock["t"] + h, rates[START + STAGES])
-        if code != SOLVED or work.quality[0] != clock["order"]:
+        if code != SOLVED or work.quality[0] != clock["pivot_order"]:
             return False
         clock["error"] = max(clock["error"], (AFTER if again else BEFORE) * h * _unexpected(march, expected))
-    behind = -last_pivot(work) / clock["pivot"]
+    pivot = most_declined(work)
+    behind = -work.factors[pivot, pivot] / work.pivots[pivot]
     if not 1.0 / UNEVEN < behind < UNEVEN:
         return False
     of_work = h * abs(_spread_power(march, power)) / work_scale(march)
-    clock["error"] = max(clock["error"], moved(march, found), OF_POWER * of_work)
+    clock["error"] = max(clock["error"], moved(march, found), OF_POWER * of_work) / blur(work, clock["rtol"])
     return clock["error"] < 1.0
 
 

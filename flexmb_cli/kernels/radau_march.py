@@ -31,11 +31,12 @@ from .constraint_projection import largest_gap
 from .independent_rows import BRANCHING, smallest_pivot
 from .mass_matrix import mass_matrices
 from .radau_closing import close_gaps, moved, settle
-from .radau_leap import last_pivot, leap, leap_length
+from .radau_leap import leap
 from .radau_rows import between
 from .radau_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error, work_error
 from .radau_table import STAGES, WEIGHTS
 from .screw_turns import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
+from .singular_ahead import blur, laid_out, look_ahead
 from .step_turns import LONGEST_TURN, largest_turn
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
@@ -44,6 +45,7 @@ SLOW = 0.01  # what an iteration may leave before the matrices are renewed
 STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
 BLIND = 30.0  # of that pivot, in front of which a row has no accelerations but those of round-off
+SHARE = 0.45  # of a step in front of a singular position
 NONE = 0.0  # quality of matrices that are not those of the state
 
 CLOCK = np.dtype(
@@ -70,11 +72,9 @@ CLOCK = np.dtype(
         ("quality", np.float64),  # of the order of elimination that the matrices belong to
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
         ("old_power", np.float64),  # and at the start of the last step
-        ("pivot", np.float64),  # the last of the elimination at t,
-        ("order", np.float64),  # whose order has this quality,
-        ("old_pivot", np.float64),  # and both at the start of the last step
-        ("old_order", np.float64),
-        ("leapt", np.int64),  # a step over a singular position failed 2: from this state, 1: from that before
+        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
+        ("pivot_time", np.float64),  # and that time, s
+        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
         ("branching", np.float64),  # pivot below which a position is singular
     ]
 )
@@ -159,7 +159,7 @@ def _begin(system, work, march):
         return STEP_VANISHED
     _copy(march.trial, march.z)
     _copy(march.z, march.old)
-    clock["pivot"], clock["order"] = last_pivot(work), work.quality[0]
+    clock["singular"] = np.inf
     clock["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
     for node in range(STAGES + 1):
         _copy(rates[START], rates[LAST + node])
@@ -208,13 +208,13 @@ def _step(system, work, march):
             if clock["fault"] != SOLVED:
                 return STEP_VANISHED
         left = clock["stop"] - clock["t"]
-        h = min(clock["step"], left)
+        h = min(laid_out(clock, clock["step"], SHARE), left)
         if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
             return STEP_VANISHED
         clock["length"] = h
         factor = _leap_or_try(system, work, march, left)
         if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < clock["branching"]:
-            if abs(clock["pivot"]) < 10.0 * clock["branching"]:
+            if _is_singular(work, clock):
                 return STEP_VANISHED
             factor = -0.5
         if factor > 0.0:
@@ -228,15 +228,14 @@ def _step(system, work, march):
 
 @kernel
 def _leap_or_try(system, work, march, left):
-    """`_try_step`, or, where a try failed in front of a singular position, a step over it."""
+    """`_try_step` or, in front of a singular position, a step over it."""
     clock = march.clock[0]
-    due = clock["leapt"] == 1 or (clock["leapt"] == 0 and clock["rejected"] == 1)
-    over = min(leap_length(work, clock), left) if due else 0.0
-    if over > 0.0:
+    way = clock["singular"] - clock["t"]
+    over = min(2.0 * way, left) if 0.0 < way < clock["length"] and clock["step_length"] > 0.0 else 0.0
+    if over > way:
         if leap(system, work, march, over):
             clock["length"] = over
             return 1.0
-        clock["leapt"] = 2
         _copy(march.turns[NEW], work.turns)
         if work.quality[0] != clock["quality"]:
             clock["fault"] = _renew(system, work, march)
@@ -251,7 +250,8 @@ def _try_step(system, work, march, h):
     clock = march.clock[0]
     if not solve_step(system, work, march, h):
         return -0.5
-    clock["error"] = error = max(step_error(system, work, march, h), work_error(march, h))
+    blurred = blur(work, clock["rtol"])
+    clock["error"] = error = max(step_error(system, work, march, h), work_error(march, h)) / blurred
     turns = _turns_left(system, march)
     factor = min(_factor(clock, h, error), SAFETY * turns)
     if not (error < 1.0 and turns > 1.0):
@@ -263,7 +263,7 @@ def _try_step(system, work, march, h):
     clock["fault"] = close_gaps(system, work, march, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
-    if not moved(march, found) < MOST_MOVED:
+    if not moved(march, found) < MOST_MOVED * blurred:
         return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 
@@ -308,15 +308,22 @@ def _accept(system, work, march, h, last, factor):
     clock["t"] = clock["stop"] if last else clock["t"] + h
     clock["step"] = h * factor
     clock["rejected"], clock["last_error"] = 0, clock["error"]
-    clock["leapt"] = max(0, clock["leapt"] - 1)
-    clock["old_pivot"], clock["old_order"] = clock["pivot"], clock["order"]
-    clock["pivot"], clock["order"] = last_pivot(work), work.quality[0]
     clock["steps"] += 1
     clock["gap"], clock["worst"] = largest_gap(system, work)
     note_turns(system, work, march)
     if clock["left"] > SLOW or work.quality[0] != clock["quality"]:
         renew_matrices(system, work, march.matrices)
         clock["quality"] = work.quality[0]
+    look_ahead(system, work, march, rates[START], clock["step"])
+
+
+@kernel
+def _is_singular(work, clock):
+    """Whether a pivot at the end of the last step was as good as zero."""
+    for k in range(work.rank[0] if clock["steps"] > 0 else 0):
+        if abs(work.pivots[k]) < 10.0 * clock["branching"]:
+            return True
+    return False
 
 
 @kernel

@@ -34,6 +34,7 @@ from .radau_table import (
     TIMES,
     WEIGHTS,
 )
+from .singular_ahead import blur
 from .step_turns import set_slope
 from .stiff_tangent import add_stiff
 
@@ -110,7 +111,8 @@ def solve_step(system, work, march, h):
             if not (contraction < weakest or size < FLOOR / clock["rtol"]):
                 return False
             left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
-        if left * size < max(min(0.03, clock["rtol"] ** 0.5), FLOOR / clock["rtol"]):
+        enough = max(min(0.03, clock["rtol"] ** 0.5), FLOOR / clock["rtol"])
+        if left * size < enough * blur(work, clock["rtol"]):
             return True
         before = size
     return False

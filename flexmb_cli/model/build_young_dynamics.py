@@ -36,6 +36,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     findings = Findings()
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
+    _check_method(deck, findings)
     model = DynamicModel(
         mechanism,
         analysis_of(deck),
@@ -47,6 +48,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
         tuple(_velocity(record) for record in deck.section("velocity")),
         _tolerance(deck, findings),
         _alpha_steps(deck, findings),
+        bool(deck.section("radau")),
     )
     _check_time(model, findings)
     _doubt_massless(model, findings)
@@ -73,7 +75,7 @@ def _check_bodies(deck, bodies, findings):
 
 def _check_once(deck, findings):
     """A body has one mass and one first velocity, a deck one of all else that is here."""
-    for section in ("mass", "velocity", "gravity", "tolerance", "generalised-alpha"):
+    for section in ("mass", "velocity", "gravity", "tolerance", "generalised-alpha", "radau"):
         first: dict = {}
         for record in deck.section(section):
             key = record["body"] if section in ("mass", "velocity") else None
@@ -179,14 +181,28 @@ def _velocity(record: Record) -> InitialVelocity:
 
 
 def _tolerance(deck, findings):
-    records = deck.section("tolerance")
-    if not records:
-        return DEFAULT_TOLERANCE
-    found = records[0].at("relative")
-    if not (math.isfinite(found.value) and LEAST_TOLERANCE <= found.value <= MOST_TOLERANCE):
-        message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {found.text}"
-        findings.error("tolerance", message, found.place)
-    return float(found.value)
+    """That of RAD5, else that of TOLERANCE, else the default."""
+    found = DEFAULT_TOLERANCE
+    for section, key in (("tolerance", "relative"), ("radau", "tolerance")):
+        for record in deck.section(section):
+            number = record.at(key)
+            if section == "radau" and number.value == 0.0:
+                continue
+            if not (math.isfinite(number.value) and LEAST_TOLERANCE <= number.value <= MOST_TOLERANCE):
+                message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {number.text}"
+                findings.error(section, message, number.place)
+            found = float(number.value)
+    return found
+
+
+def _check_method(deck, findings):
+    """A deck has one method, which only a forward analysis uses."""
+    for record in deck.section("radau"):
+        if deck.section("generalised-alpha"):
+            message = "the deck asks for GALF as well; remove one of them"
+            findings.error(record.subject, message, record.place)
+        if analysis_of(deck) != FORWARD:
+            findings.warn(record.subject, "is not used: nothing is integrated", record.place)
 
 
 def _alpha_steps(deck, findings):

@@ -8,7 +8,7 @@ from .deck_values import DeckValues
 from .findings import Findings
 from .mechanism import TimeGrid
 from .stepped_time import too_fine, unsteppable
-from .tree import METHODS, ROTATION, UNTURNED, Integration, generalized_coordinates
+from .tree import METHODS, ROTATION, UNTURNED, Integration, default_tolerances, generalized_coordinates
 
 MOST_ROWS = 10_000_000
 
@@ -33,7 +33,6 @@ def build_time(values: DeckValues, findings: Findings) -> TimeGrid:
 
 def build_integration(values: DeckValues, findings: Findings) -> Integration:
     """Cards TOLR and METH; a blank or missing tolerance keeps its default."""
-    default = Integration()
     rtol, atol = values.values("tolerance", 0, (0.0, 0.0))
     if rtol < 0 or atol < 0 or rtol >= 1:
         message = f"RTOL = {rtol}, ATOL = {atol}: tolerances lie above 0, RTOL below 1"
@@ -44,8 +43,9 @@ def build_integration(values: DeckValues, findings: Findings) -> Integration:
     if not 1 <= method <= len(METHODS):
         choice = ", ".join(f"{i} {name}" for i, name in enumerate(METHODS, 1))
         findings.error("METH", f"METH = {method} is no integrator: {choice}", values.place("method"))
-        return default
-    return Integration(METHODS[method - 1], rtol or default.rtol, atol or default.atol)
+        return Integration()
+    relative, absolute = default_tolerances(METHODS[method - 1])
+    return Integration(METHODS[method - 1], rtol or relative, atol or absolute)
 
 
 def build_start(values: DeckValues, bodies, hinges, drives, findings: Findings):

@@ -104,7 +104,7 @@ class DynamicModel:
 
     `analysis`: "inverse" finds the reactions and efforts of the motion that the drivers prescribe,
     "forward" the motion under the loads.  Bodies without `masses` are massless.
-    Without `alpha_steps` the steps are explicit ones.
+    Without `alpha_steps` the steps are explicit ones or, `radau`, those of Radau's method of order 5.
     """
 
     mechanism: Mechanism
@@ -117,6 +117,7 @@ class DynamicModel:
     velocities: tuple[InitialVelocity, ...] = ()
     tolerance: float = 1e-9
     alpha_steps: AlphaSteps | None = None
+    radau: bool = False
 
 
 def holders(mechanism: Mechanism) -> list[tuple[str, int]]:

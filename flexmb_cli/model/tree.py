@@ -194,6 +194,14 @@ class Coordinate:
     name: str = ""
 
 
+def default_tolerances(method: str) -> tuple[float, float]:
+    """Relative and absolute tolerance of a step.
+
+    Of DOP853 such that the printed digits are right also of elastic coordinates, which are 1e-5 m.
+    """
+    return (1e-12, 1e-14) if method == "dop853" else (1e-9, 1e-9)
+
+
 @dataclass(frozen=True)
 class Integration:
     """How to integrate: one of METHODS, relative and absolute tolerance of a step.
@@ -203,8 +211,8 @@ class Integration:
     """
 
     method: str = "dop853"
-    rtol: float = 1e-9
-    atol: float = 1e-9
+    rtol: float = default_tolerances("dop853")[0]
+    atol: float = default_tolerances("dop853")[1]
 
 
 @dataclass(frozen=True, eq=False)

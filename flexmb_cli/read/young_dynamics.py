@@ -126,6 +126,12 @@ CARDS = (
             Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
         ),
     ),
+    Card(
+        "RAD5",
+        "radau",
+        (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
+        optional=1,
+    ),
 )
 BY_KEYWORD = {card.keyword: card for card in CARDS}
 

@@ -12,6 +12,7 @@ class AbsoluteMarch:
     """The blocks of one run, which cannot be resumed.  Raises ModelError for what is not carried over."""
 
     stopped_at = None
+    estimate = None
 
     def __init__(self, tree: Tree, listener: Listener):
         from ..solve.absolute_tree import AbsoluteTree

@@ -2,6 +2,7 @@
 
 import os
 from contextlib import contextmanager
+from dataclasses import replace
 
 from .. import __version__
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
@@ -15,6 +16,7 @@ from .compiling import tell_of_compiling
 from .dafms_tree import tree_of
 from .ending import reason_of
 from .energy_drift import EnergyDrift
+from .error_estimate import ErrorEstimate, finer, with_errors
 from .keeping import keep_blocks
 from .outcome import ABSOLUTE, Outcome, RunOptions, Stop, Terminated, refuse_warnings
 
@@ -32,6 +34,8 @@ def run_dafms(
         outcome.faults += doubts
         journal, march = _beginning(deck, tree, paths, options, outcome, listener)
     with Stop.later():
+        if options.estimate_error:
+            march.estimate = error_estimate(tree)
         files = _ResultFiles(deck, tree, paths, options, stdout)
         files.notes = sentences(doubts)
         doubts = _keep_rows(tree, march, journal, files, options, outcome, listener)
@@ -54,6 +58,8 @@ def _keep_rows(tree, march, journal, files, options, outcome, listener):
     def keep(values):
         files.rows(values)
         outcome.statistics = march.statistics
+        if march.estimate is not None:
+            outcome.errors = march.estimate.as_dict
         return len(values["time"])
 
     try:
@@ -129,11 +135,26 @@ def identity_of(deck: Deck, tree: Tree, options: RunOptions) -> dict:
         "method": tree.integration.method,
         "rtol": tree.integration.rtol,
         "atol": tree.integration.atol,
+        **({"--estimate-error": True} if options.estimate_error else {}),
     }
+
+
+def error_estimate(tree: Tree) -> ErrorEstimate:
+    """Errors against a second run of `tree` at a tighter tolerance."""
+    from ..solve.tree_dynamics import TreeAnalysis
+    from ..solve.tree_points import point_motion
+    from ..write.hdf5_tree import tree_values
+
+    given = tree.integration
+    second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=finer(given.atol)))
+    rows = TreeAnalysis(second).rows()
+    return ErrorEstimate(tree_values(second, block, point_motion(second, block)) for block in rows)
 
 
 class _March:
     """The blocks of one run: those of a stopped one first, then what the analysis adds."""
+
+    estimate: ErrorEstimate | None = None
 
     def __init__(self, tree, journal, listener):
         self.tree = tree
@@ -147,7 +168,8 @@ class _March:
         state = None
         for values, state in self.journal.stored():  # noqa: B007
             self.drift.add(values)
-            yield values
+            # The second run is not kept: it begins anew.
+            yield self._with_errors(values)
         if resume and state is None:
             self.listener.notice("nothing to resume; the run starts at its beginning")
         if state is None or state["row"] < self.tree.time.rows:
@@ -166,7 +188,10 @@ class _March:
             with Stop.later():
                 self.journal.append(values, vars(self.analysis.checkpoint))
             self.drift.add(values)
-            yield values
+            yield self._with_errors(values)
+
+    def _with_errors(self, values):
+        return values if self.estimate is None else self.estimate.of(values)
 
     @property
     def statistics(self):
@@ -228,7 +253,9 @@ class _ResultFiles:
         from ..write.hdf5_tree import tree_layout
         from ..write.result_file import ResultFile
 
-        self.result = ResultFile(self.paths.h5, self.deck, tree_layout(tree, point_names(tree)))
+        layout = tree_layout(tree, point_names(tree))
+        layout = with_errors(layout) if self.options.estimate_error else layout
+        self.result = ResultFile(self.paths.h5, self.deck, layout)
 
     @property
     def unfinished(self):

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from ..model.build_dafms import build_dafms
-from ..model.tree import Tree
+from ..model.tree import Tree, default_tolerances
 from ..read.deck import Deck
 from .compiling import tell_of_compiling
 from .outcome import Outcome, RunOptions, refuse_warnings
@@ -15,7 +15,16 @@ def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
     tree, warnings = build_dafms(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
-    return replace(tree, integration=replace(tree.integration, **options.integration))
+    return replace(tree, integration=replace(tree.integration, **_integration(deck, options)))
+
+
+def _integration(deck, options):
+    """What the options change; another method has another tolerance, where none is given."""
+    given = dict(options.integration)
+    if "method" in given and not deck.section("tolerance"):
+        rtol, atol = default_tolerances(given["method"])
+        given = {"rtol": rtol, "atol": atol} | given
+    return given
 
 
 def dafms_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:

@@ -92,6 +92,7 @@ class RunOptions:
     integration: dict = field(default_factory=dict)
     resume: bool = False
     formulation: str = KANE
+    estimate_error: bool = False
     echo: bool = False
     debug: bool = False
 
@@ -102,7 +103,7 @@ class Outcome:
 
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
-    whether `--resume` can go on with it.
+    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets.
     """
 
     deck: str
@@ -115,6 +116,7 @@ class Outcome:
     echo: str = ""
     statistics: str = ""
     resumable: bool = False
+    errors: dict = field(default_factory=dict)
     failed_at: float | None = None
     norms: dict = field(default_factory=dict)
 
@@ -136,6 +138,7 @@ class Outcome:
             "norms": self.norms,
             "rows": self.rows,
             "files": list(self.files),
+            **({"global_error": self.errors} if self.errors else {}),
         }
 
 

@@ -10,6 +10,7 @@ from ..read.deck import Deck
 from ..write.file_names import STANDARD_INPUT, ResultPaths
 from .compiling import tell_of_compiling
 from .energy_drift import ConstrainedDrift
+from .error_estimate import with_estimate
 from .outcome import Outcome, RunOptions, Stop, refuse_warnings
 from .young import Contents, Solution, write_solution
 from .young_dynamics import StepCount
@@ -27,6 +28,9 @@ def run_vsdf(deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outco
     """
     with Stop.released():
         solution = vsdf_solution(deck, options, outcome, listener)
+        if options.estimate_error:
+            second = vsdf_solution(deck, options, Outcome(outcome.deck), listener)
+            solution = with_estimate(solution, second, outcome)
     write_solution(solution, deck, paths, options, outcome, listener, stdout)
 
 

@@ -9,6 +9,7 @@ from ..read.young_dynamics import INVERSE, analysis_of
 from ..write.file_names import ResultPaths
 from .compiling import tell_of_compiling
 from .energy_drift import ConstrainedDrift
+from .error_estimate import with_estimate
 from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 from .young import Contents, Solution, kinematic_solution, write_solution
 
@@ -27,6 +28,9 @@ def run_young_deck(
     """
     with Stop.released():
         solution = young_solution(deck, options, outcome, listener)
+        if options.estimate_error:
+            second = young_solution(deck, options, Outcome(outcome.deck), listener)
+            solution = with_estimate(solution, second, outcome)
     write_solution(solution, deck, paths, options, outcome, listener, stdout)
 
 

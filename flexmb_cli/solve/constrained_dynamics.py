@@ -14,7 +14,7 @@ from .constrained_system import AnyCountEvaluator
 from .dynamic_rows import DynamicRows, dynamic_rows
 from .linearised_terms import Terms
 from .start_speeds import given_speeds
-from .steppers import ExplicitSteps, GeneralisedAlpha
+from .steppers import ExplicitSteps, GeneralisedAlpha, RadauSteps
 
 
 class ForwardDynamics(ConstrainedMotion):
@@ -72,5 +72,7 @@ def _point(body, place):
 
 
 def _stepper(model):
+    if model.radau:
+        return RadauSteps()
     steps = model.alpha_steps
     return ExplicitSteps() if steps is None else GeneralisedAlpha(steps.radius, steps.length)

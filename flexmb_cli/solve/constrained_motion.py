@@ -31,6 +31,11 @@ CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an 
 LARGEST_BLOCK = 256  # rows
 SAME = 1e-9  # of a run: times this near to each other are one
 SHOWN_OWNERS = 6
+GO_ON = (
+    "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
+    "times as large or as small, or GALF"
+)
+STIFF = "; try RAD5 or GALF, or a smaller one"
 
 
 class ConstrainedMotion:
@@ -209,7 +214,7 @@ class ConstrainedMotion:
         if condition > SINGULAR:
             joints = _names(owners)
             return (
-                f"a singular position of {joints} ({size}), a dead centre or a branching, is reached",
+                f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",
                 owners,
             )
         if owners := repeating_here_only(self):
@@ -218,7 +223,10 @@ class ConstrainedMotion:
                 "others that they contradict beside it; begin elsewhere"
             )
             return reason, owners
-        return f"the joints are far from singular ({size}), so a load, stiffness or speed is too great", []
+        return (
+            f"the joints are far from singular ({size}), so a load, stiffness or speed is too great{STIFF}",
+            [],
+        )
 
 
 def _names(equations):

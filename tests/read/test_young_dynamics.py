@@ -45,10 +45,19 @@ def test_a_number_of_a_card_can_be_set_by_its_name():
     assert build_young_dynamics(deck)[0].masses[0].mass == 4.0
 
 
+def test_radaus_method_has_the_tolerance_of_its_card_or_that_of_the_deck():
+    mass = "DYNAMICS forward\nMASS 1 2.5 0 0 0 1 1 1\n"
+    for cards, tolerance in (("RAD5", 1e-9), ("RAD5 1e-6", 1e-6), ("TOLERANCE 1e-7\nRAD5", 1e-7)):
+        model, _ = build_young_dynamics(read(f"{mass}{cards}\n"))
+        assert (model.radau, model.tolerance) == (True, tolerance)
+    deck = apply_settings(read(f"{mass}RAD5 1e-6\n"), ["radau.1.tolerance=1e-5"])
+    assert build_young_dynamics(deck)[0].tolerance == 1e-5
+
+
 def test_an_unknown_card_is_told_with_the_nearest_known_one():
     assert messages("DYNAMICS forward\nMAS 1 2 0 0 0 1 1 1\n") == [
         "5:1: there is no card 'MAS', only MASS, FORCE, TORQUE, SPRING, DAMPER, GRAVITY, VELOCITY, "
-        "TOLERANCE, GALF and END; is MASS meant?"
+        "TOLERANCE, GALF, RAD5 and END; is MASS meant?"
     ]
 
 
@@ -61,7 +70,7 @@ def test_a_card_with_too_few_numbers_names_those_it_takes():
 def test_numbers_before_the_first_card_are_told():
     assert messages("DYNAMICS forward\n1 2 3\nMASS 1 2 0 0 0 1 1 1\n") == [
         "5:1: a card begins with a keyword, one of MASS, FORCE, TORQUE, SPRING, DAMPER, GRAVITY, VELOCITY, "
-        "TOLERANCE, GALF"
+        "TOLERANCE, GALF, RAD5"
     ]
 
 
@@ -91,6 +100,8 @@ def test_numbers_before_the_first_card_are_told():
         ("MASS 1 1 0 0 0 1 1 Infinity",
          "5:20: mass 1: Izz must be a number; read 'Infinity': a finite number is needed"),
         ("GRAVITY 0 inf 0", "5:11: gravity 1: g.y must be a number; read 'inf': a finite number is needed"),
+        ("RAD5 1", "5:6: radau: must lie between 1e-13 and 0.01; read 1"),
+        ("GALF 0 1\nRAD5", "6:1: radau 1: the deck asks for GALF as well; remove one of them"),
         ("TOLERANCE 1", "5:11: tolerance: must lie between 1e-13 and 0.01; read 1"),
     ],
 )  # fmt: skip

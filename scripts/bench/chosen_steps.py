@@ -1,0 +1,107 @@
+"""Final errors of the steps that GALF chooses, in tolerances: positions, and speeds of their largest.
+
+Example: scripts/bench/run chosen_steps --tolerance 1e-3 1e-5 1e-7
+
+Stiff flyball governor of the IFToMM library of computational benchmark problems (A05): shaft, slider and
+two rods of 3000 kg/m³, 5 kg at the rods' ends, springs of 8e5 N/m and dampers of 4e4 N s/m between the rods'
+middles and the slider, 2π rad/s at the start.  Andrews' squeezer: decks/young/dynamics/IN-ANDREWS.dat.
+The four-bar: `four_bars`.  The reference is DOP853 at 1e-12, of the governor RAD5 at 1e-11.
+"""
+
+import argparse
+import math
+from pathlib import Path
+
+import numpy as np
+from four_bars import deck_of, run
+
+from flexmb_cli.model.build_vsdf import build_vsdf  # noqa: F401
+
+ANDREWS = Path(__file__).parents[2] / "decks/young/dynamics/IN-ANDREWS.dat"
+
+
+def governor(cards: str, end: float = 10.0) -> str:
+    """The deck of the governor: ground, shaft, slider, two rods from the shaft's top."""
+    a = 0.5 * math.radians(30.0)
+    rods = ((0.05, math.cos(a), math.sin(a)), (-0.05, math.sin(a), math.cos(a)))
+    bodies = ["0 0 0 1 0 0 0", "0 0 0.5 1 0 0 0", "0 0 0.5 1 0 0 0"]
+    bodies += [f"{x} 0 1 {e0!r} 0 {e2!r} 0" for x, e0, e2 in rods]
+    revolute = ["1 2 0 0 0 0 0 -0.5 0 0 1 0 0 0.5"]
+    revolute += [f"2 {k} {x} 0 0.5 0 0 0 {x} 1 0.5 0 1 0" for k, (x, *_) in zip((4, 5), rods, strict=True)]
+    slide = ["2 3 0 0 0 0 0 0 0 0 1 0 0 1 1 0 0 0 1 0"]
+    # Rod 0.3 kg about its middle, and 5 kg at its end.
+    m, c = 5.3, (0.3 * 0.5 + 5.0) / 5.3
+    about = 0.3 * (1.0 + 1e-4) / 12.0 + 0.3 * (c - 0.5) ** 2 + 5.0 * (1.0 - c) ** 2
+    masses = [f"MASS 2 0.3 0 0 0 {0.3 * 1.0001 / 12!r} {0.3 * 1.0001 / 12!r} {0.3 * 2e-4 / 12!r}"]
+    masses += ["MASS 3 3 0 0 0 0.005 0.005 0.005"]
+    masses += [f"MASS {k} {m} {c!r} 0 0 {0.3 * 2e-4 / 12!r} {about!r} {about!r}" for k in (4, 5)]
+    springs = [f"SPRING 3 {k} {x} 0 0 0.5 0 0 8e5 0.5 4e4" for k, (x, *_) in zip((4, 5), rods, strict=True)]
+    spin = f"0 0 {2 * math.pi!r}"
+    speeds = [f"VELOCITY {k} 0 0 0 {spin}" for k in (2, 3)]
+    speeds += [
+        f"VELOCITY {k} 0 {2 * math.pi * x!r} 0 {spin}" for k, (x, *_) in zip((4, 5), rods, strict=True)
+    ]
+    counts = "5 0 0 0 0 3 0 1 0 0 0 1"
+    lines = [
+        counts,
+        *bodies,
+        *revolute,
+        *slide,
+        "1 0 0 0 0 0 0",
+        f"0 {end:g} {end / 100:g}",
+        "DYNAMICS forward",
+    ]
+    return "\n".join([*lines, "GRAVITY 0 0 -9.81", *masses, *springs, *speeds]) + f"\n{cards}END\n"
+
+
+def andrews(cards: str) -> str:
+    """The supplied deck with other cards for its steps."""
+    return ANDREWS.read_text().replace("TOLERANCE 1e-10\n", cards)
+
+
+def four_bar(cards: str) -> str:
+    """One four-bar for 10 s."""
+    return deck_of(1, "DOP853", 1.0).replace("TOLERANCE 1\n", cards)
+
+
+PROBLEMS = {
+    "governor": (governor, "TOLERANCE 1e-11\nRAD5\n"),
+    "squeezer": (andrews, "TOLERANCE 1e-12\n"),
+    "four-bar": (four_bar, "TOLERANCE 1e-12\n"),
+}
+
+
+def last(deck: str) -> tuple[np.ndarray, np.ndarray, float, int]:
+    """Positions with Euler parameters, speeds and their largest of the whole run, time reached, steps."""
+    clock, blocks, _ = run(deck)
+    end = blocks[-1]
+    both = ("velocity", "angular_velocity")
+    largest = [max(np.abs(getattr(block, name)).max() for block in blocks) for name in both]
+    place = np.concatenate([end.position[-1].ravel(), end.euler_parameters[-1].ravel()])
+    speeds = np.concatenate(
+        [getattr(end, name)[-1].ravel() / size for name, size in zip(both, largest, strict=True)]
+    )
+    return place, speeds, float(end.time[-1]), int(clock["steps"])
+
+
+def main():
+    """Print a row for every problem and tolerance."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--problem", nargs="+", choices=PROBLEMS, default=list(PROBLEMS))
+    parser.add_argument("--tolerance", nargs="+", type=float, default=[1e-3, 1e-5, 1e-7])
+    given = parser.parse_args()
+    print("problem    tolerance    steps  position    speed (errors in tolerances)")
+    for problem in given.problem:
+        make, cards = PROBLEMS[problem]
+        exact = last(make(cards))
+        for tolerance in given.tolerance:
+            place, speeds, t, steps = last(make(f"TOLERANCE {tolerance:g}\nGALF 0 0.9\n"))
+            off = [np.abs(a - b).max() / tolerance for a, b in ((place, exact[0]), (speeds, exact[1]))]
+            print(
+                f"{problem:9} {tolerance:10.0e} {steps:8d} {off[0]:9.2g} {off[1]:8.2g}  t = {t:g} s",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
