@@ -76,6 +76,7 @@ def _twice(folder, cache):
 def lost_kernel_folder(stage, chance, number, folder) -> Verdict:
     """The folder of the kernels' cache vanishes, or becomes a file, between import and first call."""
     cache = folder / "cache"
+    _twice(folder, cache)
     put = f"open({str(cache)!r}, 'w').close()" if number % 2 else "pass"
     loss = f"import shutil; shutil.rmtree({str(cache)!r}); {put}\nprint(twice(7.0))"
     (folder / "lost.py").write_text(KERNEL.replace("print(twice(7.0))", textwrap.dedent(loss)))
