@@ -4,8 +4,8 @@ import signal
 
 import pytest
 
-from flexmb_cli.run.blocked_stops import STOPS
 from flexmb_cli.run.outcome import Stop
+from flexmb_cli.run.processes.signal_mask import STOPS
 
 
 @pytest.fixture(autouse=True)

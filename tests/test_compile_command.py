@@ -15,7 +15,7 @@ pytestmark = [
 # A small unit in place of all, which take two minutes.
 CODE = """
 from flexmb_cli.kernels import signatures
-small = {"speeds.move": "int f1 f1", "rotation.rotation_matrices": "f1 f3"}
+small = {"constrained.speeds.move": "int f1 f1", "linalg.rotation.rotation_matrices": "f1 f3"}
 signatures.UNITS.clear()
 signatures.UNITS["small"] = small
 signatures._UNIT_OF = dict.fromkeys(small, "small")

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.write.study_table import Column, TableHead, write_table
+from flexmb_cli.study.table import Column, TableHead, write_table
 
 DECKS = Path(__file__).resolve().parents[1] / "decks"
 HUGE = "9" * 23

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.write.study_table import Column, TableHead, write_table
+from flexmb_cli.study.table import Column, TableHead, write_table
 
 pytestmark = pytest.mark.processes
 

@@ -15,11 +15,11 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.model.build_vsdf import build_vsdf
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.vsdf_cards import CARDS
-from flexmb_cli.run.check import CheckReport
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.cards import CARDS
+from flexmb_cli.run.check.check import CheckReport
 from flexmb_cli.run.outcome import Outcome
 
 pytestmark = pytest.mark.processes
@@ -287,7 +287,7 @@ def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
         looked_at.append(build_vsdf(deck, Path(path).parent)[0])
         return CheckReport(Outcome(path, source=deck.source), deck)
 
-    monkeypatch.setattr("flexmb_cli.run.check.check_deck", build_only)
+    monkeypatch.setattr("flexmb_cli.run.check.check.check_deck", build_only)
     (tmp_path / "fe").symlink_to(TOP / "decks" / "vsdf" / "fe")
     counted = sum(card.word not in ("FEMN", "FEMM", "FEMK", "RIGI", "GRAV", "TIME", "INTG") for card in CARDS)
     files = ["TXT fe/pendulum_nodes.txt", "MM fe/pendulum_M.mtx", "MM fe/pendulum_K.mtx"]

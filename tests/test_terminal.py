@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.cli.terminal import OutputText
+from flexmb_cli.cli.terminal.screen import OutputText
 
 pytestmark = pytest.mark.processes
 

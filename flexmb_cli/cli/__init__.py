@@ -13,18 +13,11 @@ from importlib import import_module
 import click
 
 from .. import __version__
-from ..errors import (
-    ANALYSIS_FAILED,
-    BAD_INPUT,
-    INTERNAL_FAULT,
-    Fault,
-    FlexmbError,
-    compiler_style,
-)
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
-from .stops import ignore_stops, pass_over_stops
-from .terminal import lines_visible
+from .terminal.screen import lines_visible
+from .terminal.stops import ignore_stops, pass_over_stops
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -192,7 +185,7 @@ def _refuse_usage(fault):
 
 
 def _print_json(exit_code, *faults, file=None):
-    from .json_faults import print_record, wants_json
+    from .terminal.json_faults import print_record, wants_json
 
     if wants_json(cli.commands, sys.argv[1:]):
         print_record(exit_code, faults, file)

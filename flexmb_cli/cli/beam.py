@@ -4,8 +4,8 @@ import sys
 
 import click
 
-from .finite import Finite
-from .terminal import standard_output
+from .options.finite import Finite
+from .terminal.screen import standard_output
 
 # Powers and quotients of these are still numbers.
 ABOVE_ZERO = Finite(1e-50, 1e50)
@@ -49,7 +49,7 @@ def beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass, ndm, whole, title, i
     Example:
         flexmb beam --length 1 --nodes 4 --ei 1000 --rho 5 --into decks/dafms/two_link_n4.DAT --body 1
     """
-    from ..model.beam import Beam
+    from ..dialects.dafms.beam import Beam
 
     _check_choice(whole, into, body)
     made = Beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass)
@@ -65,7 +65,7 @@ def _check_choice(whole, into, body):
 
 
 def _text(made, ndm, whole, title, into, body):
-    from ..write.beam_cards import beam_block, beam_deck
+    from ..dialects.dafms.beam_cards import beam_block, beam_deck
 
     if whole:
         return beam_deck(made, title)
@@ -76,10 +76,10 @@ def _text(made, ndm, whole, title, into, body):
 
 def _deck_with(made, path, body):
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
+    from ..deck.text import read_text
+    from ..dialects.dafms.beam_cards import with_beam
+    from ..dialects.recognise import read_deck
     from ..errors import FlexmbError, compiler_style
-    from ..read.dialects import read_deck
-    from ..read.text import read_text
-    from ..write.beam_cards import with_beam
 
     lines = ()
     try:

@@ -5,8 +5,8 @@ import sys
 
 import click
 
-from .deck_options import DECK, deck_options, every_deck, show_faults
-from .terminal import show, wants_debug
+from .options.deck_options import DECK, deck_options, every_deck, show_faults
+from .terminal.screen import show, wants_debug
 
 
 @click.command()
@@ -20,7 +20,7 @@ def check(decks, changes, echo, as_json, quiet, jacobian, **options):
     Example:
         flexmb check decks/young/IN4-BAR.dat --echo
     """
-    from ..run.check import check_deck
+    from ..run.check.check import check_deck
     from ..run.outcome import RunOptions
 
     _check_jacobian_option(jacobian)
@@ -55,9 +55,9 @@ def _check_jacobian_option(jacobian):
 
 
 def _print_check(report, with_echo):
-    from ..write.check_text import check_text, jacobian_text
-    from ..write.check_tree_text import check_tree_text
-    from ..write.check_vsdf_text import check_vsdf_text
+    from ..results.texts.check_text import check_text, jacobian_text
+    from ..results.texts.check_tree_text import check_tree_text
+    from ..results.texts.check_vsdf_text import check_vsdf_text
 
     if with_echo:
         _print_echo(report)
@@ -69,6 +69,6 @@ def _print_check(report, with_echo):
 
 
 def _print_echo(report, err=False):
-    from ..write.echo import echo
+    from ..results.texts.echo import echo
 
     show(echo(report.deck), err)

@@ -2,7 +2,7 @@
 
 import click
 
-from .terminal import tell
+from .terminal.screen import tell
 
 
 @click.command("compile")

@@ -6,9 +6,9 @@ import sys
 import click
 
 from ..errors import DONE, compiler_style, visible
-from .finite import Finite
-from .json_faults import faults_in_json
-from .terminal import show
+from .options.finite import Finite
+from .terminal.json_faults import faults_in_json
+from .terminal.screen import show
 
 
 @click.command()
@@ -39,8 +39,8 @@ def diff(a, b, update, as_json, quiet, **options):
     Example:
         flexmb diff reference/OUT4-BAR.dat OUT4-BAR.dat --last-digit 1
     """
-    from ..write.accept import accept, is_missing
-    from ..write.listing import TableError
+    from ..deck.listing import TableError
+    from ..results.diff.accept import accept, is_missing
 
     if update and "-" in (a, b):
         raise click.UsageError("--update copies files; standard input is none")
@@ -66,8 +66,8 @@ def diff(a, b, update, as_json, quiet, **options):
 
 
 def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain, words):
-    from ..write.diff import compare
-    from ..write.tolerances import Tolerances, parse_kinds
+    from ..results.diff.listings import compare
+    from ..results.diff.tolerances import Tolerances, parse_kinds
 
     tolerances = Tolerances(atol, rtol, last_digit, parse_kinds(kinds))
     return compare(a, b, tolerances, same_attitude, explain, words)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from .terminal import tell
-from .written_place import WrittenPlace
+from .terminal.screen import tell
+from .terminal.written_place import WrittenPlace
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
@@ -26,8 +26,8 @@ def export(result, form, output, quiet):
     Example:
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
-    from ..write.quantities import open_result, refuse_uneven, shortfall
-    from .output_file import refuse_inputs, refuse_standard_output, told
+    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from .options.output_file import refuse_inputs, refuse_standard_output, told
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
@@ -44,24 +44,24 @@ def export(result, form, output, quiet):
 
 
 def _write_vtkhdf(file, output):
-    from ..write.atomic import write_whole
-    from ..write.vtkhdf import vtkhdf_bytes
+    from ..results.figures.vtkhdf import vtkhdf_bytes
+    from ..results.files.replaced_file import write_whole
 
     write_whole(output, vtkhdf_bytes(file))
 
 
 def _write_mat(file, output):
-    from ..run.matlab_file import matlab_bytes
-    from ..write.atomic import write_whole
+    from ..results.files.matlab import matlab_bytes
+    from ..results.files.replaced_file import write_whole
 
     write_whole(output, matlab_bytes(file))
 
 
 def _write_csv(file, output):
-    from ..write.atomic import ReplacedText
-    from ..write.quantities import names
-    from ..write.table import chosen_rows, table_text
-    from .output_file import STANDARD_OUTPUT
+    from ..results.files.replaced_file import ReplacedText
+    from ..results.quantities.quantities import names
+    from ..results.quantities.table import chosen_rows, table_text
+    from .options.output_file import STANDARD_OUTPUT
 
     pieces = table_text(file, names(file), chosen_rows(file, None, None, 1), "csv")
     if output == STANDARD_OUTPUT:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from .deck_options import DECK, deck_options, every_deck, show_faults
-from .finite import AnyFinite
-from .terminal import show, tell, wants_debug
-from .written_place import WrittenPlace
+from .options.deck_options import DECK, deck_options, every_deck, show_faults
+from .options.finite import AnyFinite
+from .terminal.screen import show, tell, wants_debug
+from .terminal.written_place import WrittenPlace
 
 
 @click.command()
@@ -63,8 +63,8 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, out, **option
 
 
 def _refuse_output(out, decks):
-    from ..write.state_space_file import FORMS
-    from .output_file import refuse_inputs
+    from ..results.files.state_space import FORMS
+    from .options.output_file import refuse_inputs
 
     if out is None:
         return
@@ -78,8 +78,8 @@ def _refuse_output(out, decks):
 
 
 def _print_modes(report, with_echo, quiet):
-    from ..write.echo import echo
-    from ..write.modes_text import modes_text
+    from ..results.texts.echo import echo
+    from ..results.texts.modes_text import modes_text
 
     if with_echo:
         show(echo(report.deck))

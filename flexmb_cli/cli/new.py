@@ -10,8 +10,8 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
 from ..run.outcome import Terminated
-from .terminal import standard_output, tell
-from .written_place import WrittenPlace
+from .terminal.screen import standard_output, tell
+from .terminal.written_place import WrittenPlace
 
 _NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
@@ -65,7 +65,7 @@ def _ask_to_replace(path, force):
     if os.path.isdir(path):
         raise click.UsageError(f"{path} is a folder; -o names the deck to write")
     if path != "-":
-        from ..write.atomic import refuse_unwritable
+        from ..results.files.replaced_file import refuse_unwritable
 
         refuse_unwritable(path)
     if force or path == "-" or not os.path.lexists(path) or not os.path.isfile(path):
@@ -77,9 +77,9 @@ def _ask_to_replace(path, force):
 
 
 def _form(dialect):
-    from ..write.new_dafms import DafmsForm
-    from ..write.new_vsdf import VsdfForm
-    from ..write.new_young import YoungForm
+    from ..dialects.dafms.form import DafmsForm
+    from ..dialects.vsdf.form import VsdfForm
+    from ..dialects.young.form import YoungForm
 
     return {"young": YoungForm, "dafms": DafmsForm, "vsdf": VsdfForm}[dialect]()
 
@@ -99,8 +99,8 @@ class _Talk:
         self.dialogue = self._begin(_form(dialect), restart)
 
     def _begin(self, form, restart):
-        from ..read.text import read_text
-        from ..write.dialogue import Dialogue, from_draft
+        from ..deck.dialogue import Dialogue, from_draft
+        from ..deck.text import read_text
 
         if self.keeps_draft:
             refuse_unsafe(self.draft)
@@ -204,7 +204,7 @@ class _Talk:
 
     def accepted(self):
         """Whether `flexmb check` takes the deck; else its faults are shown, and the dialogue goes back."""
-        from ..run.check import check_deck
+        from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
 
         trial = self._trial()
@@ -226,7 +226,7 @@ class _Talk:
 
     def _trial(self):
         """The deck in a file to be removed; where this call is killed, the next one does it."""
-        from ..write.atomic import ReplacedText
+        from ..results.files.replaced_file import ReplacedText
 
         # Beside its place, because a deck names matrices and node tables relative to itself.
         folder, name = os.path.split("deck" if self.path == "-" else self.path)
@@ -246,7 +246,7 @@ class _Talk:
 
     def write(self):
         """The deck in its place, and the draft away."""
-        from ..write.atomic import write_whole
+        from ..results.files.replaced_file import write_whole
 
         if self.path == "-":
             standard_output().write(self._text())
@@ -260,8 +260,8 @@ class _Talk:
         """Write the draft, whole or not at all, so that a closed terminal loses nothing."""
         if not self.keeps_draft:
             return
-        from ..write.atomic import write_whole
-        from ..write.dialogue import draft_text
+        from ..deck.dialogue import draft_text
+        from ..results.files.replaced_file import write_whole
 
         refuse_unsafe(self.draft)
         write_whole(self.draft, draft_text(self.dialogue).encode())

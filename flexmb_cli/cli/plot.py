@@ -5,9 +5,9 @@ from pathlib import Path
 
 import click
 
-from .finite import AnyFinite
-from .terminal import tell
-from .written_place import WrittenPlace
+from .options.finite import AnyFinite
+from .terminal.screen import tell
+from .terminal.written_place import WrittenPlace
 
 
 @click.command()
@@ -35,12 +35,12 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
         flexmb plot OUT4-BAR.h5 "body.3.velocity" point.1.z -o four-bar.svg
         flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
     """
-    from ..write.atomic import write_whole
-    from ..write.curves import panels
-    from ..write.plots import FORMATS, picture
-    from ..write.stored_result import attribute
-    from .extras import needed
-    from .output_file import refuse_inputs, refuse_standard_output
+    from ..results.figures.curves import panels
+    from ..results.figures.plots import FORMATS, picture
+    from ..results.files.replaced_file import write_whole
+    from ..results.hdf5.stored_result import attribute
+    from .options.output_file import refuse_inputs, refuse_standard_output
+    from .terminal.extras import needed
 
     output = output or f"{Path(result).stem}.png"
     refuse_standard_output(output, "a picture")
@@ -65,9 +65,9 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
 
 
 def _source(open_files, path, label, names, across, window, quiet):
-    from ..write.curves import Source, default_quantities, still_energies
-    from ..write.quantities import ResultError, open_result, resolve, shortfall
-    from ..write.table import chosen_rows
+    from ..results.figures.curves import Source, default_quantities, still_energies
+    from ..results.quantities.quantities import ResultError, open_result, resolve, shortfall
+    from ..results.quantities.table import chosen_rows
 
     file = open_files.enter_context(open_result(path))
     abscissa = resolve(file, [across], path, "--x ")

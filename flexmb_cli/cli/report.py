@@ -2,8 +2,8 @@
 
 import click
 
-from .terminal import tell
-from .written_place import WrittenPlace
+from .terminal.screen import tell
+from .terminal.written_place import WrittenPlace
 
 
 @click.command()
@@ -23,11 +23,11 @@ def report(result, output, quiet):
     """
     from pathlib import Path
 
-    from ..write.atomic import write_whole
-    from ..write.quantities import open_result, refuse_uneven, shortfall
-    from ..write.report_page import report_page
-    from .extras import needed
-    from .output_file import STANDARD_OUTPUT, refuse_inputs, told
+    from ..results.figures.report_page import report_page
+    from ..results.files.replaced_file import write_whole
+    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
+    from .terminal.extras import needed
 
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])

@@ -7,16 +7,16 @@ import sys
 import click
 
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, FlexmbError
-from .deck_options import DECK, deck_options, show_faults, with_models
-from .finite import Finite
-from .stops import stop_on_signals
-from .terminal import show, standard_output, tell, wants_debug
-from .written_place import WrittenPlace
+from .options.deck_options import DECK, deck_options, show_faults, with_models
+from .options.finite import Finite
+from .terminal.screen import show, standard_output, tell, wants_debug
+from .terminal.stops import stop_on_signals
+from .terminal.written_place import WrittenPlace
 
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
-RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
+RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 
 
 @click.command()
@@ -124,7 +124,7 @@ def _all_outcomes(decks, options, jobs, quiet):
 
 def _outcomes(decks, options, jobs, quiet):
     if jobs > 1 and len(decks) > 1:
-        from .deck_processes import outcomes_in_parallel
+        from .terminal.deck_processes import outcomes_in_parallel
 
         yield from outcomes_in_parallel(decks, options, jobs, _Progress(quiet).notice)
         return
@@ -176,8 +176,8 @@ def _refuse_shared_files(decks, options):
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 
-    from ..read.dafms_models import named_model
-    from ..write.file_names import refuse_shared, result_paths
+    from ..dialects.dafms.models import named_model
+    from ..results.files.file_names import refuse_shared, result_paths
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):
         raise click.UsageError("--out and --h5 name one file: give one deck, or use --output-dir")
@@ -193,7 +193,7 @@ def _dialect(deck, options):
     """Dialect of a deck by its beginning; the faults of one without any are reported by its run."""
     from pathlib import Path
 
-    from ..read.dialects import recognise
+    from ..dialects.recognise import recognise
 
     # What is no regular file can be read only once.
     if options.dialect != "auto" or not Path(deck).is_file():

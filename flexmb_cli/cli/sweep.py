@@ -10,11 +10,11 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..memory import TO_LOAD, require_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
-from .json_faults import faults_in_json
-from .output_file import refuse_inputs
-from .stops import stop_on_signals
-from .terminal import tell
-from .written_place import WrittenPlace
+from .options.output_file import refuse_inputs
+from .terminal.json_faults import faults_in_json
+from .terminal.screen import tell
+from .terminal.stops import stop_on_signals
+from .terminal.written_place import WrittenPlace
 
 
 @click.command()
@@ -79,8 +79,8 @@ def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
 
 def _begun(study, output, parts, fresh, as_json):
     require_memory(TO_LOAD)  # of numpy, below
-    from ..run.sweep import StudyError, Sweep
-    from ..write.atomic import refuse_unwritable
+    from ..results.files.replaced_file import refuse_unwritable
+    from ..study.sweep import StudyError, Sweep
 
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
@@ -99,8 +99,8 @@ def _begun(study, output, parts, fresh, as_json):
 
 
 def _solve(made, jobs, scheduler, quiet):
-    from ..run import study_cluster, study_workers
-    from ..run.orphans import outlive_workers
+    from ..run.processes.parent_watch import outlive_workers
+    from ..study import cluster, workers
 
     outlive_workers()
     blocks = made.pending()
@@ -109,11 +109,11 @@ def _solve(made, jobs, scheduler, quiet):
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
     with _progress(left, quiet) as advance:
         if scheduler:
-            study_cluster.solve_on_cluster(made, blocks, advance, scheduler)
+            cluster.solve_on_cluster(made, blocks, advance, scheduler)
         elif jobs > 1:
-            study_workers.solve_in_processes(made, blocks, advance, jobs)
+            workers.solve_in_processes(made, blocks, advance, jobs)
         else:
-            study_workers.solve_here(made, blocks, advance)
+            workers.solve_here(made, blocks, advance)
 
 
 def _progress(cases, quiet):
@@ -148,7 +148,7 @@ def _first_failures(made, most=3):
 
 
 def _write(made, output):
-    from ..run.study_table import write_study_table
+    from ..study.table_writer import write_study_table
 
     write_study_table(output, made)
 

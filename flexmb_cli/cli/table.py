@@ -2,8 +2,8 @@
 
 import click
 
-from .finite import AnyFinite
-from .terminal import show, tell
+from .options.finite import AnyFinite
+from .terminal.screen import show, tell
 
 
 @click.command()
@@ -33,7 +33,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
         flexmb table OUT4-BAR.h5 body.3.z point.1.velocity --every 5 --from 0.5
         flexmb table study.h5 top --format text
     """
-    from ..write.study_text import is_study
+    from ..study.text import is_study
 
     if is_study(result):
         if start is not None or stop is not None:
@@ -41,10 +41,10 @@ def table(result, names, listing, start, stop, every, style, quiet):
             raise click.UsageError(f"{result} {message}")
         _print_study(result, names, listing, every, style, quiet)
         return
-    from ..write.quantities import names as all_names
-    from ..write.quantities import open_result, resolve
-    from ..write.stored_result import settings_of
-    from ..write.table import chosen_rows, list_text, table_text
+    from ..results.hdf5.stored_result import settings_of
+    from ..results.quantities.quantities import names as all_names
+    from ..results.quantities.quantities import open_result, resolve
+    from ..results.quantities.table import chosen_rows, list_text, table_text
 
     if listing and (start is not None or stop is not None or every > 1):
         raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
@@ -63,8 +63,8 @@ def table(result, names, listing, start, stop, every, style, quiet):
 
 
 def _print_study(path, names, listing, every, style, quiet):
-    from ..write.study_text import chosen_columns, open_study, study_columns, study_notes, study_text
-    from ..write.table import list_text
+    from ..results.quantities.table import list_text
+    from ..study.text import chosen_columns, open_study, study_columns, study_notes, study_text
 
     with open_study(path) as file:
         columns = study_columns(file)
@@ -86,7 +86,7 @@ def _remark_settings(path, settings, quiet):
 
 def _remark(path, file, rows, quiet):
     """Tell on standard error what the numbers do not show."""
-    from ..write.quantities import shortfall
+    from ..results.quantities.quantities import shortfall
 
     told = shortfall(file)
     if told and not quiet:

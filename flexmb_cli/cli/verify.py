@@ -5,12 +5,12 @@ import sys
 
 import click
 
-from .deck_options import DECK, deck_options, every_deck, show_faults
-from .finite import Finite
-from .terminal import show, tell, wants_debug
+from .options.deck_options import DECK, deck_options, every_deck, show_faults
+from .options.finite import Finite
+from .terminal.screen import show, tell, wants_debug
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
-RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.stepped_time.FINEST`
+RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 
 
 @click.command()
@@ -30,9 +30,9 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
     Example:
         flexmb verify decks/dafms/two_link_n2.DAT
     """
+    from ..results.texts.verify_text import verify_text
     from ..run.outcome import Listener, RunOptions
-    from ..run.verify import verify_deck
-    from ..write.verify_text import verify_text
+    from ..run.verify.verify import verify_deck
 
     steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
     choices = RunOptions(changes=changes, integration=steps, echo=echo, debug=wants_debug(), **options)

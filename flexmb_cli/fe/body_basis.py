@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.findings import Findings
+from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
 from . import modes
 from .free_motion import FreeMotion, NegativeStrain

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from ..errors import Fault, ModelError
+from ..model.fe_model import GROUND, End, VsdfBody, VsdfModel
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -14,7 +15,6 @@ from ..model.flexible_mechanism import (
     PointPin,
     PointSpring,
 )
-from ..model.vsdf_model import GROUND, End, VsdfBody, VsdfModel
 from .flexible_bodies import flexible_body
 
 STEPS_A_PERIOD = 20

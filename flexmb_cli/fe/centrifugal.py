@@ -8,12 +8,12 @@ K_G^IJ = E times the integral of grad N_I . sigma . grad N_J, the initial-stress
 
 import numpy as np
 
-from ..model.findings import Findings
+from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
-from ..read.fe_files.connectivity import Hexahedra, read_hexahedra
-from ..read.fe_files.matrix_file import FEFileFault
 from .brick_stiffness import initial_stress_matrix, matching_bricks
 from .bricks import FORMULATIONS, bricks
+from .formats.connectivity import Hexahedra, read_hexahedra
+from .formats.matrix_file import FEFileFault
 from .reference_frame import Frame
 from .static_shapes import static_shapes
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Fault, ModelError
-from ..model.findings import Findings
+from ..model.diagnostics import Findings
 from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
-from ..read.fe_files.formats import read_matrix
-from ..read.fe_files.matrix_file import FEFileFault
 from . import cache
 from .body_basis import basis_of
 from .centrifugal import centrifugal_stiffness
+from .formats.formats import read_matrix
+from .formats.matrix_file import FEFileFault
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
 from .linear_algebra import Matrix, in_three_directions, of_mass, turned

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Place
-from ..model.findings import Findings
+from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
 from .linear_algebra import in_three_directions
 

@@ -6,13 +6,13 @@ What the nodes leave of the mass and the inertia stays with the frame, which is 
 import numpy as np
 from scipy import sparse
 
-from ..model.absolute_tree import Rider, shape_of
+from ..model.arrays.tree import hanging_masses
 from ..model.flexible_body import FlexibleBody
 from ..model.flexible_mechanism import FloatingBody
 from ..model.geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..model.tree import Tree
-from ..model.tree_arrays import hanging_masses
-from ..model.tree_poses import Pose
+from ..model.tree_as_mechanism.frames import Rider, shape_of
+from ..model.tree_as_mechanism.poses import Pose
 from .build_mechanism import euler_parameters
 from .invariants import inertia_invariants
 

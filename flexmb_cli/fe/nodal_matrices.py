@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..read.fe_files.matrix_file import FEFileFault, MatrixFile
+from .formats.matrix_file import FEFileFault, MatrixFile
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 
 SYMMETRY = 1e-6

@@ -2,7 +2,7 @@
 
 import math
 
-from .findings import Findings
+from .diagnostics import Findings
 from .mechanism import Driver, Mechanism, TimeGrid
 
 LARGEST_ANGLE = 1e9  # rad; beyond it a double leaves less than ten digits to a position within a turn

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Place
+from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
 from .mechanism import TimeGrid, Vector
-from .motion_law import Motion, MotionLaw
-from .vsdf_model import BodyTorque, Integrator, JointSpring
+from .time_functions import Motion, MotionLaw
 
 
 @dataclass(frozen=True)

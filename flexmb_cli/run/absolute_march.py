@@ -15,7 +15,7 @@ class AbsoluteMarch:
     estimate = None
 
     def __init__(self, tree: Tree, listener: Listener):
-        from ..solve.absolute_tree import AbsoluteTree
+        from ..solvers.constrained.tree import AbsoluteTree
 
         self.tree = tree
         self.listener = listener
@@ -24,10 +24,10 @@ class AbsoluteMarch:
 
     def blocks(self, _resume: bool = False) -> Iterator[dict]:
         """Yield report rows by the paths of their datasets."""
-        from ..solve.tree_points import point_motion
-        from ..write.hdf5_tree import tree_values
+        from ..results.hdf5.tree import tree_values
+        from ..solvers.tree.points import point_motion
 
-        tell_of_compiling(self.listener, "constrained_march.march_rows")
+        tell_of_compiling(self.listener, "integrators.constrained_dop853.march_rows")
         for rows in self.analysis.rows():
             values = tree_values(self.tree, rows, point_motion(self.tree, rows))
             self.drift.add(values)

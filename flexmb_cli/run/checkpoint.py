@@ -18,8 +18,8 @@ import numpy as np
 
 from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
-from ..write.atomic import hold, is_unfinished, located
-from ..write.durable import GROWING, sync, sync_folder
+from ..results.files.durable import GROWING, sync, sync_folder
+from ..results.files.replaced_file import hold, is_unfinished, located
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"

@@ -5,18 +5,18 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from .. import __version__
+from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.tree import Tree
-from ..model.unit_doubts import unit_doubts
-from ..read.deck import Deck
-from ..write.file_names import STANDARD_OUTPUT, ResultPaths
+from ..model.unit_checks import unit_doubts
+from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from .absolute_march import AbsoluteMarch
 from .checkpoint import Journal
 from .compiling import tell_of_compiling
 from .dafms_tree import tree_of
-from .ending import reason_of
 from .energy_drift import EnergyDrift
 from .error_estimate import ErrorEstimate, finer, with_errors
+from .exit_status import reason_of
 from .keeping import keep_blocks
 from .outcome import ABSOLUTE, Outcome, RunOptions, Stop, Terminated, refuse_warnings
 
@@ -141,9 +141,9 @@ def identity_of(deck: Deck, tree: Tree, options: RunOptions) -> dict:
 
 def error_estimate(tree: Tree) -> ErrorEstimate:
     """Errors against a second run of `tree` at a tighter tolerance."""
-    from ..solve.tree_dynamics import TreeAnalysis
-    from ..solve.tree_points import point_motion
-    from ..write.hdf5_tree import tree_values
+    from ..results.hdf5.tree import tree_values
+    from ..solvers.tree.analysis import TreeAnalysis
+    from ..solvers.tree.points import point_motion
 
     given = tree.integration
     second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=finer(given.atol)))
@@ -176,11 +176,11 @@ class _March:
             yield from self._computed(state)
 
     def _computed(self, state):
-        from ..solve.tree_dynamics import Checkpoint, TreeAnalysis
-        from ..solve.tree_points import point_motion
-        from ..write.hdf5_tree import tree_values
+        from ..results.hdf5.tree import tree_values
+        from ..solvers.tree.analysis import Checkpoint, TreeAnalysis
+        from ..solvers.tree.points import point_motion
 
-        tell_of_compiling(self.listener, "tree_march.call")
+        tell_of_compiling(self.listener, "integrators.tree_dop853.call")
         checkpoint = None if state is None else Checkpoint(**state | {"row": int(state["row"])})
         self.analysis = TreeAnalysis(self.tree, checkpoint)
         for rows in self.analysis.rows():
@@ -222,7 +222,7 @@ class _ResultFiles:
     """
 
     def __init__(self, deck, tree, paths: ResultPaths, options, stdout):
-        from ..write.atomic import make_folder
+        from ..results.files.replaced_file import make_folder
 
         self.deck, self.options, self.paths, self.stdout = deck, options, paths, stdout
         self.texts, self.result, self.series = [], None, None
@@ -237,8 +237,8 @@ class _ResultFiles:
             raise
 
     def _open(self, tree):
-        from ..write.atomic import ReplacedText
-        from ..write.dafms import Series
+        from ..dialects.dafms.listing import Series
+        from ..results.files.replaced_file import ReplacedText
 
         names = [] if self.paths.out in (None, STANDARD_OUTPUT) else [self.paths.out]
         for name in (*names, *self.paths.series):
@@ -249,9 +249,9 @@ class _ResultFiles:
             self._open_result(tree)
 
     def _open_result(self, tree):
-        from ..solve.tree_points import point_names
-        from ..write.hdf5_tree import tree_layout
-        from ..write.result_file import ResultFile
+        from ..results.hdf5.result_file import ResultFile
+        from ..results.hdf5.tree import tree_layout
+        from ..solvers.tree.points import point_names
 
         layout = tree_layout(tree, point_names(tree))
         layout = with_errors(layout) if self.options.estimate_error else layout
@@ -266,7 +266,7 @@ class _ResultFiles:
         return (*self.texts, self.result) if self.result else tuple(self.texts)
 
     def _echo(self):
-        from ..write.dafms import echo_text
+        from ..dialects.dafms.listing import echo_text
 
         if self.echoed or self.paths.out is None:
             return
@@ -284,7 +284,7 @@ class _ResultFiles:
         self.torn = False
 
     def close(self, notes=()):
-        from ..write.atomic import put_in_place
+        from ..results.files.replaced_file import put_in_place
 
         if self.result:
             self.result.note((*self.notes, *notes))

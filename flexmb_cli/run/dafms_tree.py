@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from ..model.build_dafms import build_dafms
+from ..deck.record import Deck
+from ..dialects.dafms.build import build_dafms
 from ..model.tree import Tree, default_tolerances
-from ..read.deck import Deck
 from .compiling import tell_of_compiling
 from .outcome import Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution
@@ -30,11 +30,11 @@ def _integration(deck, options):
 def dafms_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
     """The motion of a deck's tree, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
     tree = tree_of(deck, options, outcome)
-    from ..solve.tree_dynamics import TreeAnalysis
-    from ..solve.tree_points import point_motion, point_names
-    from ..write.hdf5_tree import tree_layout, tree_values
+    from ..results.hdf5.tree import tree_layout, tree_values
+    from ..solvers.tree.analysis import TreeAnalysis
+    from ..solvers.tree.points import point_motion, point_names
 
-    tell_of_compiling(listener, "tree_march.call")
+    tell_of_compiling(listener, "integrators.tree_dop853.call")
     contents = Contents(
         lambda: tree_layout(tree, point_names(tree)),
         lambda rows: tree_values(tree, rows, point_motion(tree, rows)),

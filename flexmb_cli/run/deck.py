@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
+from ..deck.record import Deck
+from ..deck.text import read_text
+from ..dialects.dafms.models import changes_of, named_model, only_model
+from ..dialects.recognise import read_deck
 from ..errors import DeckError, Fault
-from ..read.dafms_models import changes_of, named_model, only_model
-from ..read.deck import Deck
-from ..read.dialects import read_deck
-from ..read.text import read_text
-from ..write.file_names import result_paths
-from .ending import ending_recorded
+from ..results.files.file_names import result_paths
+from .exit_status import ending_recorded
 from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
 
 
@@ -50,7 +50,7 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
             runner(deck, paths_of(deck, options), options, outcome, listener or Listener(), stdout)
         finally:
             if options.echo:
-                from ..write.echo import echo
+                from ..results.texts.echo import echo
 
                 # By now the model tells what it took for empty fields.
                 outcome.echo = echo(deck)
@@ -69,7 +69,7 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
         source = only_model(source, model)
     deck = read_deck(source, options.dialect)
     if changes:
-        from ..read.settings import apply_settings
+        from ..dialects.settings import apply_settings
 
         deck = apply_settings(deck, changes)
     outcome.faults += deck.warnings

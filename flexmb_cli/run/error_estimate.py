@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import Fault
-from ..model.stepped_time import FINEST
+from ..model.time_checks import FINEST
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"

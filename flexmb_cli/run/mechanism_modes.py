@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..deck.record import Deck
+from ..dialects.young.build_dynamics import build_young_dynamics
 from ..errors import Fault, ModelError
-from ..model.build_young_dynamics import build_young_dynamics
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.tree import Tree
-from ..model.unit_doubts import unit_doubts
-from ..read.deck import Deck
-from .check import FARTHEST_STEPS
+from ..model.unit_checks import unit_doubts
+from .check.check import FARTHEST_STEPS
 from .compiling import tell_of_compiling
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
@@ -95,7 +95,7 @@ def flexible_modes(
     """Small motions of a VSDF deck's mechanism; raises AnalysisError where there are none."""
     speeds = sum(6 + body.modes for body in mechanism.bodies)
     _prepare(speeds, wish, mechanism.time, listener)
-    from ..solve.flexible_dynamics import FlexibleDynamics
+    from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     return _of_mechanism(FlexibleDynamics(mechanism), wish, options, outcome)
 
@@ -108,12 +108,12 @@ def young_modes(
     outcome.faults += [*warnings, *unit_doubts(model)]
     refuse_warnings(outcome, options)
     _prepare(6 * len(model.mechanism.bodies), wish, model.mechanism.time, listener)
-    from ..solve.constrained_dynamics import ForwardDynamics
+    from ..solvers.constrained.young_dynamics import ForwardDynamics
 
     return _of_mechanism(ForwardDynamics(model), wish, options, outcome)
 
 
-def _prepare(speeds, wish: Wish, grid, listener, entry="constrained_march.march_rows"):
+def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_dop853.march_rows"):
     """Small mechanisms that need not move first are looked at by uncompiled kernels."""
     from ..kernels import _jit
 
@@ -130,9 +130,9 @@ def _prepare(speeds, wish: Wish, grid, listener, entry="constrained_march.march_
 
 
 def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
-    from ..solve.constrained_responses import ConstrainedResponses, constrained_signals
-    from ..solve.equilibrium import settle
-    from ..solve.linearised import ConstrainedLinearised, bring_to, linearised, modes_of
+    from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
+    from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
+    from ..solvers.linearisation.equilibrium import settle
 
     try:
         bring_to(analysis, analysis.grid.start if wish.time is None else wish.time)
@@ -156,7 +156,7 @@ def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
 
 def _space(wish, responses, motion, A, signals):
     """The state space of a linearised motion, where it is asked for."""
-    from ..solve.state_space import state_space
+    from ..solvers.linearisation.state_space import state_space
 
     if not wish.state_space and wish.out is None:
         return None
@@ -166,12 +166,12 @@ def _space(wish, responses, motion, A, signals):
 def tree_modes(tree: Tree, wish: Wish, listener: Listener) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
     grid = tree.time
-    _prepare(len(tree.coordinates), wish, grid, listener, "tree_march.call")
-    from ..solve.equilibrium import settle
-    from ..solve.linearised import linearised, modes_of
-    from ..solve.tree_dynamics import TreeAnalysis
-    from ..solve.tree_linearised import TreeLinearised, start_tree
-    from ..solve.tree_responses import TreeResponses, tree_signals
+    _prepare(len(tree.coordinates), wish, grid, listener, "integrators.tree_dop853.call")
+    from ..solvers.linearisation.constrained import linearised, modes_of
+    from ..solvers.linearisation.equilibrium import settle
+    from ..solvers.linearisation.tree import TreeLinearised, start_tree
+    from ..solvers.linearisation.tree_responses import TreeResponses, tree_signals
+    from ..solvers.tree.analysis import TreeAnalysis
 
     time = grid.start if wish.time is None else wish.time
     if time > grid.start:

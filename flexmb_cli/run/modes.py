@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, field
 
+from ..deck.record import Deck
+from ..dialects.young.dynamic_cards import FORWARD, analysis_of
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
-from ..model.unit_doubts import unit_doubts
-from ..read.deck import Deck
-from ..read.young_dynamics import FORWARD, analysis_of
+from ..model.unit_checks import unit_doubts
 from .dafms_tree import tree_of
 from .deck import open_deck
-from .ending import ending_recorded
+from .exit_status import ending_recorded
 from .mechanism_modes import MechanismModes, Wish, flexible_modes, tree_modes, young_modes
 from .outcome import Listener, Outcome, RunOptions, Stop
 from .vsdf import mechanism_of

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
+from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
-from ..read.deck import DeckText
 
 INTERRUPTED, TERMINATED = 130, 143
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..write.atomic import write_whole
-from ..write.state_space_file import arrays_of, json_bytes, npz_bytes
+from ..results.files.replaced_file import write_whole
+from ..results.files.state_space import arrays_of, json_bytes, npz_bytes
 
 
 def write_state_space(path: str, record: dict) -> None:
@@ -15,7 +15,7 @@ def write_state_space(path: str, record: dict) -> None:
 
 
 def _matlab_bytes(record):
-    from .matlab_file import variable_bytes
+    from ..results.files.matlab import variable_bytes
 
     # MATLAB has cells of texts where NumPy has arrays of them.
     arrays = {

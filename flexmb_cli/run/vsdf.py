@@ -3,11 +3,11 @@
 from functools import partial
 from pathlib import Path
 
-from ..model.build_vsdf import build_vsdf
+from ..deck.record import Deck
+from ..dialects.vsdf.build import build_vsdf
 from ..model.flexible_mechanism import FlexibleMechanism
-from ..model.unit_doubts import unit_doubts
-from ..read.deck import Deck
-from ..write.file_names import STANDARD_INPUT, ResultPaths
+from ..model.unit_checks import unit_doubts
+from ..results.files.file_names import STANDARD_INPUT, ResultPaths
 from .compiling import tell_of_compiling
 from .energy_drift import ConstrainedDrift
 from .error_estimate import with_estimate
@@ -37,9 +37,9 @@ def run_vsdf(deck: Deck, paths: ResultPaths, options: RunOptions, outcome: Outco
 def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
     """The motion of the mechanism of `deck`, ready to be solved; warnings go into `outcome`."""
     mechanism = mechanism_of(deck, options, outcome)
-    from ..solve.flexible_dynamics import FlexibleDynamics
-    from ..write.hdf5_flexible import flexible_layout, flexible_values
-    from ..write.vsdf import VsdfTable
+    from ..dialects.vsdf.listing import VsdfTable
+    from ..results.hdf5.flexible import flexible_layout, flexible_values
+    from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)
     tell_of_compiling(listener, analysis.stepper.entry)

@@ -4,15 +4,15 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
+from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
-from ..read.deck import Deck
-from ..write.file_names import STANDARD_OUTPUT, ResultPaths
+from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from .compiling import tell_of_compiling
-from .ending import reason_of
+from .exit_status import reason_of
 from .keeping import keep_blocks
 from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 
-MARCH = "kinematic_march.march"
+MARCH = "kinematics.continuation.march"
 
 
 def write_solution(solution: "Solution", deck, paths, options, outcome, listener, stdout) -> None:
@@ -24,8 +24,8 @@ def write_solution(solution: "Solution", deck, paths, options, outcome, listener
 
 def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> "Solution":
     """The kinematics of `deck`, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
-    from ..model.build_young import build_young
-    from ..write.hdf5_kinematic import kinematic_layout, kinematic_values
+    from ..dialects.young.build import build_young
+    from ..results.hdf5.kinematic import kinematic_layout, kinematic_values
 
     mechanism, warnings = build_young(deck)
     outcome.faults += warnings
@@ -76,7 +76,7 @@ def _notes(doubts, analysis) -> tuple[str, ...]:
 
 
 def _analysis(mechanism, options, listener: Listener):
-    from ..solve.kinematics import KinematicAnalysis, KinematicSettings
+    from ..solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
 
     tell_of_compiling(listener, MARCH)
     return KinematicAnalysis(mechanism, KinematicSettings(**options.solver))
@@ -133,7 +133,7 @@ class ResultFiles:
     """The OUT table and the HDF5 file of a run; both appear whole or not at all."""
 
     def __init__(self, deck, contents: Contents, paths: ResultPaths, options, stdout):
-        from ..write.atomic import ReplacedText, make_folder
+        from ..results.files.replaced_file import ReplacedText, make_folder
 
         self.paths, self.contents = paths, contents
         self.table = self.table_file = self.result = None
@@ -143,7 +143,7 @@ class ResultFiles:
         if paths.out is not None:
             self._open_table(deck, options, stdout, ReplacedText)
         if paths.h5 is not None:
-            from ..write.result_file import ResultFile
+            from ..results.hdf5.result_file import ResultFile
 
             try:
                 self.result = ResultFile(paths.h5, deck, contents.layout())
@@ -152,7 +152,7 @@ class ResultFiles:
                 raise
 
     def _open_table(self, deck, options, stdout, replaced_text):
-        from ..write.young import OutTable
+        from ..dialects.young.listing import OutTable
 
         if self.paths.out != STANDARD_OUTPUT:
             self.table_file = replaced_text(self.paths.out)
@@ -176,7 +176,7 @@ class ResultFiles:
 
     def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Put the finished files in their places; their names."""
-        from ..write.atomic import put_in_place
+        from ..results.files.replaced_file import put_in_place
 
         if self.result:
             self.result.note(notes)

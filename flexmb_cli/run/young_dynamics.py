@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from functools import partial
 
+from ..deck.record import Deck
+from ..dialects.young.dynamic_cards import INVERSE, analysis_of
 from ..errors import Fault
-from ..read.deck import Deck
-from ..read.young_dynamics import INVERSE, analysis_of
-from ..write.file_names import ResultPaths
+from ..results.files.file_names import ResultPaths
 from .compiling import tell_of_compiling
 from .energy_drift import ConstrainedDrift
 from .error_estimate import with_estimate
@@ -38,9 +38,9 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     """What a YOUNG deck asks for, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
     if analysis_of(deck) is None:
         return kinematic_solution(deck, options, outcome, listener)
-    from ..model.build_young_dynamics import build_young_dynamics
-    from ..model.unit_doubts import unit_doubts
-    from ..write.hdf5_dynamic import dynamic_layout, dynamic_values
+    from ..dialects.young.build_dynamics import build_young_dynamics
+    from ..model.unit_checks import unit_doubts
+    from ..results.hdf5.dynamic import dynamic_layout, dynamic_values
 
     model, warnings = build_young_dynamics(deck)
     outcome.faults += warnings
@@ -55,12 +55,12 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
 
 def _analysis(model, options, listener: Listener):
     if model.analysis == INVERSE:
-        from ..solve.inverse_dynamics import InverseDynamics
-        from ..solve.settings import KinematicSettings
+        from ..solvers.kinematics.inverse_dynamics import InverseDynamics
+        from ..solvers.kinematics.settings import KinematicSettings
 
-        tell_of_compiling(listener, "constrained_report.observe_rows")
+        tell_of_compiling(listener, "constrained.report.observe_rows")
         return InverseDynamics(model, KinematicSettings(**options.solver))
-    from ..solve.constrained_dynamics import ForwardDynamics
+    from ..solvers.constrained.young_dynamics import ForwardDynamics
 
     analysis = ForwardDynamics(model)
     tell_of_compiling(listener, analysis.stepper.entry)

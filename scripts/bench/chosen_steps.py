@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from four_bars import deck_of, run
 
-from flexmb_cli.model.build_vsdf import build_vsdf  # noqa: F401
+from flexmb_cli.dialects.vsdf.build import build_vsdf  # noqa: F401
 
 ANDREWS = Path(__file__).parents[2] / "decks/young/dynamics/IN-ANDREWS.dat"
 

@@ -41,10 +41,10 @@ STRIDE = 6  # of the settings that `cheapest` tries first
 
 def mechanism(modes, folder=DECKS, *changes):
     """The pendulum with so many modes; `changes` in the text of its deck."""
+    from flexmb_cli.deck.record import DeckText
+    from flexmb_cli.dialects.vsdf.build import build_vsdf
+    from flexmb_cli.dialects.vsdf.reader import read_vsdf
     from flexmb_cli.fe.build_mechanism import flexible_mechanism
-    from flexmb_cli.model.build_vsdf import build_vsdf
-    from flexmb_cli.read.deck import DeckText
-    from flexmb_cli.read.vsdf import read_vsdf
 
     text = (DECKS / "pendulum.vsdf").read_text().replace("    1 FLEX    9", f"    1 FLEX{modes:5d}")
     for old, new in changes:
@@ -56,8 +56,8 @@ def mechanism(modes, folder=DECKS, *changes):
 
 def march(given, method, step, parameter, end=END, outputs=slice(0, 1)):
     """(places (ROWS, 3 nodes) of output nodes at even times, processor seconds, steps)."""
-    from flexmb_cli.model.vsdf_model import Integrator
-    from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+    from flexmb_cli.model.fe_model import Integrator
+    from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     grid = replace(given.time, end=end, step=end / ROWS)
     analysis = FlexibleDynamics(replace(given, time=grid, integrator=Integrator(method, step, parameter)))

@@ -27,12 +27,12 @@ EQUAL_ERRORS = 1e-7, 1e-8, 1e-9  # m
 
 def slider_crank():
     """The mechanism of the deck, and M and K of its rod."""
+    from flexmb_cli.deck.record import DeckText
+    from flexmb_cli.dialects.vsdf.build import build_vsdf
+    from flexmb_cli.dialects.vsdf.reader import read_vsdf
     from flexmb_cli.fe.build_mechanism import flexible_mechanism
+    from flexmb_cli.fe.formats.formats import read_matrix
     from flexmb_cli.fe.nodal_matrices import condensed, nodal_part
-    from flexmb_cli.model.build_vsdf import build_vsdf
-    from flexmb_cli.read.deck import DeckText
-    from flexmb_cli.read.fe_files.formats import read_matrix
-    from flexmb_cli.read.vsdf import read_vsdf
 
     text = (DECKS / "slider_crank_flex.vsdf").read_text()
     model = build_vsdf(read_vsdf(DeckText("slider_crank_flex", text, "")), DECKS)[0]

@@ -14,11 +14,11 @@ import tempfile
 import time
 from pathlib import Path
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
+from flexmb_cli.dialects.young.dynamic_cards import read_young_deck
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.model.build_young_dynamics import build_young_dynamics
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.young_dynamics import read_young_deck
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 BAR = "1 0.5 0 0 0 0.08333333333333333 0.08333333333333333"
 CARDS = {"DOP853": "", "RAD5": "RAD5\n", "GALF": "GALF 0 0.9\n"}

@@ -46,9 +46,9 @@ def median_ms(seconds) -> str:
 
 def mechanism_of(name, steps):
     """The mechanism of a shipped deck on a grid of `steps` steps."""
-    from flexmb_cli.model.build_young import build_young
-    from flexmb_cli.read.dialects import read_deck
-    from flexmb_cli.read.text import read_text
+    from flexmb_cli.deck.text import read_text
+    from flexmb_cli.dialects.recognise import read_deck
+    from flexmb_cli.dialects.young.build import build_young
 
     mechanism, _ = build_young(read_deck(read_text(DECKS / f"{name}.dat")))
     grid = mechanism.time
@@ -57,7 +57,7 @@ def mechanism_of(name, steps):
 
 def steps(repeats):
     """Microseconds a step, solving only."""
-    from flexmb_cli.solve.kinematics import KinematicAnalysis
+    from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 
     for name in ("IN-RSSR-COELHO", "IN4-BAR"):
         mechanism = mechanism_of(name, STEPS)
@@ -129,7 +129,7 @@ def chains(repeats):
     """Cost per body and step of serial RSSR chains."""
     from rssr_chain import TIME, chain
 
-    from flexmb_cli.solve.kinematics import KinematicAnalysis
+    from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 
     print(
         "RSSR chains, 11 rows: bodies, us per body and row, ratio to the smallest chain and to the one before"

@@ -8,13 +8,13 @@ import tempfile
 import time
 from pathlib import Path
 
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.read.settings import apply_settings
-from flexmb_cli.run.study_cluster import solve_on_cluster
-from flexmb_cli.run.study_table import write_study_table
-from flexmb_cli.run.study_workers import solve_here
-from flexmb_cli.run.sweep import Sweep
-from flexmb_cli.solve.kinematics import KinematicAnalysis
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.young.build import build_young
+from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
+from flexmb_cli.study.cluster import solve_on_cluster
+from flexmb_cli.study.sweep import Sweep
+from flexmb_cli.study.table_writer import write_study_table
+from flexmb_cli.study.workers import solve_here
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN-RSSR.dat"
 STUDY = """

@@ -17,14 +17,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmb_cli.kernels import kane_tree
+from flexmb_cli.dialects.dafms.beam import Beam
 from flexmb_cli.kernels._jit import kernel
-from flexmb_cli.kernels.tree_work import tree_work
-from flexmb_cli.model.beam import Beam
+from flexmb_cli.kernels.tree import kane
+from flexmb_cli.kernels.tree.work import tree_work
+from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import Body, BodyTorque, Elasticity, Hinge, Integration, Tree, pulse
-from flexmb_cli.model.tree_arrays import initial_attitudes, tree_arrays
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 
 LINKS = (8, 16, 32, 64, 128, 256, 512, 1024)
 REPEATS = 15
@@ -51,7 +51,7 @@ def chain(links):
 def repeat(count, arrays, work, coordinates, q, y, attitudes):
     """Evaluate so many times without leaving compiled code."""
     for _ in range(count):
-        kane_tree.accelerations(arrays, work, coordinates, 0.0, q, y, attitudes)
+        kane.accelerations(arrays, work, coordinates, 0.0, q, y, attitudes)
 
 
 def flexmb_evaluator(tree):

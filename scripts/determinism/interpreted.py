@@ -16,9 +16,9 @@ import h5py
 import numpy as np
 from shipped import KINDS, flexmb, shipped
 
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.settings import apply_settings
-from flexmb_cli.read.text import read_text
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.settings import apply_settings
 
 TOLERANCE = 1e-9
 # How well the equations are met is round-off itself.

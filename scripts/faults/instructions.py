@@ -17,12 +17,12 @@ from pathlib import Path
 
 import h5py
 
-from flexmb_cli.cli.stops import stop_on_signals
+from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import TERMINATED, RunOptions, Stop
 
 PACKAGE = str(Path(sys.modules[run_deck.__module__].__file__).parents[1])
-TRACED = (f"{PACKAGE}/run/", f"{PACKAGE}/write/atomic", f"{PACKAGE}/write/result_file")
+TRACED = (f"{PACKAGE}/run/", f"{PACKAGE}/results/files/replaced_file", f"{PACKAGE}/results/hdf5/result_file")
 
 
 class SignalAt:

@@ -143,7 +143,7 @@ def _small_result():
 def _guide(atheris, options) -> int:
     """Have libFuzzer try inputs of one reader until one is not answered, or they are enough."""
     name, folder = options.kind[-1], options.alone
-    with atheris.instrument_imports(include=["flexmb_cli.read", "flexmb_cli.model", "flexmb_cli.write"]):
+    with atheris.instrument_imports(include=["flexmb_cli.deck", "flexmb_cli.model", "flexmb_cli.results"]):
         attempt = _attempt(name, folder)
     counted = [0, 0]
 
@@ -194,10 +194,10 @@ def _attempt(name, folder):
 def _deck(name):
     from damaged_decks import DECKS, built
 
-    import_module("flexmb_cli.write.echo")
+    import_module("flexmb_cli.results.texts.echo")
     for dialect in ("young", "dafms", "vsdf"):
-        import_module(f"flexmb_cli.read.{dialect}")
-        import_module(f"flexmb_cli.model.build_{dialect}")
+        import_module(f"flexmb_cli.dialects.{dialect}.reader")
+        import_module(f"flexmb_cli.dialects.{dialect}.build")
 
     def attempt(raw):
         answer = built("x.deck", raw, DECKS / name)
@@ -207,9 +207,9 @@ def _deck(name):
 
 
 def _study():
+    from flexmb_cli.deck.text import decode
     from flexmb_cli.errors import DeckError
-    from flexmb_cli.read.study_file import read_study
-    from flexmb_cli.read.text import decode
+    from flexmb_cli.study.reader import read_study
 
     def attempt(raw):
         try:
@@ -233,7 +233,7 @@ def _finite_element_file(name, path):
 
 def _result(path):
     from flexmb_cli.errors import FlexmbError
-    from flexmb_cli.write.quantities import names, open_result
+    from flexmb_cli.results.quantities.quantities import names, open_result
 
     def attempt(raw):
         path.write_bytes(raw)

@@ -8,9 +8,9 @@ from pathlib import Path
 from answer import Answer, answered
 from damage import damaged_text
 
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.errors import DONE, FlexmbError, compiler_style
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode
 
 DECKS = Path(__file__).parents[2] / "decks"
 
@@ -31,7 +31,7 @@ def read_deck_of(dialect, chance, seeds, work):
 
 def built(name, raw, folder) -> Answer:
     """Read, build and list a deck."""
-    from flexmb_cli.write.echo import echo
+    from flexmb_cli.results.texts.echo import echo
 
     lines, faults, told = [], (), ""
     try:
@@ -52,7 +52,7 @@ def built(name, raw, folder) -> Answer:
 def _model(deck, folder):
     """The doubts of the model that a deck describes."""
     name = f"build_{deck.dialect}"
-    build = getattr(import_module(f"flexmb_cli.model.{name}"), name)
+    build = getattr(import_module(f"flexmb_cli.dialects.{deck.dialect}.build"), name)
     return build(deck, folder)[1] if deck.dialect == "vsdf" else build(deck)[1]
 
 

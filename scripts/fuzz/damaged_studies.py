@@ -49,7 +49,7 @@ def prepare_study(chance, seeds, work):
 
 def prepared(path) -> Answer:
     """A study is prepared: read, its deck built, its names looked up."""
-    from flexmb_cli.run.sweep import Sweep
+    from flexmb_cli.study.sweep import Sweep
 
     try:
         with warnings.catch_warnings():
@@ -85,7 +85,7 @@ def go_on_from_parts(chance, seeds, work):
 
 
 def _leave_parts(seeds, arguments, work):
-    from flexmb_cli.run.sweep import Sweep, solve_block
+    from flexmb_cli.study.sweep import Sweep, solve_block
 
     made = Sweep.of(arguments[1], str(work / "first"))
     for block in made.pending():

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from flexmb_cli.read.fe_files.calculix import read_calculix, read_freedoms
-from flexmb_cli.read.fe_files.connectivity import read_hexahedra
-from flexmb_cli.read.fe_files.formats import read_matrix
-from flexmb_cli.read.fe_files.harwell_boeing import read_harwell_boeing, read_mapping
-from flexmb_cli.read.fe_files.matrix_file import FEFileFault
-from flexmb_cli.read.fe_files.node_table import read_node_table
+from flexmb_cli.fe.formats.calculix import read_calculix, read_freedoms
+from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.harwell_boeing import read_harwell_boeing, read_mapping
+from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.node_table import read_node_table
 
 EQUATIONS = np.array([(node, k) for node in range(1, 9) for k in (1, 2, 3)])
 FEW = EQUATIONS[:2]

@@ -117,7 +117,7 @@ def _stop(_number, _frame):
 def _solved(chance, work) -> dict:
     from solved_decks import damaged
 
-    from flexmb_cli.run.check import check_deck
+    from flexmb_cli.run.check.check import check_deck
     from flexmb_cli.run.deck import run_deck
     from flexmb_cli.run.outcome import RunOptions
 

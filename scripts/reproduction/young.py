@@ -8,7 +8,7 @@ import numpy as np
 from html_page import Section
 from runs import PUBLISHED, run
 
-from flexmb_cli.write.known_errors import YOUNG_ERRORS
+from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
 
 DATASETS = {
     "position": ("position", "euler_parameters"),

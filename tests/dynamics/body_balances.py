@@ -6,7 +6,7 @@ mass: nothing of the program's own mass matrix or Jacobian is used.
 
 import numpy as np
 
-from flexmb_cli.model.dynamics import holders
+from flexmb_cli.model.loads import holders
 
 
 def rotation(p):

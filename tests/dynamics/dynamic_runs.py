@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.model.dynamics import DynamicModel, MassProperties
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build import build_young
+from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Ground
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.dynamic_rows import DynamicRows
-from flexmb_cli.solve.inverse_dynamics import InverseDynamics
+from flexmb_cli.solvers.constrained.rows import DynamicRows
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.kinematics.inverse_dynamics import InverseDynamics
 
 DECKS = Path(__file__).parents[2] / "decks/young"
 GROUND = Body("body 1", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))

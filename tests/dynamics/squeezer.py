@@ -10,7 +10,7 @@ import math
 import numpy as np
 from dynamic_runs import AT_REST, GROUND
 
-from flexmb_cli.model.dynamics import AppliedTorque, DynamicModel, MassProperties, SpringDamper
+from flexmb_cli.model.loads import AppliedTorque, DynamicModel, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
 
 XA, YA, XB, YB, XC, YC = -0.06934, -0.00227, -0.03635, 0.03273, 0.014, 0.072

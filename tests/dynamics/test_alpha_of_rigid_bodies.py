@@ -10,11 +10,11 @@ from dynamic_runs import AT_REST, GROUND, body, joined, run
 from scipy.special import ellipj, ellipk
 from test_forward_dynamics import G, double_pendulum, hinge
 
-from flexmb_cli.kernels.generalised_alpha import parameters
-from flexmb_cli.model.dynamics import AlphaSteps, DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.kernels.integrators.generalised_alpha_step import parameters
+from flexmb_cli.model.loads import AlphaSteps, DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
-from flexmb_cli.solve import constrained_motion
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
+from flexmb_cli.solvers.constrained import analysis as constrained_motion
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 
 def march(model, radius=0.9, step=0.0):

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from dynamic_runs import DECKS
 
+from flexmb_cli.results.quantities.quantities import open_result, read, resolve
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.write.quantities import open_result, read, resolve
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from dynamic_runs import AT_REST, GROUND, body, mechanism_of, run, uneven_masses
 from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import FlexmbError
-from flexmb_cli.model.dynamics import (
+from flexmb_cli.model.loads import (
     AppliedTorque,
     DynamicModel,
     InitialVelocity,
@@ -19,8 +19,8 @@ from flexmb_cli.model.dynamics import (
     Table,
 )
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, TimeGrid
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.kinematics import KinematicAnalysis
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 
 G = 9.81
 Y = (0.0, 1.0, 0.0)

@@ -7,13 +7,7 @@ import pytest
 from body_balances import worst_balance
 from dynamic_runs import AT_REST, GROUND, body, mechanism_of, run, uneven_masses
 
-from flexmb_cli.model.dynamics import (
-    AppliedForce,
-    AppliedTorque,
-    DynamicModel,
-    MassProperties,
-    SpringDamper,
-)
+from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Driver, Mechanism, Simplified, TimeGrid
 
 GRAVITY = (0.4, -0.7, -9.81)

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, fsolve
 
-from flexmb_cli.model.build_dafms import build_dafms
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.model.tree import ROTATION, Motor, constant
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.equilibrium import settle
-from flexmb_cli.solve.linearised import linearised, modes_of
-from flexmb_cli.solve.state_space import matrices
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
-from flexmb_cli.solve.tree_linearised import TreeLinearised, start_tree
-from flexmb_cli.solve.tree_responses import TreeResponses
+from flexmb_cli.solvers.linearisation.constrained import linearised, modes_of
+from flexmb_cli.solvers.linearisation.equilibrium import settle
+from flexmb_cli.solvers.linearisation.state_space import matrices
+from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
+from flexmb_cli.solvers.linearisation.tree_responses import TreeResponses
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 
 DECK = Path(__file__).parents[2] / "decks/dafms/fourbar_rigid.DAT"
 G, BASE = 9.8, 0.6

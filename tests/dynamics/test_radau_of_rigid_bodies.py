@@ -11,15 +11,16 @@ from dynamic_runs import AT_REST, DECKS, GROUND, body, joined, run
 from test_alpha_of_rigid_bodies import angle_from_vertical, bar_angles, swinging_bar, timed
 from test_forward_dynamics import G, double_pendulum
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.model.build_young_dynamics import build_young_dynamics
-from flexmb_cli.model.dynamics import DynamicModel, MassProperties
+from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Simplified, TimeGrid
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve import constrained_dynamics, constrained_motion
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.steppers import RadauSteps
+from flexmb_cli.solvers.constrained import analysis as constrained_motion
+from flexmb_cli.solvers.constrained import young_dynamics
+from flexmb_cli.solvers.constrained.integrators import RadauSteps
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 Z = (0.0, 0.0, 1.0)
 
@@ -29,7 +30,7 @@ def march(monkeypatch):
     """A run by Radau's method: all rows, and the analysis."""
 
     def rows_and_analysis(model, tolerance=1e-8):
-        monkeypatch.setattr(constrained_dynamics, "_stepper", lambda model: RadauSteps())
+        monkeypatch.setattr(young_dynamics, "_stepper", lambda model: RadauSteps())
         analysis = ForwardDynamics(replace(model, tolerance=tolerance))
         rows = joined(list(analysis.rows()))
         monkeypatch.undo()

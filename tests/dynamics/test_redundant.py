@@ -7,12 +7,12 @@ import pytest
 from body_balances import worst_balance
 from dynamic_runs import DECKS, joined
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.model.build_young_dynamics import build_young_dynamics
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 
 @pytest.fixture(scope="module")

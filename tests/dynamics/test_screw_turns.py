@@ -5,11 +5,11 @@ import pytest
 from dynamic_runs import AT_REST, GROUND, body, uneven_masses
 from scipy.spatial.transform import Rotation
 
-from flexmb_cli.kernels.rotation import rotation_matrices
-from flexmb_cli.kernels.screw_turns import _add_turns
-from flexmb_cli.model.dynamics import DynamicModel
+from flexmb_cli.kernels.constrained.angle_unwrapping import _add_turns
+from flexmb_cli.kernels.linalg.rotation import rotation_matrices
+from flexmb_cli.model.loads import DynamicModel
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from dynamic_runs import AT_REST, GROUND, body
 
-from flexmb_cli.model.dynamics import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.model.tree import INERTIAL, Hinge, Tree
 from flexmb_cli.model.tree import Body as Part
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.equilibrium import settle
-from flexmb_cli.solve.linearised import ConstrainedLinearised, bring_to, modes
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
-from flexmb_cli.solve.tree_linearised import TreeLinearised, start_tree
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.linearisation.constrained import ConstrainedLinearised, bring_to, modes
+from flexmb_cli.solvers.linearisation.equilibrium import settle
+from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 
 G = 9.81
 DOWN = (math.cos(math.pi / 4), 0.0, math.sin(math.pi / 4), 0.0)  # x axis turned to -z

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from dynamic_runs import AT_REST, GROUND, body
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
+from flexmb_cli.dialects.young.dynamic_cards import read_young_deck
 from flexmb_cli.errors import ModelError
-from flexmb_cli.model.build_young_dynamics import build_young_dynamics
-from flexmb_cli.model.dynamics import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, TimeGrid
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.read.young_dynamics import read_young_deck
-from flexmb_cli.run.check import check_deck
+from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.inverse_dynamics import InverseDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.kinematics.inverse_dynamics import InverseDynamics
 from tests.read.vsdf_decks import changed
 
 L, V = 0.8, 2.5

@@ -14,12 +14,12 @@ from scipy.io import loadmat
 from scipy.linalg import expm
 from test_turning_frames import MASS, OMEGA, O, X, Y, springs, turntable
 
-from flexmb_cli.model.dynamics import AppliedForce, DynamicModel, MassProperties
+from flexmb_cli.model.loads import AppliedForce, DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Point, Simplified, TimeGrid
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.constrained_responses import ConstrainedResponses, constrained_signals
-from flexmb_cli.solve.linearised import bring_to, linearised
-from flexmb_cli.solve.state_space import state_space
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.linearisation.constrained import bring_to, linearised
+from flexmb_cli.solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
+from flexmb_cli.solvers.linearisation.state_space import state_space
 
 DECKS = Path(__file__).parent / "turning"
 ARM = 0.1  # of the point on the mass, along the rail, m

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from dynamic_runs import AT_REST, GROUND, body
 
-from flexmb_cli.model.build_dafms import build_dafms
-from flexmb_cli.model.dynamics import DynamicModel, InitialVelocity, MassProperties, SpringDamper
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.model.loads import DynamicModel, InitialVelocity, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, Simplified, TimeGrid
 from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hinge, Prescribed, Spring, Tree
 from flexmb_cli.model.tree import Body as Part
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.equilibrium import settle
-from flexmb_cli.solve.linearised import ConstrainedLinearised, bring_to, linearised, modes
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
-from flexmb_cli.solve.tree_linearised import TreeLinearised, start_tree
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes
+from flexmb_cli.solvers.linearisation.equilibrium import settle
+from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 
 OMEGA, MASS = 3.0, 2.0
 O, X, Y, Z = (0.0,) * 3, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

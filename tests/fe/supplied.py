@@ -4,8 +4,8 @@ import functools
 from pathlib import Path
 
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.model.flexible_body import FEFile, FlexibleInput, UnitLoad
-from flexmb_cli.read.fe_files.node_table import read_node_table
 
 FILES = Path(__file__).parents[2] / "decks" / "vsdf" / "fe"
 

@@ -8,10 +8,10 @@ import pytest
 
 from flexmb_cli.errors import ModelError, Place
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.model.flexible_body import FEFile
-from flexmb_cli.read.fe_files.formats import read_matrix
-from flexmb_cli.read.fe_files.matrix_file import FEFileFault
-from flexmb_cli.read.fe_files.node_table import read_node_table
 from tests.fe.trusses import files_input, truss
 
 MM = "%%MatrixMarket matrix coordinate real symmetric\n"

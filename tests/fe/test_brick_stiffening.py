@@ -14,11 +14,11 @@ from flexmb_cli.fe.brick_stiffness import element_stiffness, initial_stress_matr
 from flexmb_cli.fe.bricks import CUBE, FORMULATIONS, bricks, elasticity, shape_slopes
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.fe.nodal_matrices import condensed
 from flexmb_cli.model.flexible_body import BrickMaterial, FEFile
-from flexmb_cli.read.fe_files.connectivity import read_hexahedra
-from flexmb_cli.read.fe_files.formats import read_matrix
-from flexmb_cli.read.fe_files.node_table import read_node_table
 from scripts.brick_beam import Beam, run_calculix
 from tests.fe.calculix import needs_ccx
 from tests.fe.supplied import FILES, body, nodes, pendulum, spin_up

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.body_text import body_lines
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe import body_basis
 from flexmb_cli.fe.flexible_bodies import flexible_body
+from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.fe.nodal_matrices import condensed
 from flexmb_cli.model.flexible_body import FEFile, FlexibleInput
-from flexmb_cli.read.fe_files.formats import read_matrix
-from flexmb_cli.read.fe_files.node_table import read_node_table
-from flexmb_cli.write.body_text import body_lines
 from scripts.brick_beam import Beam, run_calculix
 from tests.fe.calculix import needs_ccx
 from tests.fe.supplied import body, pendulum

@@ -7,7 +7,7 @@ nothing of invariants: it differentiates q = x0 + A(theta) r(eta) of every node.
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.floating_frame import (
+from flexmb_cli.kernels.constrained.floating_frame import (
     add_elastic_forces,
     add_gravity,
     first_moment,

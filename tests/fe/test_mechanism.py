@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.joints import BY_WORD
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe.build_mechanism import euler_parameters, flexible_mechanism
-from flexmb_cli.model.build_vsdf import build_vsdf
-from flexmb_cli.model.vsdf_joints import BY_WORD
 from tests.read.vsdf_decks import DECKS, RIGID, build, changed, read, supplied
 
 # Nine modes are the paper's pendulum and rod.

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.kernels.floating_frame import (
+from flexmb_cli.kernels.constrained.floating_frame import (
     add_elastic_forces,
     first_moment,
     moving_inertia,

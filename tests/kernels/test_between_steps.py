@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from flexmb_cli.kernels import alpha_march, implicit_march, radau_rows
-from flexmb_cli.kernels.dop853_table import DENSE_TERMS, STAGE_TIMES
-from flexmb_cli.kernels.implicit_march import implicit_work
-from flexmb_cli.kernels.runge_kutta import interpolate, set_dense
-from flexmb_cli.model.tree_arrays import CLOSURE_ROW
+from flexmb_cli.kernels.integrators import generalised_alpha, radau5_rows, sdirk4
+from flexmb_cli.kernels.integrators.dop853_table import DENSE_TERMS, STAGE_TIMES
+from flexmb_cli.kernels.integrators.runge_kutta import interpolate, set_dense
+from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
+from flexmb_cli.model.arrays.tree import CLOSURE_ROW
 
 INSIDE = (0.0, 0.2, 0.55, 0.9, 1.0)
 T, H = 0.4, 0.25  # s: the step
@@ -24,7 +24,7 @@ def at(functions, t, order=0):
 
 
 @pytest.mark.parametrize("x", INSIDE)
-@pytest.mark.parametrize("kernels", [alpha_march, radau_rows, implicit_march], ids=lambda k: k.__name__)
+@pytest.mark.parametrize("kernels", [generalised_alpha, radau5_rows, sdirk4], ids=lambda k: k.__name__)
 def test_a_cubic_with_its_slopes_is_met(kernels, x):
     f = polynomials(3, 1)[0].convert(domain=[0, 1], window=[0, 1])
     ends = f(0.0), f(1.0), f.deriv()(0.0), f.deriv()(1.0)
@@ -35,7 +35,7 @@ def test_a_cubic_with_its_slopes_is_met(kernels, x):
 def test_a_quintic_with_its_first_and_second_derivatives_is_met(x):
     f = polynomials(5, 1)[0].convert(domain=[0, 1], window=[0, 1])
     ends = [d(t) for d in (f, f.deriv(), f.deriv(2)) for t in (0.0, 1.0)]
-    assert radau_rows._quintic(x, *ends) == pytest.approx((f(x), f.deriv()(x)), rel=1e-12)
+    assert radau5_rows._quintic(x, *ends) == pytest.approx((f(x), f.deriv()(x)), rel=1e-12)
 
 
 @pytest.mark.parametrize("x", INSIDE)
@@ -51,7 +51,7 @@ def test_a_row_inside_an_implicit_step_lies_on_the_quintic_of_its_coordinates(x)
     s = implicit_work(10, 3, np.zeros(0, CLOSURE_ROW))
     s.old[:], s.old_slope[:], s.before[:] = state(T), state(T, 1), state(T + H, 1)
     found = np.empty(10)
-    implicit_march.between(x, H, state(T + H), s, found)
+    sdirk4.between(x, H, state(T + H), s, found)
     assert found == pytest.approx(state(T + x * H), rel=1e-12)
 
 

@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import _arguments, _entry, _jit, _objects, dense, signatures, speeds
+from flexmb_cli.kernels import _arguments, _entry, _jit, _objects, signatures
 from flexmb_cli.kernels._jit import kernel
+from flexmb_cli.kernels.constrained import speeds
+from flexmb_cli.kernels.linalg import lu
 
 PACKAGE = Path(_jit.__file__).parents[1]
 compiled = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
@@ -105,7 +107,7 @@ def test_what_no_object_takes_is_left_to_numba(place):
 @compiled
 def test_too_few_arguments_are_refused():
     with pytest.raises(TypeError):
-        dense.substitute(1)
+        lu.substitute(1)
 
 
 def product_and_sum(a, b, c):
@@ -119,7 +121,7 @@ def for_all_machines():
     if _jit.interpreted():
         pytest.skip("nothing is compiled")
     entries = [
-        (speeds.normalise, "speeds.normalise", ["i", ["a", 1, "<f8"]]),
+        (speeds.normalise, "constrained.speeds.normalise", ["i", ["a", 1, "<f8"]]),
         (kernel(product_and_sum), "product_and_sum", ["f", "f", "f"]),
     ]
     return _entry.emit("small", entries, "0" * 16, list(signatures.PROCESSORS))
@@ -171,7 +173,7 @@ def test_every_system_gets_objects_of_its_format(for_all_machines):
 @compiled
 def test_an_object_of_another_version_or_machine_is_not_loaded(for_all_machines):
     content = for_all_machines[_objects.target()]
-    assert set(_objects.load(content, "0" * 16)) == {"speeds.normalise", "product_and_sum"}
+    assert set(_objects.load(content, "0" * 16)) == {"constrained.speeds.normalise", "product_and_sum"}
     other = next(target for target in for_all_machines if target != _objects.target())
     for foreign, digest in ((content, "1" * 16), (for_all_machines[other], "0" * 16)):
         with pytest.raises(_objects.DamagedError):

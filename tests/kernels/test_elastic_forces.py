@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.floating_frame import add_elastic_forces
+from flexmb_cli.kernels.constrained.floating_frame import add_elastic_forces
 
 
 @pytest.mark.parametrize("stiffened", [False, True])

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.implicit_march import GAMMA, _correct, implicit_work
-from flexmb_cli.kernels.profile_elimination import factorise_profile, set_profile_times, substitute_profile
-from flexmb_cli.kernels.tree_jacobian import factorise, renew, set_mass_times, solve_stiff, stiff_work
-from flexmb_cli.kernels.tree_march import CLOCK
+from flexmb_cli.kernels.integrators.sdirk4 import GAMMA, _correct, implicit_work
+from flexmb_cli.kernels.integrators.tree_dop853 import CLOCK
+from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
+from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
 from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
-from flexmb_cli.solve.tree_dynamics import initial_state
+from flexmb_cli.solvers.tree.analysis import initial_state
 from tests.kernels.test_elastic_rotation import turning_tree
 from tests.kernels.test_kane_closures import closed_where_it_is, closure_equations, looped_tree
 from tests.kernels.test_kane_forward_dynamics import Recursion, close

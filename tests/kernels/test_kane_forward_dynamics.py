@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.kane_tree import SOLVED, accelerations, solve_tree
-from flexmb_cli.kernels.tree_kinematics import place_frames
-from flexmb_cli.kernels.tree_loads import coordinate_efforts
-from flexmb_cli.kernels.tree_work import tree_work
+from flexmb_cli.kernels.tree.kane import SOLVED, accelerations, solve_tree
+from flexmb_cli.kernels.tree.kinematics import place_frames
+from flexmb_cli.kernels.tree.loads import coordinate_efforts
+from flexmb_cli.kernels.tree.work import tree_work
+from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
 from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Prescribed, constant
-from flexmb_cli.model.tree_arrays import initial_attitudes, tree_arrays
-from flexmb_cli.solve.tree_dynamics import set_laws
+from flexmb_cli.solvers.tree.analysis import set_laws
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from flexmb_cli.kernels.generalised_alpha import turn_exactly
-from flexmb_cli.kernels.speeds import (
+from flexmb_cli.kernels.constrained.speeds import (
     add_turning,
     coordinate_accelerations,
     coordinate_rates,
@@ -15,7 +14,8 @@ from flexmb_cli.kernels.speeds import (
     speed_jacobian,
     speeds_of_rates,
 )
-from flexmb_cli.kernels.step_turns import largest_turn, set_slope, shift_between
+from flexmb_cli.kernels.integrators.generalised_alpha_step import turn_exactly
+from flexmb_cli.kernels.integrators.rotation_increments import largest_turn, set_slope, shift_between
 
 BODIES, MODES = 2, 3
 H = 1e-3  # s, of differences of fourth order

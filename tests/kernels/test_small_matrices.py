@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels import dense
-from flexmb_cli.kernels import independent_rows as rows
-from flexmb_cli.kernels.complex_elimination import factorise_symmetric, solve_symmetric
-from flexmb_cli.kernels.rows_of_numbers import product, subtract_multiple
+from flexmb_cli.kernels.linalg import lu
+from flexmb_cli.kernels.linalg import rank_revealing_lu as rows
+from flexmb_cli.kernels.linalg.complex_ldl import factorise_symmetric, solve_symmetric
+from flexmb_cli.kernels.linalg.row_products import product, subtract_multiple
 
 N = 7
 
@@ -87,6 +87,6 @@ def test_sparse_general_matrices_are_solved_in_the_order_of_their_pivots(seed):
     )
     order, pattern = np.arange(N), np.zeros((N, N + 1), np.int64)
     factors, b, x = matrix.copy(), random.normal(size=N), np.empty(N)
-    assert dense.factorise(factors, order, pattern, 1e-12, N) in (-1, 1)
-    dense.substitute(factors, order, pattern, b, x)
+    assert lu.factorise(factors, order, pattern, 1e-12, N) in (-1, 1)
+    lu.substitute(factors, order, pattern, b, x)
     np.testing.assert_allclose(x, np.linalg.solve(matrix, b), rtol=1e-10)

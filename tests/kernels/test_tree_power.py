@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.tree_energy import applied_power, energies
+from flexmb_cli.kernels.tree.energy import applied_power, energies
 from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Table
 from tests.kernels.test_implicit_matrix import dense_parts
 from tests.kernels.test_kane_forward_dynamics import Recursion, close

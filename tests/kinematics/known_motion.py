@@ -10,16 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from geometry import axes, unit
 
-from flexmb_cli.model.mechanism import (
-    Body,
-    Distance,
-    Driver,
-    Ground,
-    Joint,
-    Mechanism,
-    Simplified,
-    TimeGrid,
-)
+from flexmb_cli.model.mechanism import Body, Distance, Driver, Ground, Joint, Mechanism, Simplified, TimeGrid
 
 FINE, EVERY, END = 1281, 64, 4.0
 TIMES = np.linspace(0.0, END, FINE)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from solved import PUBLISHED, rows_of_deck
 
-from flexmb_cli.solve.rows import Rows
+from flexmb_cli.solvers.kinematics.rows import Rows
 
 ATTITUDE = slice(3, 7)  # places of p, dp and ddp in the lines of a body
 

@@ -12,10 +12,10 @@ from functools import cache
 import numpy as np
 from solved import PUBLISHED, REPOSITORY, rows_of_deck
 
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.write.table_columns import SECTIONS
-from flexmb_cli.write.young import OutTable
+from flexmb_cli.deck.table_columns import SECTIONS
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.listing import OutTable
 
 HEADINGS = {
     "position": "POSITION",

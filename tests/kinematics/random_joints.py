@@ -3,10 +3,10 @@
 import numpy as np
 from geometry import product, unit
 
-from flexmb_cli.kernels import constraints as equations
-from flexmb_cli.kernels.rotation import rotation_matrices, rotation_rates
-from flexmb_cli.model.arrays import kinematic_arrays
-from flexmb_cli.model.joint_types import BY_NAME, JOINT_TYPES
+from flexmb_cli.kernels.kinematics import constraints as equations
+from flexmb_cli.kernels.linalg.rotation import rotation_matrices, rotation_rates
+from flexmb_cli.model.arrays.kinematic import kinematic_arrays
+from flexmb_cli.model.joints import BY_NAME, JOINT_TYPES
 from flexmb_cli.model.mechanism import Body, Distance, Driver, Joint, Mechanism, Simplified, TimeGrid
 
 JOINTS = [kind.name for kind in JOINT_TYPES]

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.errors import FlexmbError
-from flexmb_cli.model.build_young import build_young
 from flexmb_cli.model.mechanism import Mechanism, TimeGrid
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.kinematics import KinematicAnalysis
-from flexmb_cli.solve.rows import Rows
+from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
+from flexmb_cli.solvers.kinematics.rows import Rows
 
 REPOSITORY = Path(__file__).parents[2]
 DECKS = sorted(path.stem for path in (REPOSITORY / "decks/young").glob("*.dat"))

@@ -9,11 +9,11 @@ import re
 import pytest
 from published_listing import PRINTED, listing_text, our_listing, published_cells
 
-from flexmb_cli.write.diff import compare, compare_listings
-from flexmb_cli.write.known_errors import YOUNG_ERRORS
-from flexmb_cli.write.out_table import parse_listing
-from flexmb_cli.write.table_columns import SECTIONS
-from flexmb_cli.write.tolerances import Tolerances
+from flexmb_cli.deck.table_columns import SECTIONS
+from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
+from flexmb_cli.dialects.young.listing_reader import parse_listing
+from flexmb_cli.results.diff.listings import compare, compare_listings
+from flexmb_cli.results.diff.tolerances import Tolerances
 
 ZERO = re.compile(r"-?0\.0*")
 

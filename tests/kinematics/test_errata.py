@@ -11,7 +11,7 @@ import pytest
 from published_cells import cells_of
 from scipy.io import mmread
 
-from flexmb_cli.run.check import check_deck
+from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 
 TOP = Path(__file__).resolve().parents[2]

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from geometry import axes, euler_parameters, unit
 
-from flexmb_cli.kernels.rotation import add_rotation_row, rotate, rotation_matrices, rotation_rates
+from flexmb_cli.kernels.linalg.rotation import add_rotation_row, rotate, rotation_matrices, rotation_rates
 from flexmb_cli.model.vectors import rotation_matrix
-from flexmb_cli.solve.kinematic_system import rotated, twice_g
+from flexmb_cli.solvers.kinematics.system import rotated, twice_g
 
 SEEDS = range(8)
 EXACT = {"rtol": 0.0, "atol": 4e-15}

@@ -12,8 +12,8 @@ import pytest
 from geometry import axes, euler_parameters, product, unit
 from random_joints import CONSTRAINTS, JOINTS, SingleConstraint, any_position, moved
 
-from flexmb_cli.kernels import constraints as equations
-from flexmb_cli.model.joint_types import BY_NAME, JOINT_TYPES
+from flexmb_cli.kernels.kinematics import constraints as equations
+from flexmb_cli.model.joints import BY_NAME, JOINT_TYPES
 
 SEEDS = range(6)
 

@@ -11,7 +11,7 @@ import pytest
 from published_cells import cells_of
 from solved import DECKS
 
-from flexmb_cli.write.known_errors import YOUNG_ERRORS, KnownError
+from flexmb_cli.dialects.young.errata import YOUNG_ERRORS, KnownError
 
 PRINTED_DECKS = [deck for deck in DECKS if deck != "IN-RSSR-COELHO"]
 

@@ -9,12 +9,12 @@ from rssr import carried
 from rssr_chain import chain, deck_text, rod_ends, stage
 from solved import coordinates, solved, until_failure
 
-from flexmb_cli.model.build_young import build_young
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode
-from flexmb_cli.solve import position
-from flexmb_cli.solve.kinematics import KinematicAnalysis
+from flexmb_cli.solvers.kinematics import position
+from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 
 DENSE, SPARSE = 15, 17  # stages; 322 and 364 equations
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.beam import Beam
+from flexmb_cli.dialects.dafms.beam_cards import beam_block, beam_deck, rotation_card, with_beam
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.errors import DeckError
-from flexmb_cli.model.beam import Beam
-from flexmb_cli.model.build_dafms import build_dafms
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.write.beam_cards import beam_block, beam_deck, rotation_card, with_beam
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.errors import ModelError
-from flexmb_cli.model.build_dafms import build_dafms
 from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.deck import DeckText
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.settings import SettableDeck, apply_settings
+from flexmb_cli.dialects.young.build import build_young
+from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import ModelError
-from flexmb_cli.model.build_young import build_young
 from flexmb_cli.model.mechanism import Distance, Driver, Ground, Point, Simplified
-from flexmb_cli.read.settings import SettableDeck, apply_settings
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.young import read_young
 from tests.read.young_decks import PENDULUM, faults, one_body, pendulum, read
 
 DECKS = Path(__file__).parents[2] / "decks" / "young"

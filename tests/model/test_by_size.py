@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.model.build_young_dynamics import build_young_dynamics
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.model.by_size import by_size, first_of_largest
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.diagnosis import involved, sparse_basis
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
+from flexmb_cli.solvers.singular.mobility import involved, sparse_basis
 
 BRICARD = Path(__file__).resolve().parents[2] / "decks/young/dynamics/IN-BRICARD.dat"
 

@@ -4,16 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.vsdf.motion_angles import check_motion_laws
+from flexmb_cli.dialects.young.build import build_young
+from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import ModelError
-from flexmb_cli.model.build_young import build_young
+from flexmb_cli.model.diagnostics import Findings
 from flexmb_cli.model.driver_angles import check_driver_angles
-from flexmb_cli.model.findings import Findings
 from flexmb_cli.model.mechanism import Driver, Mechanism, TimeGrid
-from flexmb_cli.model.motion_angles import check_motion_laws
-from flexmb_cli.model.motion_law import POLYNOMIAL, SINE, Motion, MotionLaw, table_law
-from flexmb_cli.read.settings import apply_settings
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.young import read_young
+from flexmb_cli.model.time_functions import POLYNOMIAL, SINE, Motion, MotionLaw, table_law
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat"
 

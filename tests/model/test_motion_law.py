@@ -6,7 +6,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from flexmb_cli.model.motion_law import MotionLaw, table_law
+from flexmb_cli.model.time_functions import MotionLaw, table_law
 
 KNOTS = (0.0, 0.4, 0.9, 1.6, 2.0), (0.5, -0.2, 0.3, 1.1, 0.4)
 LAWS = {

@@ -10,10 +10,10 @@ from pathlib import Path
 import h5py
 import pytest
 
-from flexmb_cli.model.dynamics import DynamicModel, MassProperties
+from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
-from flexmb_cli.model.unit_doubts import unit_doubts
-from flexmb_cli.run.check import check_deck
+from flexmb_cli.model.unit_checks import unit_doubts
+from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish
 from flexmb_cli.run.modes import modes_of_deck

@@ -9,8 +9,8 @@ with the recursion: no spatial algebra, no angular velocities, no mass matrix of
 
 import numpy as np
 
+from flexmb_cli.model.arrays.tree_frames import rotation_matrix
 from flexmb_cli.model.tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION
-from flexmb_cli.model.tree_frames import rotation_matrix
 
 CIRCLE = 32
 

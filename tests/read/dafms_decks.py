@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.errors import DeckError
-from flexmb_cli.model.build_dafms import build_dafms
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.deck import DeckText
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
 

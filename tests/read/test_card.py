@@ -4,8 +4,8 @@ import pickle
 
 import pytest
 
+from flexmb_cli.deck.words import UNCLOSED, Words, end_of, words
 from flexmb_cli.errors import Place
-from flexmb_cli.read.card import UNCLOSED, Words, end_of, words
 
 
 def found(*lines):

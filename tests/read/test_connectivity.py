@@ -2,8 +2,8 @@
 
 import pytest
 
-from flexmb_cli.read.fe_files.connectivity import read_hexahedra
-from flexmb_cli.read.fe_files.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.matrix_file import FEFileFault
 
 EIGHT = list(range(11, 19))
 TWENTY = list(range(1, 21))

@@ -4,10 +4,10 @@ import time
 
 import pytest
 
+from flexmb_cli.deck.fortran_card import fortran_format
+from flexmb_cli.dialects.dafms import system_cards
+from flexmb_cli.dialects.dafms.cards import EXTENSIONS, HISTORIC, KNOWN_WORDS
 from flexmb_cli.errors import DeckError, compiler_style
-from flexmb_cli.read import dafms_system
-from flexmb_cli.read.dafms_cards import EXTENSIONS, HISTORIC, KNOWN_WORDS
-from flexmb_cli.read.fortran_card import fortran_format
 from tests.read.dafms_decks import DECKS, build, deck_text, faults, read, told
 
 NAMES = sorted(path.stem for path in DECKS.glob("*.DAT"))
@@ -128,7 +128,7 @@ def test_a_deck_means_the_same_to_a_reader_without_extensions(monkeypatch):
         "       1.0       2.0\nUNCO\nTOLR\n       1.E-08       1.E-08\nMETH\n    2\n"
     )
     text = deck_text("sliding_mass", ("END \n", cards + "END \n"))
-    monkeypatch.setattr(dafms_system, "CARDS", {card.word: card for card in HISTORIC})
+    monkeypatch.setattr(system_cards, "CARDS", {card.word: card for card in HISTORIC})
     old, plain = read(text), read(deck_text("sliding_mass"))
     assert [(label, n.value) for label, n in old.numbers()] == [
         (label, n.value) for label, n in plain.numbers()

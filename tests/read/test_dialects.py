@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import DIALECTS, read_deck, recognise
 from flexmb_cli.errors import DeckError, Place
-from flexmb_cli.read.dialects import DIALECTS, read_deck, recognise
-from flexmb_cli.read.text import decode
 from tests.read.young_decks import PENDULUM, pendulum
 
 DECKS = Path(__file__).parents[2] / "decks"
@@ -73,10 +73,10 @@ def test_doubts_about_the_text_stand_before_those_of_the_reader():
 
 def test_reading_and_building_a_young_deck_import_no_numerical_library():
     program = (
-        "import sys; from flexmb_cli.read.text import read_text; "
-        "from flexmb_cli.read.dialects import read_deck; "
-        "from flexmb_cli.model.build_young import build_young; import flexmb_cli.write.echo; "
-        "import flexmb_cli.read.settings; build_young(read_deck(read_text(sys.argv[1]))); "
+        "import sys; from flexmb_cli.deck.text import read_text; "
+        "from flexmb_cli.dialects.recognise import read_deck; "
+        "from flexmb_cli.dialects.young.build import build_young; import flexmb_cli.results.texts.echo; "
+        "import flexmb_cli.dialects.settings; build_young(read_deck(read_text(sys.argv[1]))); "
         "print(sorted({'numpy', 'scipy', 'numba', 'h5py'} & set(sys.modules)))"
     )
     deck = str(DECKS / "young" / "IN4-BAR.dat")

@@ -7,9 +7,9 @@ import pytest
 from scipy.io import hb_write, mmread
 from scipy.sparse import csc_matrix
 
-from flexmb_cli.read.fe_files.formats import read_matrix
-from flexmb_cli.read.fe_files.matrix_file import FEFileFault
-from flexmb_cli.read.fe_files.node_table import read_node_table
+from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.node_table import read_node_table
 
 FILES = Path(__file__).parents[2] / "decks" / "vsdf" / "fe"
 

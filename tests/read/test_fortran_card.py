@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexmb_cli.read.fortran_card import cut, fortran_format
-from flexmb_cli.write.fortran_fields import filled
+from flexmb_cli.deck.fortran_card import cut, fortran_format
+from flexmb_cli.deck.fortran_fields import filled
 
 F10 = fortran_format("F10.5").edits[0]
 E13 = fortran_format("E13.5").edits[0]

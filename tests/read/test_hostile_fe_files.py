@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.read.fe_files import file_text
-from flexmb_cli.read.fe_files.connectivity import read_hexahedra
-from flexmb_cli.read.fe_files.formats import read_matrix
-from flexmb_cli.read.fe_files.matrix_file import FEFileFault
-from flexmb_cli.read.fe_files.node_table import read_node_table
+from flexmb_cli.fe.formats import file_text
+from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.node_table import read_node_table
 
 LONG = "9" * 5000  # int() of Python refuses more than 4300 digits by an exception of its own
 HUGE = "99999999999999999999"  # more than int64 holds

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from flexmb_cli.read.number import Misspelt, integer, real
+from flexmb_cli.deck.number import Misspelt, integer, real
 
 SPELLINGS = {
     "1": 1.0,

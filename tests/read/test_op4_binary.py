@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.read.fe_files.matrix_file import FEFileFault
-from flexmb_cli.read.fe_files.nastran_op4 import read_op4
+from flexmb_cli.fe.formats.matrix_file import FEFileFault
+from flexmb_cli.fe.formats.nastran_op4 import read_op4
 from tests.read.test_fe_files import full
 
 WRITTEN = sorted((Path(__file__).parent / "op4").glob("*.op4"))

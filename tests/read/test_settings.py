@@ -2,8 +2,8 @@
 
 import pytest
 
+from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.errors import DeckError
-from flexmb_cli.read.settings import apply_settings
 from tests.read.young_decks import PENDULUM, read
 
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import pytest
 
+from flexmb_cli.deck.text import decode
 from flexmb_cli.errors import DeckError
-from flexmb_cli.read.study_file import read_study
-from flexmb_cli.read.text import decode
+from flexmb_cli.study.reader import read_study
 
 HEAD = 'deck = "a.dat"\n'
 RESULTS = '[results]\ntop = "max body.3.z"\n'

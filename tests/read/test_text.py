@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
+from flexmb_cli.deck import text
+from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.errors import DeckError, Place
-from flexmb_cli.read import text
-from flexmb_cli.read.text import decode, read_text
 
 
 def message(path):

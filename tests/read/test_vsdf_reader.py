@@ -2,11 +2,11 @@
 
 import pytest
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.vsdf.cards import BY_WORD, CARDS
 from flexmb_cli.errors import Place
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.vsdf_cards import BY_WORD, CARDS
 from tests.read.vsdf_decks import DECKS, RIGID, changed, read
 
 
@@ -138,6 +138,6 @@ def test_an_empty_deck_is_refused():
 
 
 def read_vsdf_text(text):
-    from flexmb_cli.read.vsdf import read_vsdf
+    from flexmb_cli.dialects.vsdf.reader import read_vsdf
 
     return read_vsdf(DeckText("x", text, ""))

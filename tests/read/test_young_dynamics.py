@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import DeckError, ModelError
-from flexmb_cli.model.build_young_dynamics import build_young_dynamics
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.settings import apply_settings
-from flexmb_cli.read.text import decode
 
 README = Path(__file__).parents[2] / "decks/young/README.md"
 DECKS = Path(__file__).parents[2] / "decks/young/dynamics"

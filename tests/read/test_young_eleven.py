@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.errors import ModelError
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
 from tests.read.young_decks import PENDULUM
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN1-4-3.dat"

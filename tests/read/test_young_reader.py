@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.young.reader import read_young
+from flexmb_cli.dialects.young.sections import COUNTS, YOUNG_SECTIONS
 from flexmb_cli.errors import DeckError, Place
-from flexmb_cli.model.joint_types import DISTANCE, DRIVER, JOINT_TYPES, SIMPLIFIED
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.young import read_young
-from flexmb_cli.read.young_sections import COUNTS, YOUNG_SECTIONS
+from flexmb_cli.model.joints import DISTANCE, DRIVER, JOINT_TYPES, SIMPLIFIED
 from tests.read.young_decks import PENDULUM, faults, pendulum, read
 
 DECKS = sorted((Path(__file__).parents[2] / "decks" / "young").glob("*.dat"))

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.reader import read_vsdf
 from flexmb_cli.errors import DeckError
-from flexmb_cli.model.build_vsdf import build_vsdf
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.read.vsdf import read_vsdf
 
 DECKS = Path(__file__).parents[2] / "decks" / "vsdf"
 

@@ -1,9 +1,9 @@
 """YOUNG decks for the tests, and the text that a user would see of their faults."""
 
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.errors import DeckError, compiler_style
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode
 
 PENDULUM = """2 1 0 0 0 1 0 0 0 0 0 1
 0 0 0 1 0 0 0

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexmb_cli.run import check as run_check
+from flexmb_cli.results.texts import check_text
+from flexmb_cli.run.check import check as run_check
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.write import check_text
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 

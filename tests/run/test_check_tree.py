@@ -5,17 +5,17 @@ import json
 import pytest
 
 from flexmb_cli.kernels import _jit
-from flexmb_cli.run.check import check_deck
+from flexmb_cli.results.texts.check_tree_text import check_tree_text
+from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.write.check_tree_text import check_tree_text
 from tests.run.dafms_runs import DECKS, NAMES, altered
 
 
 @pytest.fixture(autouse=True)
 def compiled_kernels(monkeypatch):
     """`check` leaves kernels uncompiled for its whole process; the other tests here want them compiled."""
-    import flexmb_cli.solve.kinematics
-    import flexmb_cli.solve.tree_dynamics  # noqa: F401
+    import flexmb_cli.solvers.kinematics.analysis
+    import flexmb_cli.solvers.tree.analysis  # noqa: F401
 
     monkeypatch.setattr(_jit, "_interpreted", _jit.interpreted())
 

@@ -6,12 +6,12 @@ import h5py
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.dafms.beam import Beam
+from flexmb_cli.dialects.dafms.beam_cards import rotation_card
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.errors import ANALYSIS_FAILED
-from flexmb_cli.model.beam import Beam
-from flexmb_cli.model.build_dafms import build_dafms
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.text import read_text
-from flexmb_cli.write.beam_cards import rotation_card
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, loaded, run
 
 pytestmark = pytest.mark.long_motion

@@ -7,8 +7,8 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.run import run
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.run.deck import warn_of_foreign_options
 from flexmb_cli.run.outcome import Outcome, RunOptions
 from tests.read.vsdf_decks import RIGID

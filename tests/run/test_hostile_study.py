@@ -5,7 +5,7 @@ import os
 import pytest
 
 from flexmb_cli.errors import DeckError
-from flexmb_cli.run.sweep import Sweep
+from flexmb_cli.study.sweep import Sweep
 
 STUDY = 'deck = "x"\n[parameters]\n"driver.1.B" = [1.0]\n[results]\ntop = "max body.1.z"\n'
 

@@ -16,10 +16,10 @@ from click.testing import CliRunner
 from flexmb_cli.cli import cli
 from flexmb_cli.errors import OutputError
 from flexmb_cli.managed_files import ManagedFolder, UnsafePlace, open_managed
+from flexmb_cli.results.files.replaced_file import ReplacedText, Replacement, write_whole
 from flexmb_cli.run.checkpoint import Journal
-from flexmb_cli.run.study_workers import solve_here
-from flexmb_cli.run.sweep import Sweep
-from flexmb_cli.write.atomic import ReplacedText, Replacement, write_whole
+from flexmb_cli.study.sweep import Sweep
+from flexmb_cli.study.workers import solve_here
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="links and pipes are Unix's")
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN1-3-1.dat"

@@ -17,7 +17,7 @@ import flexmb_cli.run.dafms as dafms
 from flexmb_cli.errors import ModelError, OutputError
 from flexmb_cli.run.checkpoint import Journal
 from flexmb_cli.run.outcome import Listener
-from flexmb_cli.solve import tree_dynamics
+from flexmb_cli.solvers.tree import analysis
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, run, stop_after
 
 
@@ -38,7 +38,7 @@ def rows_of_two_and_three_blocks(name):
 def test_a_run_stopped_twice_and_resumed_gives_the_bytes_of_an_uninterrupted_one(tmp_path, monkeypatch, name):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     run(name, whole)
-    monkeypatch.setattr(tree_dynamics, "LARGEST_BLOCK", 23)
+    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 23)
     first = run(name, stopped, stop_after(2))
     rows = rows_of_two_and_three_blocks(name)
     assert (first.exit_code, first.rows, first.resumable) == (130, rows[0], True)

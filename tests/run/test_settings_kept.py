@@ -52,8 +52,8 @@ def test_the_list_of_quantities_notes_them(folder):
 
 
 def test_the_report_shows_them_and_echoes_what_was_run(folder):
-    from flexmb_cli.write.quantities import open_result
-    from flexmb_cli.write.report_page import report_page
+    from flexmb_cli.results.figures.report_page import report_page
+    from flexmb_cli.results.quantities.quantities import open_result
 
     def page(name):
         with open_result(folder / name) as result:

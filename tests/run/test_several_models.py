@@ -8,12 +8,12 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.run import run as run_command
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.models import models_of, only_model
 from flexmb_cli.errors import DeckError
-from flexmb_cli.read.dafms_models import models_of, only_model
-from flexmb_cli.read.deck import DeckText
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.solve import tree_dynamics
+from flexmb_cli.solvers.tree import analysis
 from tests.run.dafms_runs import DECKS, stop_after
 
 TEXT = (DECKS / "pendulum.DAT").read_text().replace(" 6000\n", "   20\n")
@@ -68,7 +68,7 @@ def test_one_model_is_run_by_its_name(folder):
 
 
 def test_a_stopped_model_is_resumed_by_its_name(folder, monkeypatch):
-    monkeypatch.setattr(tree_dynamics, "LARGEST_BLOCK", 5)
+    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 5)
     stopped = run_deck("2:FMBD.DAT", RunOptions(), stop_after(2))
     assert (stopped.exit_code, stopped.resumable) == (130, True)
     assert (folder / "FMBD-2.resume").exists()

@@ -18,17 +18,19 @@ from click.testing import CliRunner
 
 from flexmb_cli import cli as commands
 from flexmb_cli import memory
-from flexmb_cli.cli.stops import stop_on_signals
-from flexmb_cli.cli.terminal import OutputText
+from flexmb_cli.cli.terminal.screen import OutputText
+from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.errors import Fault, OutputError
 from flexmb_cli.memory import LACK_OF_MEMORY
-from flexmb_cli.run import check, dafms, deck, modes, verify, young_dynamics
-from flexmb_cli.run.ending import StreamError
+from flexmb_cli.results.diff.listings import compare
+from flexmb_cli.results.files.replaced_file import located
+from flexmb_cli.results.hdf5.result_file import ResultFile
+from flexmb_cli.run import dafms, deck, modes, young_dynamics
+from flexmb_cli.run.check import check
+from flexmb_cli.run.exit_status import StreamError
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
+from flexmb_cli.run.verify import verify
 from flexmb_cli.run.young import kinematic_solution
-from flexmb_cli.write.atomic import located
-from flexmb_cli.write.diff import compare
-from flexmb_cli.write.result_file import ResultFile
 from tests.run.dafms_runs import ENDINGS, run
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
@@ -273,7 +275,7 @@ def test_a_stopped_command_prints_records_of_all_decks_and_begins_no_other(
         raise stop
 
     monkeypatch.setattr(Stop, "asked", None)
-    monkeypatch.setattr("flexmb_cli.cli.deck_options.stop_on_signals", lambda: None)
+    monkeypatch.setattr("flexmb_cli.cli.options.deck_options.stop_on_signals", lambda: None)
     monkeypatch.setattr(home, "open_deck", stopped)
     found = CliRunner().invoke(commands.cli, [command, DECK, OTHER, "--json"])
     assert found.exit_code == code and f"{DECK}: interrupted" in found.stderr
@@ -287,7 +289,7 @@ def test_a_study_that_is_stopped_while_it_is_read_has_its_record(monkeypatch, ca
     def stopped(*given):
         raise stop
 
-    monkeypatch.setattr("flexmb_cli.run.sweep.Sweep.of", stopped)
+    monkeypatch.setattr("flexmb_cli.study.sweep.Sweep.of", stopped)
     monkeypatch.setattr(sys, "argv", ["flexmb", "sweep", "study.toml", "--json"])
     with pytest.raises(SystemExit) as ended:
         commands.main()

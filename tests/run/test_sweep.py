@@ -15,15 +15,16 @@ import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.cli.stops import stop_on_signals
+from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.errors import ModelError
-from flexmb_cli.run import study_table, study_workers
 from flexmb_cli.run.outcome import Stop, Terminated
-from flexmb_cli.run.study_cases import Cases
-from flexmb_cli.run.study_parts import Parts
-from flexmb_cli.run.study_solver import CaseSolver
-from flexmb_cli.run.sweep import Sweep, give_up_case, next_case, solve_block
-from flexmb_cli.write.study_table import write_table
+from flexmb_cli.study import table_writer
+from flexmb_cli.study import workers as study_workers
+from flexmb_cli.study.cases import Cases
+from flexmb_cli.study.checkpoints import Parts
+from flexmb_cli.study.solver import CaseSolver
+from flexmb_cli.study.sweep import Sweep, give_up_case, next_case, solve_block
+from flexmb_cli.study.table import write_table
 from tests.run.studies import FLEXMB, RSSR, SAMPLED, SMALL, flexmb, written
 
 pytestmark = pytest.mark.processes
@@ -350,10 +351,10 @@ def test_a_stop_while_the_table_is_written_waits_until_it_is_whole(tmp_path, mon
         signal.raise_signal(signal.SIGTERM)
         write_table(path, head, rows)
 
-    monkeypatch.setattr(study_table, "write_table", stopped)
+    monkeypatch.setattr(table_writer, "write_table", stopped)
     stop_on_signals()
     with pytest.raises(Terminated), Stop.released():
-        study_table.write_study_table(str(tmp_path / "s.h5"), sweep)
+        table_writer.write_study_table(str(tmp_path / "s.h5"), sweep)
     assert len(table(tmp_path / "s.h5")["case"]) == 5
     assert (tmp_path / "parts").is_dir()
 

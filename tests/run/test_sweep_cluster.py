@@ -6,8 +6,9 @@ import time
 
 import pytest
 
-from flexmb_cli.run import study_cluster, study_workers
-from flexmb_cli.run.sweep import Sweep, next_case
+from flexmb_cli.study import cluster as study_cluster
+from flexmb_cli.study import workers
+from flexmb_cli.study.sweep import Sweep, next_case
 from tests.run.studies import SAMPLED, SMALL, flexmb, written
 
 pytestmark = pytest.mark.processes
@@ -18,7 +19,7 @@ def test_a_dask_cluster_survives_the_kill_of_a_worker(tmp_path):
     from distributed import LocalCluster
 
     here = Sweep.of(str(written(tmp_path / "here", SAMPLED, count=300)), str(tmp_path / "here/parts"))
-    study_workers.solve_here(here, here.pending(), lambda cases: None)
+    workers.solve_here(here, here.pending(), lambda cases: None)
     sweep = Sweep.of(str(written(tmp_path / "there", SAMPLED, count=300)), str(tmp_path / "there/parts"))
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         victims = [worker.pid for worker in cluster.workers.values()][:1]

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
 from flexmb_cli.run.outcome import Outcome, RunOptions
-from flexmb_cli.run.verify import Difference, Verification, verify_deck
+from flexmb_cli.run.verify.verify import Difference, Verification, verify_deck
 from tests.run.dafms_runs import DECKS, NAMES, loaded, run
 
 pytestmark = pytest.mark.long_motion

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.model.dynamics import AppliedForce, AppliedTorque, DynamicModel, MassProperties, SpringDamper
+from flexmb_cli.model.loads import AppliedForce, AppliedTorque, DynamicModel, MassProperties, SpringDamper
 from flexmb_cli.model.mechanism import Body, Joint, Mechanism, TimeGrid
+from flexmb_cli.results.texts.verify_text import verify_text
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.run.verify import verify_deck
-from flexmb_cli.solve import natural_motion
-from flexmb_cli.solve.natural_motion import NaturalMotion, coordinates_of, speeds_of
-from flexmb_cli.write.verify_text import verify_text
+from flexmb_cli.run.verify.verify import verify_deck
+from flexmb_cli.solvers.natural_coordinates import motion
+from flexmb_cli.solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
 from tests.fe.trusses import truss, write_matrix
 
 YOUNG = Path(__file__).resolve().parents[2] / "decks/young"
@@ -61,8 +61,8 @@ def test_a_motion_under_loads_agrees_and_the_text_names_what_was_compared(tmp_pa
 def test_an_error_in_one_of_the_formulations_shows(tmp_path, monkeypatch):
     deck = tmp_path / "IN.dat"
     deck.write_text(PENDULUM)
-    right = natural_motion.mass_matrix
-    monkeypatch.setattr(natural_motion, "mass_matrix", lambda model: right(model) * 1.001)
+    right = motion.mass_matrix
+    monkeypatch.setattr(motion, "mass_matrix", lambda model: right(model) * 1.001)
     assert verified(deck).outcome.exit_code == 1
 
 

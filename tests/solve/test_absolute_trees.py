@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import AnalysisError, ModelError
-from flexmb_cli.model.absolute_tree import hinge_frames
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
     ELASTIC,
@@ -20,9 +19,10 @@ from flexmb_cli.model.tree import (
     Tree,
     constant,
 )
-from flexmb_cli.model.tree_closing import closed_tree
-from flexmb_cli.solve.absolute_tree import AbsoluteTree
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
+from flexmb_cli.model.tree_as_mechanism.frames import hinge_frames
+from flexmb_cli.model.tree_as_mechanism.loop_assembly import closed_tree
+from flexmb_cli.solvers.constrained.tree import AbsoluteTree
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import deck_tree

@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import Polynomial
 from scipy.linalg import eigh
 
-from flexmb_cli.model.beam import Beam
+from flexmb_cli.dialects.dafms.beam import Beam
 from flexmb_cli.model.geometric_stiffness import geometric_stiffness
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import INERTIAL, ROTATION, Body, Elasticity, Hinge, Integration, Prescribed, Tree

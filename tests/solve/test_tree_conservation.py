@@ -7,7 +7,7 @@ import pytest
 
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import ROTATION, Motor, Prescribed, Table, generalized_coordinates
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis, initial_state
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis, initial_state
 from tests.naive.particle_tree import Particles
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import run

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmb_cli.model.arrays.tree_frames import rotation_matrix
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import ROTATION
-from flexmb_cli.model.tree_frames import rotation_matrix
 from tests.kernels.test_kane_closures import closure_equations
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree

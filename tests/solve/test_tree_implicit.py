@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.kernels import implicit_march
-from flexmb_cli.kernels.composite_mass import set_mass
+from flexmb_cli.kernels.integrators import sdirk4
+from flexmb_cli.kernels.tree.composite_mass import set_mass
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
     ELASTIC,
@@ -21,7 +21,7 @@ from flexmb_cli.model.tree import (
     Spring,
     Tree,
 )
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis, initial_state
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis, initial_state
 from tests.kernels.test_elastic_rotation import turning_tree
 from tests.kernels.test_kane_forward_dynamics import Recursion, close
 from tests.naive.random_trees import random_tree
@@ -38,7 +38,7 @@ def implicit(tree, tolerance):
 
 def test_coefficients_fulfil_the_conditions_of_order_four_and_three():
     """Hairer, Nørsett and Wanner, volume I, table II.2.1: the eight conditions of order 4."""
-    A, c = implicit_march.WEIGHTS, implicit_march.TIMES
+    A, c = sdirk4.WEIGHTS, sdirk4.TIMES
     assert A.sum(axis=1) == pytest.approx(c, abs=1e-15)
 
     def conditions(b):
@@ -47,14 +47,14 @@ def test_coefficients_fulfil_the_conditions_of_order_four_and_three():
         return np.array(third), np.array(fourth)
 
     assert np.concatenate(conditions(A[-1])) == pytest.approx(np.zeros(8), abs=1e-14)
-    third, fourth = conditions(A[-1] - implicit_march.ERROR)
+    third, fourth = conditions(A[-1] - sdirk4.ERROR)
     assert third == pytest.approx(np.zeros(4), abs=1e-14)
     assert np.max(np.abs(fourth)) > 0.01
 
 
 def test_method_damps_nothing_it_resolves_and_all_it_does_not():
     """|R(iw)| = |1 + iw bᵀ (1 - iw A)^-1 1|: at most 1 everywhere, 0 at infinity, 1 to 1e-4 up to w = 0.5."""
-    A = implicit_march.WEIGHTS
+    A = sdirk4.WEIGHTS
 
     def growth(w):
         return abs(1 + 1j * w * A[-1] @ np.linalg.solve(np.eye(5) - 1j * w * A, np.ones(5)))

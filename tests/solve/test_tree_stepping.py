@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import DOP853, solve_ivp
 
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.kernels import dop853_table as table
+from flexmb_cli.kernels.integrators import dop853_table as table
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import (
     TRANSLATION,
@@ -21,8 +21,8 @@ from flexmb_cli.model.tree import (
     Tree,
     pulse,
 )
-from flexmb_cli.solve import tree_dynamics
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
+from flexmb_cli.solvers.tree import analysis
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.naive.random_trees import random_tree
 from tests.solve.tree_runs import deck_tree, joined, run
 
@@ -90,8 +90,8 @@ def test_error_falls_with_the_tolerance():
 def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(monkeypatch):
     tree = deck_tree("shaft_beam_n2", 1e-8)
     whole = run(tree)
-    monkeypatch.setattr(tree_dynamics, "CALL_WORK", 100)
-    monkeypatch.setattr(tree_dynamics, "LARGEST_BLOCK", 7)
+    monkeypatch.setattr(analysis, "CALL_WORK", 100)
+    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 7)
     assert np.array_equal(run(tree).q, whole.q)
 
 
@@ -99,7 +99,7 @@ def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(monkeypatch):
 def test_resumed_run_gives_the_numbers_of_an_uninterrupted_one(monkeypatch, block):
     tree = replace(random_tree(8), time=TimeGrid(0.0, 1.0, 0.01))
     whole = run(tree)
-    monkeypatch.setattr(tree_dynamics, "LARGEST_BLOCK", 13)
+    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 13)
     stopped = TreeAnalysis(tree)
     first = [next(rows) for rows in [stopped.rows()] for _ in range(block)]
     rest = list(TreeAnalysis(tree, stopped.checkpoint).rows())
@@ -112,7 +112,7 @@ def test_resumed_run_gives_the_numbers_of_an_uninterrupted_one(monkeypatch, bloc
 def test_resume_inside_a_pulse_keeps_the_jumps(monkeypatch):
     tree = deck_tree("shaft_beam_n2", 1e-8)
     whole = run(tree)
-    monkeypatch.setattr(tree_dynamics, "LARGEST_BLOCK", 60)
+    monkeypatch.setattr(analysis, "LARGEST_BLOCK", 60)
     stopped = TreeAnalysis(tree)
     rows = stopped.rows()
     first = [next(rows), next(rows)]

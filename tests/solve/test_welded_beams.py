@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from flexmb_cli.model.beam import Beam
+from flexmb_cli.dialects.dafms.beam import Beam
 from flexmb_cli.model.mechanism import TimeGrid
 from flexmb_cli.model.tree import INERTIAL, Body, Elasticity, Hinge, Tree
 from tests.kernels.test_kane_forward_dynamics import Recursion

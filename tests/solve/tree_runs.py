@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from flexmb_cli.model.build_dafms import build_dafms
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.text import read_text
-from flexmb_cli.solve.tree_dynamics import TreeAnalysis
-from flexmb_cli.solve.tree_rows import TreeRows
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from flexmb_cli.solvers.tree.rows import TreeRows
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
 

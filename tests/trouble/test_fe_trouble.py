@@ -10,7 +10,7 @@ import pytest
 from flexmb_cli.errors import FlexmbError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.fe.flexible_bodies import flexible_body
-from flexmb_cli.model.unit_doubts import unit_doubts
+from flexmb_cli.model.unit_checks import unit_doubts
 from tests.fe.trusses import files_input, truss
 from tests.read.vsdf_decks import build, supplied
 

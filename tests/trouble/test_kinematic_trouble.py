@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 from young_linkages import four_bar, gear, outcome, slider_crank, told
 
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.young.build import build_young
+from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import AnalysisError
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.read.text import read_text
-from flexmb_cli.read.young import read_young
-from flexmb_cli.solve import kinematics, position
-from flexmb_cli.solve.kinematics import KinematicAnalysis
-from flexmb_cli.solve.settings import KinematicSettings
+from flexmb_cli.solvers.kinematics import analysis, position
+from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
+from flexmb_cli.solvers.kinematics.settings import KinematicSettings
 
 ONE_RADIAN = math.cos(1.0) + math.sqrt(9.0 - math.sin(1.0) ** 2)
 BETWEEN = "spherical joint 1 (line 7), universal joint 1 (line 8)"
@@ -188,7 +188,7 @@ def test_a_singular_position_at_rest_is_no_failure(dense, tmp_path):
 @SMALL_AND_LARGE
 def test_the_assembly_of_a_mechanism_too_large_for_two_attempts_at_once_ends(dense, tmp_path, monkeypatch):
     """One attempt a call, as of a thousand bodies: a refused one was tried again without end."""
-    monkeypatch.setattr(kinematics, "CALL_WORK", 0)
+    monkeypatch.setattr(analysis, "CALL_WORK", 0)
     found = outcome(tmp_path, gear((0, 1, 0.5), math.pi, 0.0))
     assert (found.exit_code, found.rows) == (0, 3)
 

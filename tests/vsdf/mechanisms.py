@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from flexmb_cli.model.fe_model import Integrator
 from flexmb_cli.model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -12,9 +13,8 @@ from flexmb_cli.model.flexible_mechanism import (
     PointPin,
 )
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.motion_law import MotionLaw
-from flexmb_cli.model.vsdf_model import Integrator
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.model.time_functions import MotionLaw
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.fe.supplied import body as reduced
 from tests.fe.trusses import truss_input
 

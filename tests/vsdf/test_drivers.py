@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from mechanisms import DEFAULT, NO_SHAPE
 
+from flexmb_cli.model.fe_model import JointSpring
 from flexmb_cli.model.flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.motion_law import Motion, MotionLaw
-from flexmb_cli.model.vsdf_model import JointSpring
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.model.time_functions import Motion, MotionLaw
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
 TURNS = MotionLaw(2, (9.0, 1.0, 0.0, 0.0))  # 9 rad/s within 1 s: 2.1 turns after 2 s

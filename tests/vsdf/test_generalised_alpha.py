@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import build, supplied
 from tests.vsdf.test_runs import FREE_ROD, PENDULUM, Run, momenta, rotation
 

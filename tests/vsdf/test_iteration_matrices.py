@@ -7,18 +7,22 @@ import pytest
 from mechanisms import analysis_of, joint, moved, node, random_state, sample
 from test_measures import FIRST, H, forces_at
 
-from flexmb_cli.kernels import alpha_march, radau_march
-from flexmb_cli.kernels.complex_elimination import solve_symmetric
-from flexmb_cli.kernels.constrained_solve import choose_order, evaluate_jacobian, factorise_constraints
-from flexmb_cli.kernels.constrained_system import SOLVED
-from flexmb_cli.kernels.forces import LINE, _stretch
-from flexmb_cli.kernels.generalised_alpha import _set_matrix
-from flexmb_cli.kernels.independent_rows import cholesky_solve
-from flexmb_cli.kernels.mass_matrix import kinetic_energy, mass_matrices
-from flexmb_cli.kernels.radau_step import prepare, renew_matrices
-from flexmb_cli.kernels.stiff_tangent import add_stiff
+from flexmb_cli.kernels.constrained.accelerations import (
+    choose_order,
+    evaluate_jacobian,
+    factorise_constraints,
+)
+from flexmb_cli.kernels.constrained.forces import LINE, _stretch
+from flexmb_cli.kernels.constrained.mass_matrix import kinetic_energy, mass_matrices
+from flexmb_cli.kernels.constrained.system import SOLVED
+from flexmb_cli.kernels.constrained.tangent import add_stiff
+from flexmb_cli.kernels.integrators import generalised_alpha, radau5
+from flexmb_cli.kernels.integrators.generalised_alpha_step import _set_matrix
+from flexmb_cli.kernels.integrators.radau5_step import prepare, renew_matrices
+from flexmb_cli.kernels.linalg.complex_ldl import solve_symmetric
+from flexmb_cli.kernels.linalg.rank_revealing_lu import cholesky_solve
+from flexmb_cli.model.fe_model import JointSpring
 from flexmb_cli.model.flexible_mechanism import PointSpring
-from flexmb_cli.model.vsdf_model import JointSpring
 
 STEP = 0.02  # s
 # Eigenvalues of the inverse of Radau's weights: Hairer and Wanner II, section IV.8.
@@ -105,7 +109,7 @@ def free_motions(analysis, q):
 def test_the_matrix_of_generalised_alpha_is_that_of_the_free_motions(stiff):
     analysis, q, M, D, K = stiff
     Z = free_motions(analysis, q)
-    march = alpha_march.new_march(analysis.work, len(analysis.work.turns))
+    march = generalised_alpha.new_march(analysis.work, len(analysis.work.turns))
     assert _set_matrix(analysis.system, analysis.work, march, 0.3, 0.7) == SOLVED
     b = np.arange(1.0, Z.shape[1] + 1)
     x = b.copy()
@@ -116,7 +120,7 @@ def test_the_matrix_of_generalised_alpha_is_that_of_the_free_motions(stiff):
 def test_the_matrices_of_radaus_method_are_those_of_the_eigenvalues_of_its_weights(stiff):
     analysis, q, M, D, K = stiff
     Z = free_motions(analysis, q)
-    march = radau_march.new_march(analysis.work, len(analysis.work.turns))
+    march = radau5.new_march(analysis.work, len(analysis.work.turns))
     renew_matrices(analysis.system, analysis.work, march.matrices)
     assert prepare(march, Z.shape[1], STEP)
     b = np.arange(1.0, Z.shape[1] + 1)

@@ -23,15 +23,15 @@ from mechanisms import (
     with_joint,
 )
 
-from flexmb_cli.kernels import laws
-from flexmb_cli.kernels.constrained_solve import evaluate_jacobian, fill_forces, fill_gamma
-from flexmb_cli.kernels.constrained_system import FORCES, GAMMA
-from flexmb_cli.kernels.constraint_projection import fill_nu
-from flexmb_cli.kernels.mass_matrix import mass_matrices
-from flexmb_cli.model import motion_law
+from flexmb_cli.kernels.constrained import time_functions
+from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian, fill_forces, fill_gamma
+from flexmb_cli.kernels.constrained.mass_matrix import mass_matrices
+from flexmb_cli.kernels.constrained.projection import fill_nu
+from flexmb_cli.kernels.constrained.system import FORCES, GAMMA
+from flexmb_cli.model import time_functions as motion_law
+from flexmb_cli.model.fe_model import BodyTorque, JointSpring
 from flexmb_cli.model.flexible_mechanism import PointForce, PointSpring
-from flexmb_cli.model.motion_law import Motion, MotionLaw, table_law
-from flexmb_cli.model.vsdf_model import BodyTorque, JointSpring
+from flexmb_cli.model.time_functions import Motion, MotionLaw, table_law
 
 PAIRS = ((0, 2), (0, 1), (1, 2), (-1, 2), (2, -1))
 H = 1e-3
@@ -140,8 +140,8 @@ def test_forces_are_those_of_their_energy(tmp_path):
 
 
 def energy(analysis, q):
-    from flexmb_cli.kernels.forces import spring_energy
-    from flexmb_cli.kernels.mass_matrix import strain_energy, weight_energy
+    from flexmb_cli.kernels.constrained.forces import spring_energy
+    from flexmb_cli.kernels.constrained.mass_matrix import strain_energy, weight_energy
 
     evaluate_jacobian(analysis.system, analysis.work, q)
     mass_matrices(analysis.system, analysis.work, q)
@@ -208,10 +208,10 @@ def test_kernels_and_model_have_the_same_laws(tmp_path, law):
     mechanism = replace(sample(tmp_path), motions=(Motion("motion 1", "TRAX", 0, law),))
     system = analysis_of(mechanism).system
     for t in (-0.2, 0.0, 0.1, 0.3, 0.75, 1.4, 1.6, 2.5):
-        found = laws.law_values(system.laws, system.knots, 0, t)
+        found = time_functions.law_values(system.laws, system.knots, 0, t)
         assert found == pytest.approx(law.at(t), rel=1e-12, abs=1e-12)
 
 
 def test_kernels_and_model_call_the_kinds_of_laws_by_the_same_codes():
     for name in ("POLYNOMIAL", "SPIN_UP", "SINE", "TABLE", "HELD_TABLE"):
-        assert getattr(laws, name) == getattr(motion_law, name)
+        assert getattr(time_functions, name) == getattr(motion_law, name)

@@ -3,7 +3,7 @@
 import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import DECKS, RIGID, build, changed, supplied
 
 POSI = "POSI\n    2       1.0\n"

@@ -5,8 +5,8 @@ import pytest
 from mechanisms import DEFAULT, GRID, analysis_of, random_state, unit
 from scipy.spatial.transform import Rotation
 
-from flexmb_cli.kernels.constrained_solve import evaluate_jacobian
-from flexmb_cli.kernels.mass_matrix import (
+from flexmb_cli.kernels.constrained.accelerations import evaluate_jacobian
+from flexmb_cli.kernels.constrained.mass_matrix import (
     inertia_and_elastic_forces,
     inertia_of,
     kinetic_energy,

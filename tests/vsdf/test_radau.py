@@ -6,12 +6,12 @@ from mechanisms import analysis_of, sample
 from numpy.polynomial import Polynomial
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.kernels import radau_march
-from flexmb_cli.kernels.radau_leap import _bend, _spread_power
-from flexmb_cli.kernels.radau_step import START
-from flexmb_cli.kernels.radau_table import COMPLEX, REAL, TIMES, WEIGHTS
-from flexmb_cli.kernels.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.kernels.constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
+from flexmb_cli.kernels.integrators import radau5
+from flexmb_cli.kernels.integrators.radau5_singular_step import _bend, _spread_power
+from flexmb_cli.kernels.integrators.radau5_step import START
+from flexmb_cli.kernels.integrators.radau5_table import COMPLEX, REAL, TIMES, WEIGHTS
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import build, supplied
 from tests.vsdf.test_generalised_alpha import GRID
 from tests.vsdf.test_runs import Run, momenta
@@ -57,7 +57,7 @@ def test_coordinate_accelerations_are_the_rates_of_coordinate_rates():
 @pytest.fixture
 def march(tmp_path):
     """A march over a singular position: the last step took 0.2 s, the next one takes 0.3 s."""
-    found = radau_march.new_march(analysis_of(sample(tmp_path)).work, 0)
+    found = radau5.new_march(analysis_of(sample(tmp_path)).work, 0)
     found.clock["step_length"] = LAST_STEP
     return found
 

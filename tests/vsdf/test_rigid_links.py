@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.model.dynamics import DynamicModel, MassProperties
+from flexmb_cli.model.fe_model import Integrator
+from flexmb_cli.model.loads import DynamicModel, MassProperties
 from flexmb_cli.model.mechanism import Body, Ground, Joint, Mechanism, TimeGrid
-from flexmb_cli.model.vsdf_model import Integrator
-from flexmb_cli.run.check import check_deck
+from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.solve.constrained_dynamics import ForwardDynamics
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from tests.read.vsdf_decks import RIGID, build, changed
 
 GRID = TimeGrid(0.0, 1.0, 0.1)

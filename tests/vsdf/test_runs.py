@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import build, supplied
 
 pytestmark = pytest.mark.long_motion

@@ -13,9 +13,9 @@ from scipy.integrate import solve_ivp
 
 from flexmb_cli.errors import AnalysisError
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.model.fe_model import Integrator
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.vsdf_model import Integrator
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.read.vsdf_decks import build
 
 WEIGHT = 3.0  # m/s²

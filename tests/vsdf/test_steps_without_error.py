@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from test_drivers import AXIS, INERTIA, ball, joint
 
+from flexmb_cli.model.fe_model import Integrator
 from flexmb_cli.model.flexible_mechanism import FlexibleMechanism
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.motion_law import Motion, MotionLaw
-from flexmb_cli.model.vsdf_model import Integrator
-from flexmb_cli.solve.flexible_dynamics import FlexibleDynamics
+from flexmb_cli.model.time_functions import Motion, MotionLaw
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 
 SPEED = 10.0  # rad/s
 TOLERANCE = 1e-8

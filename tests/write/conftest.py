@@ -5,9 +5,9 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from flexmb_cli.deck.record import Deck, DeckText, Number, Record
 from flexmb_cli.model.mechanism import Body, Driver, Ground, Joint, Mechanism, Point, Simplified, TimeGrid
-from flexmb_cli.read.deck import Deck, DeckText, Number, Record
-from flexmb_cli.solve.rows import Rows
+from flexmb_cli.solvers.kinematics.rows import Rows
 
 COUNTS = ("NBODY", "NDRIVE", "NPOINT", "NSPHER", "NUNIVE", "NREVOL")
 COUNTS += ("NCYLIN", "NTRANS", "NSCREW", "NSIMPL", "NSIMP2", "NGROUN")

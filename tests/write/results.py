@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from flexmb_cli.read.deck import Deck, DeckText
-from flexmb_cli.write.result_file import (
+from flexmb_cli.deck.record import Deck, DeckText
+from flexmb_cli.results.hdf5.result_file import (
     EULER_PARAMETER,
     XYZ,
     Axis,

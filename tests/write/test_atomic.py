@@ -9,15 +9,15 @@ import sys
 import pytest
 
 from flexmb_cli.errors import OutputError
-from flexmb_cli.write.atomic import (
+from flexmb_cli.results.files.disk_failures import output_error
+from flexmb_cli.results.files.replaced_file import (
     ReplacedText,
     Replacement,
     make_folder,
     put_in_place,
     write_whole,
 )
-from flexmb_cli.write.disk_failures import output_error
-from flexmb_cli.write.result_file import ResultFile
+from flexmb_cli.results.hdf5.result_file import ResultFile
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="/proc tells the path of a descriptor")
 
@@ -85,7 +85,7 @@ def test_where_too_many_files_are_open_no_temporary_file_stays(tmp_path, monkeyp
     """One descriptor is left: it reserves the file, and none is left to write it."""
     resource = pytest.importorskip("resource")
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
-    monkeypatch.setattr("flexmb_cli.write.result_file.chunk_rows", lambda layout: 1)
+    monkeypatch.setattr("flexmb_cli.results.hdf5.result_file.chunk_rows", lambda layout: 1)
     # Modules are loaded and folders listed before.
     ReplacedText(tmp_path / "first").commit()
     spare = os.dup(0)
@@ -178,7 +178,7 @@ def killed_while_writing(path):
     """A process that is killed with `path` half written; its temporary file."""
     code = (
         "import os, signal, sys\n"
-        "from flexmb_cli.write.atomic import ReplacedText\n"
+        "from flexmb_cli.results.files.replaced_file import ReplacedText\n"
         "stream = ReplacedText(sys.argv[1]); stream.write('half'); stream.flush()\n"
         "os.kill(os.getpid(), signal.SIGKILL)"
     )

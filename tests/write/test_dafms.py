@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.write.dafms import Series, echo_text
-from flexmb_cli.write.fortran_format import HISTORIC
+from flexmb_cli.deck.fortran_format import HISTORIC
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.listing import Series, echo_text
+from flexmb_cli.dialects.dafms.reader import read_dafms
 
 TOP = Path(__file__).parents[2]
 SAMPLES = sorted((TOP / "tests" / "published" / "dafms").glob("*.OUT"))

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.write.dafms import Series
-from flexmb_cli.write.dafms_listing import parse_echo, parse_series
-from flexmb_cli.write.listing import TableError
+from flexmb_cli.deck.listing import TableError
+from flexmb_cli.dialects.dafms.listing import Series
+from flexmb_cli.dialects.dafms.listing_reader import parse_echo, parse_series
 
 PUBLISHED = Path(__file__).parents[1] / "published" / "dafms"
 TWO_LINK = (PUBLISHED / "two_link_n2.OUT").read_text()

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
+from flexmb_cli.deck.text import decode, read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.build import build_young
+from flexmb_cli.dialects.young.form import MOST, YoungForm
 from flexmb_cli.errors import DeckError
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode, read_text
-from flexmb_cli.write.dialogue import Dialogue, draft_text, from_draft
-from flexmb_cli.write.new_young import MOST, YoungForm
 
 DECKS = Path(__file__).parents[2] / "decks" / "young"
 COUNTS = "4 1 1 1 1 2 0 0 0 0 0 1"

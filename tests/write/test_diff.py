@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 from results import SERIES, write_result
 
-from flexmb_cli.write import diff_hdf5, listing
-from flexmb_cli.write.accept import accept
-from flexmb_cli.write.diff import compare, read_listing
-from flexmb_cli.write.diff_hdf5 import kind_of
-from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
-from flexmb_cli.write.listing import TableError
-from flexmb_cli.write.result_file import ResultFile
-from flexmb_cli.write.tolerances import KINDS, Tolerance, ToleranceError, Tolerances, parse_kinds
-from flexmb_cli.write.young import OutTable
+from flexmb_cli.deck import listing
+from flexmb_cli.deck.listing import TableError
+from flexmb_cli.dialects.young.listing import OutTable
+from flexmb_cli.results.diff import hdf5
+from flexmb_cli.results.diff.accept import accept
+from flexmb_cli.results.diff.hdf5 import kind_of
+from flexmb_cli.results.diff.listings import compare, read_listing
+from flexmb_cli.results.diff.tolerances import KINDS, Tolerance, ToleranceError, Tolerances, parse_kinds
+from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
+from flexmb_cli.results.hdf5.result_file import ResultFile
 
 FIELD_OF = {
     "position": "position",
@@ -534,7 +535,7 @@ def test_fewer_decimals_agree_when_they_are_the_rounded_ones(table, rows):
 
 
 def test_comparing_results_takes_no_more_memory_than_a_part_of_them(tmp_path, monkeypatch):
-    monkeypatch.setattr(diff_hdf5, "NUMBERS_AT_ONCE", 2**16)
+    monkeypatch.setattr(hdf5, "NUMBERS_AT_ONCE", 2**16)
 
     def peak(rows):
         path = write_result(tmp_path / f"{rows}.h5", rows)

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.write.dafms import Series
-from flexmb_cli.write.dafms_listing import parse_echo, parse_series
-from flexmb_cli.write.diff import compare, compare_listings
-from flexmb_cli.write.listing import TableError
-from flexmb_cli.write.tolerances import KINDS, Tolerance, Tolerances
+from flexmb_cli.deck.listing import TableError
+from flexmb_cli.dialects.dafms.listing import Series
+from flexmb_cli.dialects.dafms.listing_reader import parse_echo, parse_series
+from flexmb_cli.results.diff.listings import compare, compare_listings
+from flexmb_cli.results.diff.tolerances import KINDS, Tolerance, Tolerances
 
 PUBLISHED = Path(__file__).parents[1] / "published" / "dafms"
 ECHOES = sorted(PUBLISHED.glob("*.OUT"))

@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from results import write_result
 
 from flexmb_cli.cli.diff import diff
-from flexmb_cli.write.study_table import Column, TableHead, write_table
-from flexmb_cli.write.young import OutTable
+from flexmb_cli.dialects.young.listing import OutTable
+from flexmb_cli.study.table import Column, TableHead, write_table
 
 
 @pytest.fixture

@@ -9,9 +9,9 @@ from click.testing import CliRunner
 from results import write_result
 
 from flexmb_cli.cli.diff import diff
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import read_text
-from flexmb_cli.write.young import echo_of_input
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.young.listing import echo_of_input
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PUBLISHED = REPOSITORY / "tests/published/dafms/two_link_n2.OUT"

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from flexmb_cli.model.build_vsdf import build_vsdf
-from flexmb_cli.read.settings import apply_settings
-from flexmb_cli.write.echo import echo
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.results.texts.echo import echo
 from tests.read.vsdf_decks import changed
 from tests.read.vsdf_decks import read as read_deck
 from tests.read.young_decks import one_body, read

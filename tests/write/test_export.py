@@ -15,8 +15,8 @@ from scipy.io import loadmat
 from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.export import export
-from flexmb_cli.write.quantities import open_result
-from flexmb_cli.write.scene import read_scene
+from flexmb_cli.results.figures.scene import read_scene
+from flexmb_cli.results.quantities.quantities import open_result
 
 TIMES = np.arange(7.0)
 

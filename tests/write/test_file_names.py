@@ -5,7 +5,7 @@ import os
 import pytest
 
 from flexmb_cli.errors import OutputError
-from flexmb_cli.write.file_names import (
+from flexmb_cli.results.files.file_names import (
     ResultPaths,
     h5_name,
     out_name,

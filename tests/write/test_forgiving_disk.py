@@ -10,11 +10,11 @@ import h5py
 import pytest
 
 from flexmb_cli.errors import OutputError
+from flexmb_cli.results.files.full_disk_guard import ForgivingDisk
+from flexmb_cli.results.hdf5.result_file import printable_name
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.write.forgiving_disk import ForgivingDisk
-from flexmb_cli.write.result_file import printable_name
-from flexmb_cli.write.study_table import Column, TableHead, write_table
+from flexmb_cli.study.table import Column, TableHead, write_table
 
 DECK = """{ a body held by its ground }
 1 0 1 0 0 0 0 0 0 0 0 1

@@ -15,8 +15,8 @@ import pytest
 from flexmb_cli import __version__
 from flexmb_cli.errors import OutputError
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
-from flexmb_cli.write.result_file import ResultFile, chunk_rows
+from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
+from flexmb_cli.results.hdf5.result_file import ResultFile, chunk_rows
 
 SHAPES = {
     "time": (),
@@ -173,8 +173,8 @@ def test_the_same_run_gives_the_same_bytes_later_and_in_another_process(written,
         import hashlib, sys
         sys.path.insert(0, sys.argv[1])
         import conftest
-        from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
-        from flexmb_cli.write.result_file import ResultFile
+        from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
+        from flexmb_cli.results.hdf5.result_file import ResultFile
         unwrap = lambda fixture: fixture.__wrapped__()
         layout = kinematic_layout(unwrap(conftest.mechanism))
         result = ResultFile(sys.argv[2], unwrap(conftest.deck), layout)
@@ -238,8 +238,8 @@ def test_a_disk_that_fills_up_ends_the_run_with_exit_code_1(tmp_path):
         from dataclasses import replace
         from flexmb_cli.errors import OutputError
         from flexmb_cli.model.mechanism import TimeGrid
-        from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
-        from flexmb_cli.write.result_file import ResultFile
+        from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
+        from flexmb_cli.results.hdf5.result_file import ResultFile
         resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, 400_000))
         mechanism = replace(conftest.mechanism.__wrapped__(), time=TimeGrid(0, 1e4, 1))
         result = ResultFile(sys.argv[2], conftest.deck.__wrapped__(), kinematic_layout(mechanism))

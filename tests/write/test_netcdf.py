@@ -14,10 +14,10 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
+from flexmb_cli.results.diff.listings import compare
+from flexmb_cli.results.diff.tolerances import Tolerances
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
-from flexmb_cli.write.diff import compare
-from flexmb_cli.write.tolerances import Tolerances
 
 EARLIER = Path(__file__).parent / "earlier"
 DECKS = Path(__file__).resolve().parents[2] / "decks"

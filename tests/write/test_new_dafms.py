@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.model.beam import Beam
-from flexmb_cli.model.build_dafms import build_dafms
-from flexmb_cli.model.skyline import full_matrix
-from flexmb_cli.read.dafms_cards import CARDS
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode, read_text
-from flexmb_cli.write.dafms_deck import OPTIONAL
-from flexmb_cli.write.dialogue import Dialogue, draft_text, from_draft
-from flexmb_cli.write.new_dafms import DafmsForm
+from flexmb_cli.deck.dialogue import Dialogue, draft_text, from_draft
+from flexmb_cli.deck.text import decode, read_text
+from flexmb_cli.dialects.dafms.beam import Beam
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.cards import CARDS
+from flexmb_cli.dialects.dafms.deck_writer import OPTIONAL
+from flexmb_cli.dialects.dafms.form import DafmsForm
+from flexmb_cli.dialects.dafms.skyline import full_matrix
+from flexmb_cli.dialects.recognise import read_deck
 
 DECKS = Path(__file__).parents[2] / "decks" / "dafms"
 TYPED = sorted(DECKS.glob("*.DAT"))

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.model.build_vsdf import build_vsdf
-from flexmb_cli.model.vsdf_model import Integrator
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.text import decode, read_text
-from flexmb_cli.read.vsdf_cards import CARDS
-from flexmb_cli.write.dialogue import Dialogue
-from flexmb_cli.write.new_vsdf import VsdfForm
+from flexmb_cli.deck.dialogue import Dialogue
+from flexmb_cli.deck.text import decode, read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.cards import CARDS
+from flexmb_cli.dialects.vsdf.form import VsdfForm
+from flexmb_cli.model.fe_model import Integrator
 
 DECKS = sorted((Path(__file__).parents[2] / "decks" / "vsdf").glob("*.vsdf"))
 BY_SECTION = {card.section: card for card in CARDS}

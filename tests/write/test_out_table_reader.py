@@ -5,9 +5,9 @@ import io
 import numpy as np
 import pytest
 
-from flexmb_cli.write.listing import TableError
-from flexmb_cli.write.out_table import parse_listing
-from flexmb_cli.write.young import OutTable, report_block
+from flexmb_cli.deck.listing import TableError
+from flexmb_cli.dialects.young.listing import OutTable, report_block
+from flexmb_cli.dialects.young.listing_reader import parse_listing
 
 BLOCK = """
 -----

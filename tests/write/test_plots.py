@@ -12,9 +12,9 @@ from results import write_result
 from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.plot import plot
-from flexmb_cli.write.curves import Source, default_quantities, panels
-from flexmb_cli.write.plots import style
-from flexmb_cli.write.quantities import open_result, resolve
+from flexmb_cli.results.figures.curves import Source, default_quantities, panels
+from flexmb_cli.results.figures.plots import style
+from flexmb_cli.results.quantities.quantities import open_result, resolve
 
 TIMES = np.arange(7.0)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from results import SERIES, value, write_result
 
-from flexmb_cli.write.quantities import ResultError, names, open_result, read, resolve
+from flexmb_cli.results.quantities.quantities import ResultError, names, open_result, read, resolve
 
 
 @pytest.fixture
@@ -222,7 +222,7 @@ def test_a_disk_that_fails_is_told(tmp_path):
 @pytest.mark.parametrize("times", [{3: float("nan")}, {39: float("inf")}, {20: 0.0}, {1: 0.0}])
 def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
     """Rows are found by them; 16 are looked at together, so that 20 and 1 are in two blocks."""
-    monkeypatch.setattr("flexmb_cli.write.quantities.TIMES_AT_ONCE", 16)
+    monkeypatch.setattr("flexmb_cli.results.quantities.quantities.TIMES_AT_ONCE", 16)
     path = write_result(tmp_path / "r.h5", 40)
     with open_result(path):
         pass

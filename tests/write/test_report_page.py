@@ -18,12 +18,12 @@ from turning_bar import tip, write_bar
 
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.report import report
-from flexmb_cli.write import report_animation, report_camera
-from flexmb_cli.write.quantities import ResultError, open_result
-from flexmb_cli.write.report_animation import MOST_FRAMES, animation, frame_rows
-from flexmb_cli.write.report_page import report_page
-from flexmb_cli.write.scene import read_scene
-from flexmb_cli.write.view import view_of
+from flexmb_cli.results.figures import report_animation, report_camera
+from flexmb_cli.results.figures.report_animation import MOST_FRAMES, animation, frame_rows
+from flexmb_cli.results.figures.report_page import report_page
+from flexmb_cli.results.figures.scene import read_scene
+from flexmb_cli.results.figures.view import view_of
+from flexmb_cli.results.quantities.quantities import ResultError, open_result
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 TIMES = np.arange(7.0)

@@ -8,23 +8,31 @@ import numpy as np
 import pytest
 from turning_bar import tip, write_bar
 
-from flexmb_cli.model.build_dafms import build_dafms
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
 from flexmb_cli.model.mechanism import Joint
-from flexmb_cli.read.dafms import read_dafms
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.write.motion_series import BODY_MOTION
-from flexmb_cli.write.neighbours import different, gabriel_edges
-from flexmb_cli.write.quantities import ResultError, open_result
-from flexmb_cli.write.result_file import EULER_PARAMETER, XYZ, Axis, Layout, ResultFile, Series, numbered_axis
-from flexmb_cli.write.result_geometry import (
+from flexmb_cli.results.figures.gabriel_graph import different, gabriel_edges
+from flexmb_cli.results.figures.scene import read_scene, rotations
+from flexmb_cli.results.figures.view import view_of
+from flexmb_cli.results.hdf5.motion_series import BODY_MOTION
+from flexmb_cli.results.hdf5.result_file import (
+    EULER_PARAMETER,
+    XYZ,
+    Axis,
+    Layout,
+    ResultFile,
+    Series,
+    numbered_axis,
+)
+from flexmb_cli.results.hdf5.result_geometry import (
     SIDE,
     joint_geometry,
     node_geometry,
     shape_geometry,
     tree_geometry,
 )
-from flexmb_cli.write.scene import read_scene, rotations
-from flexmb_cli.write.view import view_of
+from flexmb_cli.results.quantities.quantities import ResultError, open_result
 
 TIMES = np.arange(7.0)
 

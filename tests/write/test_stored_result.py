@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.write import stored_result
+from flexmb_cli.results.hdf5 import stored_result
 from tests.write.results import write_result
 
 COMMANDS = {

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli.diff import diff
 from flexmb_cli.cli.table import table
-from flexmb_cli.write.quantities import ResultError, open_result
-from flexmb_cli.write.study_table import Column, TableHead, write_table
+from flexmb_cli.results.quantities.quantities import ResultError, open_result
+from flexmb_cli.study.table import Column, TableHead, write_table
 
 COLUMNS = (
     Column("parameter/driver.1.B", "rad/s", "speed"),

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from results import value, write_result
 
-from flexmb_cli.write.quantities import open_result, resolve
-from flexmb_cli.write.table import FORMATS, chosen_rows, list_text, table_text
+from flexmb_cli.results.quantities.quantities import open_result, resolve
+from flexmb_cli.results.quantities.table import FORMATS, chosen_rows, list_text, table_text
 
 
 @pytest.fixture

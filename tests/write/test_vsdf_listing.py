@@ -7,12 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexmb_cli.read.deck import Deck, DeckText
-from flexmb_cli.write.diff import compare_listings
-from flexmb_cli.write.listing import TableError
-from flexmb_cli.write.tolerances import KINDS, Tolerance, Tolerances
-from flexmb_cli.write.vsdf import VsdfTable
-from flexmb_cli.write.vsdf_listing import parse_vsdf
+from flexmb_cli.deck.listing import TableError
+from flexmb_cli.deck.record import Deck, DeckText
+from flexmb_cli.dialects.vsdf.listing import VsdfTable
+from flexmb_cli.dialects.vsdf.listing_reader import parse_vsdf
+from flexmb_cli.results.diff.listings import compare_listings
+from flexmb_cli.results.diff.tolerances import KINDS, Tolerance, Tolerances
 
 RULE = "*" * 78
 HEAD = f"""{RULE}

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb_cli.write.young import OutTable, echo_of_input, report_block
+from flexmb_cli.dialects.young.listing import OutTable, echo_of_input, report_block
 
 PUBLISHED = Path(__file__).parents[1] / "published" / "young"
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from flexmb_cli.write.hdf5_kinematic import kinematic_layout, kinematic_values
-from flexmb_cli.write.result_file import ResultFile
+from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
+from flexmb_cli.results.hdf5.result_file import ResultFile
 
 SPEED = 1.047  # rad/s, about y: the driver of IN2-1-1
 

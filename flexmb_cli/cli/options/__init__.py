@@ -1,0 +1,1 @@
+"""Option types and groups that several commands share."""

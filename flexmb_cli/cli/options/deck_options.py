@@ -1,0 +1,51 @@
+"""What the commands that take decks share: options, and how faults are shown."""
+
+import click
+
+from ...errors import compiler_style
+from ..terminal.screen import tell
+from ..terminal.stops import stop_on_signals
+
+DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True)
+
+
+def deck_options(command):
+    """Options that `run` and `check` share."""
+    options = [
+        click.option("--dialect", type=click.Choice(["auto", "young", "dafms", "vsdf"]), default="auto",
+                     show_default=True, help="Dialect of the decks."),
+        click.option("--set", "changes", metavar="NAME=VALUE", multiple=True,
+                     help="Give a number of the deck another value, by its readable name (see --echo)."),
+        click.option("--echo", is_flag=True, help="List every number of the deck with its meaning."),
+        click.option("--strict", is_flag=True, help="Treat warnings as errors."),
+        click.option("--json", "as_json", is_flag=True, help="One JSON object a deck on standard output."),
+        click.option("-q", "--quiet", is_flag=True, help="Print errors only."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def every_deck(decks, examine):
+    """What `examine` finds of each deck, also of those that it is not asked for any more after a stop."""
+    stop_on_signals()
+    for deck in with_models(decks):
+        report = examine(deck)
+        yield report
+        if report.outcome.exit_code > 128:
+            tell(f"{deck}: interrupted")
+
+
+def with_models(decks) -> list[str]:
+    """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
+    from ...dialects.dafms.models import models_of
+
+    return [name for deck in decks for name in models_of(deck)]
+
+
+def show_faults(outcome, quiet: bool) -> None:
+    """Faults of an outcome on standard error, as compilers show them; with `quiet` errors only."""
+    faults = [fault for fault in outcome.faults if fault.severity == "error" or not quiet]
+    if faults:
+        lines = outcome.source.lines if outcome.source else ()
+        click.echo(compiler_style(outcome.deck, faults, lines), err=True)

@@ -1,0 +1,178 @@
+"""Decks solved in several processes at once: whichever is killed, its deck is known."""
+
+import signal
+import sys
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from ...errors import ANALYSIS_FAILED, Fault
+from ...memory import lacks_memory, told_of_lack
+from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
+from ...run.processes.signal_mask import unblock_stops
+from ...run.processes.worker import Worker, end_all, having_answers, portable
+from .stops import pass_over_stops, stop_on_signals
+
+KILLED = (
+    "the process that solved this deck was killed from outside, or out of memory: give it again; a DAFMS "
+    "deck goes on with --resume"
+)
+
+
+def outcomes_in_parallel(
+    decks, options: RunOptions, jobs: int, notice: Callable[[str], None]
+) -> Iterator[Outcome]:
+    """What became of every deck, in order; after a stop, of those that had been begun."""
+    from ...run.processes.parent_watch import outlive_workers
+
+    outlive_workers()
+    work = _Work(options, jobs, notice, deque(enumerate(decks)))
+    try:
+        for index in range(len(decks)):
+            while index not in work.ended:
+                work.go_on()
+            yield work.ended.pop(index)
+    except (KeyboardInterrupt, Terminated) as stop:
+        work.stop(signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM)
+        yield from (outcome for _, outcome in sorted(work.ended.items()))
+    except BaseException:
+        work.stop(signal.SIGTERM)
+        raise
+    finally:
+        end_all(work.idle)
+
+
+@dataclass
+class _Unable:
+    """What a process sends that cannot begin."""
+
+    reason: str
+
+
+@dataclass
+class _Work:
+    """`waiting` (index, deck), `running` (index, deck) by worker, `ended` outcomes by index.
+
+    `told`: sentences that one process or another had to say; `fault`: one of flexmb, with --debug.
+    """
+
+    options: RunOptions
+    jobs: int
+    notice: Callable[[str], None]
+    waiting: deque
+    running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
+    idle: list[Worker] = field(default_factory=list)
+    ended: dict[int, Outcome] = field(default_factory=dict)
+    told: set[str] = field(default_factory=set)
+    fault: BaseException | None = None
+
+    def go_on(self):
+        """Give decks to processes, and wait until one has something to say."""
+        while self.waiting and len(self.running) < self.jobs and Stop.asked is None:
+            self._begin(*self.waiting.popleft())
+        with Stop.released():
+            ready = having_answers(self.running) if self.running else []
+        self._hear(ready)
+        if self.fault:
+            raise self.fault
+
+    def _begin(self, index, deck):
+        while self.idle:
+            worker = self.idle.pop()
+            if worker.send(deck):
+                self.running[worker] = index, deck
+                return
+            worker.kill()  # as somebody has while it had nothing to do
+        try:
+            worker = Worker(_serve, self.options)
+        except OSError as fault:
+            self._put_back(index, deck, str(fault))
+            return
+        worker.send(deck)
+        self.running[worker] = index, deck
+
+    def _put_back(self, index, deck, reason):
+        """No more processes than there are can be had; a deck that has none at all is done with."""
+        if self.running:
+            self.jobs = len(self.running)
+            self.waiting.appendleft((index, deck))
+        else:
+            self.ended[index] = _failed(deck, f"no process can be started for this deck: {reason}")
+
+    def stop(self, number):
+        """Stop the processes as this one was: a signal may have come to this process alone."""
+        for worker in self.running:
+            worker.signal(number)
+        while self.running:
+            self._hear(having_answers(self.running))
+
+    def _hear(self, workers):
+        for worker in workers:
+            answer = worker.answer()
+            if isinstance(answer, str):
+                self._tell(answer)
+            else:
+                self._take(worker, *self.running.pop(worker), answer)
+
+    def _tell(self, sentence):
+        if sentence not in self.told:
+            self.told.add(sentence)
+            self.notice(sentence)
+
+    def _take(self, worker, index, deck, answer):
+        """What became of a deck; `answer` None: its process was killed."""
+        outcome, goes_on = answer or (_failed(deck, KILLED), False)
+        if goes_on:
+            self.idle.append(worker)
+        else:
+            worker.end()
+        if isinstance(outcome, Outcome):
+            self.ended[index] = outcome
+        elif isinstance(outcome, _Unable):
+            self._put_back(index, deck, outcome.reason)
+        else:
+            self.fault = outcome
+
+
+def _failed(deck, told):
+    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", told)])
+
+
+def _serve(line, options):
+    """Solve what comes through `line` until nothing more can come.
+
+    Sent are sentences for who looks on, and (what became of a deck, whether the process goes on).  It does
+    not after a stop: what was being imported then stays half done.
+    """
+    unable = _begin_process()
+    listener = Listener(notice=line.send)
+    goes_on = True
+    while goes_on:
+        deck = line.recv()
+        outcome = unable or _solve(deck, options, listener)
+        goes_on = Stop.asked is None and isinstance(outcome, Outcome)
+        line.send((outcome, goes_on))
+
+
+def _begin_process():
+    from ...run.processes.parent_watch import end_with_parent
+
+    sys.unraisablehook = pass_over_stops
+    stop_on_signals()
+    unblock_stops()
+    try:
+        end_with_parent()
+    except RuntimeError as fault:  # no thread can be started
+        return _Unable(str(fault))
+    return None
+
+
+def _solve(deck, options, listener):
+    try:
+        from ...run.deck import run_deck
+
+        return run_deck(deck, options, listener)
+    except Exception as fault:
+        if lacks_memory(fault):
+            return _failed(deck, told_of_lack(fault))
+        return portable(fault)  # of flexmb itself, with --debug

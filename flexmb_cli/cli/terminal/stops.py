@@ -1,0 +1,41 @@
+"""Ctrl-C, SIGTERM and a closed terminal."""
+
+import signal
+import sys
+
+from ...run.outcome import Stop, Terminated
+from ...run.processes.signal_mask import STOPS
+
+
+def stop_on_signals() -> None:
+    """Have them noted from here on, and raised where they are released (`Stop.released`), but once only.
+
+    A second one would come in the midst of what the first one has brought about: rows are being kept.  The
+    terminal tells a process what its parent tells it, too.
+    """
+
+    def stop(number, frame):
+        before, Stop.asked = Stop.asked, KeyboardInterrupt if number == signal.SIGINT else Terminated
+        if before is None and not Stop.held:
+            raise Stop.asked
+
+    Stop.held = 1
+    for number in STOPS:
+        # A shell that runs its commands in the background has them ignore Ctrl-C, `nohup` a closed terminal.
+        if number == signal.SIGTERM or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, stop)
+
+
+def ignore_stops() -> None:
+    """Where one was obeyed the process ends by itself, with its own exit code."""
+    for number in STOPS:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def pass_over_stops(lost) -> None:
+    """`sys.unraisablehook`: a stop amid Python's own clearing up is not raised there; it is no traceback.
+
+    Nor is it where memory is short: what needs it says so.
+    """
+    if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated | MemoryError):
+        sys.__unraisablehook__(lost)

@@ -1,0 +1,186 @@
+"""The records of a fixed-format deck in sequence: READ statements with located, collected faults."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ..errors import Fault, Place
+from .fortran_card import Field, Format, cut, fortran_format, hint
+from .record import DeckText, Number
+
+
+class Unreadable(Exception):
+    """Reading cannot go on: the fault that stopped it is already noted."""
+
+
+class MissingRecord(Exception):
+    """A card stands where a data record is expected; it has not been consumed."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One entry of an input list: the deck's name for it, what it means, its SI unit."""
+
+    key: str
+    meaning: str
+    unit: str = ""
+
+
+class Records:
+    """The lines of `source` as a FORTRAN unit reads them, and the faults found on the way.
+
+    `words` are the cards known by their first four columns: none of them can be a data record.
+    """
+
+    def __init__(self, source: DeckText, words: Iterable[str]):
+        self.lines = _lines_before_end(source)
+        self.words = frozenset(words)
+        self.line = 0
+        self.faults: list[Fault] = []
+        self.errors = 0
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether all lines have been read."""
+        return self.line == len(self.lines)
+
+    def next_card(self) -> str:
+        """The next line, whatever it holds."""
+        if self.exhausted:
+            raise EOFError
+        self.line += 1
+        return self.lines[self.line - 1]
+
+    def word(self) -> str:
+        """First four columns of the current card, padded with blanks."""
+        return self.lines[self.line - 1][:4].ljust(4)
+
+    def report(self, severity: str, subject: str, message: str, place: Place | None = None, guide=()) -> None:
+        """Note a fault; without a place it stands at the current line's first column."""
+        self.errors += severity == "error"
+        self.faults.append(Fault(severity, message, place or Place(self.line, 1), subject, tuple(guide)))
+
+    def stop(self, subject: str, message: str, place: Place | None = None):
+        """Note an error that nothing can be read after."""
+        self.report("error", subject, message, place)
+        raise Unreadable
+
+    def read(self, form: str, items: list[Item], subject: str) -> tuple[Number, ...]:
+        """One READ: `items` in as many records as the FORMAT `form` needs, each from its own columns."""
+        fmt = fortran_format(form)
+        numbers: list[Number] = []
+        while len(numbers) < len(items):
+            batch = items[len(numbers) : len(numbers) + len(fmt.edits)]
+            numbers += self._read_record(fmt, batch, subject)
+        return tuple(numbers)
+
+    def check_index(self, index: Number, wanted: int, subject: str, rule: str) -> None:
+        """The number that heads a record must be its position: DAFMS reads it and never looks at it."""
+        if index.value == wanted:
+            return
+        if not index.text:
+            message = f"the record's number is blank, taken as {wanted}"
+            self.report("warning", subject, message, index.place)
+            return
+        message = f"the record is numbered {index.value}, expected {wanted}: {rule}"
+        self.report("error", subject, message, index.place)
+
+    def end_of_deck(self, subject: str, expected: str):
+        """Note that the deck ends where `expected` should stand, just after its last character."""
+        last = len(self.lines)
+        while last > 1 and not self.lines[last - 1]:
+            last -= 1
+        column = len(self.lines[last - 1]) + 1 if self.lines else 1
+        self.stop(subject, f"unexpected end of the deck, expected {expected}", Place(max(last, 1), column))
+
+    def _read_record(self, fmt: Format, items: list[Item], subject: str) -> list[Number]:
+        if self.exhausted:
+            self.end_of_deck(subject, f"{_named(items)}; FORMAT({fmt.text})")
+        line = self.next_card()
+        if self.word() in self.words:
+            message = f"card '{self.word()}' stands where {_named(items)} must stand; FORMAT({fmt.text})"
+            self.report("error", subject, message)
+            self.line -= 1
+            raise MissingRecord
+        card = _Card(self, fmt, line, len(items), subject)
+        numbers = [card.number(field, item) for field, item in zip(card.fields, items, strict=True)]
+        card.check_edges()
+        card.check_rest()
+        return numbers
+
+
+class _Card:
+    """One record being read: its fields, and the faults that are shown with its FORMAT and ruler."""
+
+    def __init__(self, records: Records, fmt: Format, line: str, used: int, subject: str):
+        self.records = records
+        self.format = fmt
+        self.line = line
+        self.fields = [cut(line, edit) for edit in fmt.edits[:used]]
+        self.subject = subject
+
+    def number(self, field: Field, item: Item) -> Number:
+        """The field's number; 0 with an error noted when it holds none."""
+        value = field.value()
+        place = Place(self.records.line, field.column, len(field.spelled) or 1)
+        if value is None:
+            self._report_bad(field, item, place)
+            value = 0 if field.edit.letter == "I" else 0.0
+        elif " " in field.spelled or field.implied_point:
+            self._report_odd(field, item, place, value)
+        return Number(item.key, value, item.meaning, item.unit, place, field.spelled)
+
+    def _report(self, severity, message, place):
+        message = f"{message}; FORMAT({self.format.text})"
+        guide = self.format.guide(len(self.fields))
+        self.records.report(severity, self.subject, message, place, guide)
+
+    def _report_bad(self, field, item, place):
+        kind = "an integer" if field.edit.letter == "I" else "a real number"
+        reason = hint(field, self.line)
+        reason = f" ({reason})" if reason else ""
+        message = f"{item.key} in {field.span} must be {kind}, read '{field.spelled}'{reason}"
+        self._report("error", message, place)
+
+    def _report_odd(self, field, item, place, value):
+        why = "blanks inside a number are ignored" if " " in field.spelled else "no decimal point is typed"
+        if field.implied_point:
+            why += f", so {field.edit.descriptor} takes {field.edit.decimals} decimals"
+        message = f"{item.key} in {field.span}: '{field.spelled}' is read as {value!r}: {why}"
+        self._report("warning", message, place)
+
+    def check_edges(self) -> None:
+        """Warn of a number cut in two: it begins in one field and leaves blanks in the next.
+
+        Fields that touch because the right one is full are the custom of these decks.
+        """
+        for left, right in pairwise(self.fields):
+            if left.raw[-1] == " " or right.raw[0] == " " or right.raw[-1] != " ":
+                continue
+            if left.value() is not None and right.value() is not None:
+                message = (
+                    f"'{left.spelled}' and '{right.spelled.split()[0]}' touch at column {right.edit.column}: "
+                    "two numbers are read, one is typed?"
+                )
+                self._report("warning", message, Place(self.records.line, left.column))
+
+    def check_rest(self) -> None:
+        """Warn of numbers behind the last column read; words there are the old decks' comments."""
+        last = self.fields[-1].edit.last
+        rest = self.line[last:].rstrip()
+        if rest and not rest.strip(" 0123456789.+-EeDd"):
+            column = last + 1 + len(rest) - len(rest.lstrip())
+            message = f"'{rest.strip()}' stands behind column {last} and is not read"
+            self._report("warning", message, Place(self.records.line, column, len(rest.strip())))
+
+
+def _named(items):
+    """The keys of a list in words, a long one by its ends."""
+    keys = [item.key for item in items]
+    return ", ".join(keys) if len(keys) < 5 else f"{keys[0]} ... {keys[-1]}"
+
+
+def _lines_before_end(source: DeckText) -> list[str]:
+    """The deck's lines up to the end of the file or to the Ctrl-Z that DOS editors put there."""
+    lines = DeckText(source.name, source.text.split("\x1a", 1)[0], "").lines
+    return lines[:-1] if lines[-1] == "" else lines

@@ -1,0 +1,106 @@
+"""The custom of one record a line, and the lines that seem to break it by a lost or surplus number.
+
+YOUNG decks are free format, so a lost zero shifts every later number.  When a deck keeps the custom
+almost everywhere, a line that holds neither its record nor a fair part of one is the likely slip.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..errors import Fault, Place
+from .words import LONGEST_CARET, Word
+
+KEPT_PER_SLIP = 2
+
+
+def slips(
+    read_words: Sequence[Word], records: Sequence[tuple[str, int]], kept_per_slip: int = KEPT_PER_SLIP
+) -> tuple[Fault, ...]:
+    """Warnings for the lines that seem to have lost or gained numbers.
+
+    `records` are (subject, numbers needed) in the deck's order.  Lines and records are walked side by
+    side.  A line that fits no record is a slip when the line after it fits the next record again and
+    at least `kept_per_slip` lines keep the custom for each that does not; a deck wrapped at some
+    width seldom satisfies either.
+    """
+    lines = list(Counter(word.line for word in read_words).items())
+    slipped = _walk([held for _, held in lines], [needed for _, needed in records], kept_per_slip)
+    if not slipped:
+        return ()
+    spans = _spans(read_words)
+    return tuple(_warning(spans, *lines[line], *records[record]) for line, record in slipped)
+
+
+def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[Fault]:
+    """`faults`, the first error at or after a slip saying that the slip may be its cause."""
+    if not slipped:
+        return list(faults)
+    cause = slipped[0]
+    named = list(faults)
+    for index, fault in enumerate(named):
+        if fault.severity == "error" and _may_follow(fault, cause):
+            message = (
+                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"
+            )
+            named[index] = replace(fault, message=message)
+            break
+    return named
+
+
+def _walk(held, needed, kept_per_slip):
+    """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
+    line = record = kept = 0
+    slipped, unconfirmed = [], []
+    while line < len(held) and record < len(needed):
+        lines, records = _step(held, needed, line, record)
+        if lines:
+            slipped += unconfirmed
+            unconfirmed = []
+            kept += lines == records == 1
+        else:
+            unconfirmed.append((line, record))
+            lines = records = 1
+        line, record = line + lines, record + records
+    return slipped if kept_per_slip * len(slipped + unconfirmed) <= kept else []
+
+
+def _step(held, needed, line, record):
+    """How many (lines, records) go together from here: one and one, one broken, several joined; or 0, 0."""
+    here, wanted = held[line], needed[record]
+    if here == wanted or (here > wanted and record == len(needed) - 1):
+        return 1, 1
+    if here < wanted:
+        lines = _reach(held, line, wanted)
+        return (lines, 1) if lines else (0, 0)
+    records = _reach(needed, record, here)
+    return (1, records) if records else (0, 0)
+
+
+def _reach(sizes, start, total):
+    """How many of `sizes` from `start` on add up to `total`; 0 when none do."""
+    reached = 0
+    # By places: a slice would walk through all that lies before `start`.
+    for place in range(start, len(sizes)):
+        reached += sizes[place]
+        if reached >= total:
+            return place - start + 1 if reached == total else 0
+    return 0
+
+
+def _spans(read_words):
+    spans = {}
+    for word in read_words:
+        first = spans.setdefault(word.line, (word.column, 0))[0]
+        spans[word.line] = first, word.column + len(word.text) - first
+    return spans
+
+
+def _warning(spans, line, held, subject, needed):
+    column, width = spans[line]
+    place = Place(line, column, min(width, 2 * LONGEST_CARET))
+    return Fault("warning", f"needs {needed} numbers; line {line} has {held}", place, subject)
+
+
+def _may_follow(fault, cause):
+    return fault.place is None or fault.subject == "counts" or fault.place.line >= cause.place.line

@@ -1,0 +1,91 @@
+"""Bytes to text: where a deck comes from, how large it may be, and in which code it is written."""
+
+import hashlib
+import os
+import stat
+import sys
+from pathlib import Path
+
+from ..errors import DeckError, Fault, Place
+from .record import DeckText
+
+LARGEST_DECK = 64 * 1024 * 1024
+STANDARD_INPUT = "-"
+
+
+def read_text(path: str | Path, what: str = "deck") -> DeckText:
+    """The deck at `path`, or on standard input for "-"; messages call it `what` it should be.
+
+    Raises DeckError without a place when there is no such file, when it is no file, may not be
+    read or is larger than `LARGEST_DECK` bytes, and with a place when it is not text.
+    """
+    if str(path) == STANDARD_INPUT:
+        return decode(STANDARD_INPUT, _first_bytes(sys.stdin.buffer, what), what)
+    path = Path(path)
+    return decode(path.name, _file_bytes(path, what), what)
+
+
+def decode(name: str, raw: bytes, what: str = "deck") -> DeckText:
+    """The text of `raw`: UTF-8 with or without byte order mark, else Latin-1 with a warning."""
+    _refuse_nul(raw, what)
+    digest = hashlib.sha256(raw).hexdigest()
+    try:
+        return DeckText(name, raw.decode("utf-8-sig"), digest)
+    except UnicodeDecodeError as fault:
+        place = _place_of(raw, fault.start)
+        doubt = Fault("warning", f"the {what} is not UTF-8 and is read as Latin-1", place)
+        return DeckText(name, raw.decode("latin-1"), digest, (doubt,))
+
+
+def _file_bytes(path: Path, what: str) -> bytes:
+    try:
+        found = path.stat()
+        if stat.S_ISDIR(found.st_mode):
+            raise _unreadable(f"is a directory, not a {what}")
+        if found.st_size > LARGEST_DECK:
+            raise _too_large(what)
+        with path.open("rb") as stream:
+            return _first_bytes(stream, what)
+    except FileNotFoundError:
+        raise _unreadable("no such file") from None
+    except PermissionError:
+        raise _unreadable("permission denied") from None
+    except (OSError, ValueError) as fault:
+        raise _unreadable(f"cannot be read: {_reason(fault)}") from None
+
+
+def _first_bytes(stream, what: str) -> bytes:
+    # Pipes and devices have no size beforehand: one byte more than allowed is enough to know.
+    raw = stream.read(LARGEST_DECK + 1)
+    if len(raw) > LARGEST_DECK:
+        raise _too_large(what)
+    return raw
+
+
+def _reason(fault: Exception) -> str:
+    number = getattr(fault, "errno", None)
+    return os.strerror(number) if number else "the name is not a file name"
+
+
+def _refuse_nul(raw: bytes, what: str) -> None:
+    where = raw.find(b"\0")
+    if where < 0:
+        return
+    message = (
+        f"the {what} holds a NUL byte, so it is not text; save it as UTF-8 (is it UTF-16, or a binary file?)"
+    )
+    raise DeckError([Fault("error", message, _place_of(raw, where))])
+
+
+def _place_of(raw: bytes, offset: int) -> Place:
+    before = raw[:offset].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    last_line = before[before.rfind(b"\n") + 1 :]
+    return Place(before.count(b"\n") + 1, len(last_line.decode("utf-8", "replace")) + 1)
+
+
+def _too_large(what: str) -> DeckError:
+    return _unreadable(f"larger than {LARGEST_DECK // 1024**2} MB, which no {what} is")
+
+
+def _unreadable(message: str) -> DeckError:
+    return DeckError([Fault("error", message)])

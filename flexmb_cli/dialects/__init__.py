@@ -1,0 +1,1 @@
+"""The input languages: one folder each, and the table that recognises them."""

@@ -1,0 +1,1 @@
+"""DAFMS decks (1992): trees of rigid and flexible bodies."""

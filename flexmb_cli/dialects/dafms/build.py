@@ -1,0 +1,71 @@
+"""FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
+
+from ...deck.record import Deck
+from ...deck.records import DeckValues
+from ...errors import Fault, ModelError
+from ...model.diagnostics import Findings
+from ...model.inertia_checks import check_inertia
+from ...model.tree import Tree
+from .bodies import build_bodies
+from .hinges import build_hinges
+from .start import build_integration, build_start, build_time
+from .time_functions import build_closures, build_laws
+
+GRAVITY = (0.0, 9.8, 0.0)
+
+# Products of four such numbers are still doubles.
+LARGEST = 1e50
+
+
+def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
+    """The tree that `deck` describes, and what was doubtful.
+
+    Raises `ModelError` with all faults found, the deck's own warnings among them.
+    """
+    values, findings = DeckValues(deck), Findings()
+    _check_magnitudes(deck, findings)
+    _stop_at_errors(deck, findings)
+    bodies = build_bodies(values, findings)
+    hinges = build_hinges(values, bodies, findings)
+    time = build_time(values, findings)
+    integration = build_integration(values, findings)
+    _stop_at_errors(deck, findings)
+    laws = build_laws(values, bodies, hinges, findings)
+    closures = build_closures(values, bodies, findings)
+    _stop_at_errors(deck, findings)
+    q, y = build_start(values, bodies, hinges, laws["prescribed"], findings)
+    one_way = values.record("one_way") is not None
+    gravity = tuple(values.values("gravity", 0, (0, *GRAVITY))[1:])
+    tree = Tree(
+        bodies,
+        hinges,
+        q,
+        y,
+        time,
+        gravity,
+        closures=closures,
+        one_way=one_way,
+        integration=integration,
+        **laws,
+    )
+    _check_freedom(tree, values, findings)
+    check_inertia(tree, values, findings)
+    _stop_at_errors(deck, findings)
+    return tree, findings.in_order
+
+
+def _stop_at_errors(deck, findings):
+    if any(fault.severity == "error" for fault in findings.faults):
+        raise ModelError((*deck.warnings, *findings.in_order))
+
+
+def _check_magnitudes(deck, findings):
+    for name, number in deck.numbers():
+        if not abs(number.value) <= LARGEST:
+            findings.error(name, f"{number.value:g} is too large: numbers end at {LARGEST:g}", number.place)
+
+
+def _check_freedom(tree, values, findings):
+    if not tree.coordinates:
+        message = "no hinge is free and no body is flexible: nothing can move"
+        findings.error("counts", message, values.place("counts"))

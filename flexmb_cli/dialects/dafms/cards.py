@@ -1,0 +1,225 @@
+"""The cards of FMBD.DAT: one table of words, FORMATs and lists, historic and extended.
+
+Source of the historic cards: DAFMS thesis (Zhao, 1992), appendix C, subroutines QCONTR, DFIN, TSYSIN.
+The extension cards are unknown to the 1992 program, which skips them one line at a time; no data
+record of theirs can begin with a card's word, because all begin with a number.
+
+`A` numbers the freedoms of a hinge: 1-3 rotation about, 4-6 translation along axis 1-3 of P_k.
+The whole format is described for users in decks/dafms/FORMAT.md.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+from ...deck.fortran_records import Item
+
+MACROS = ("DFMB", "STAR", "STOP")
+END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"
+SWITCHES = (END, PRINT_ON, PRINT_OFF)
+
+
+@dataclass(frozen=True)
+class Card:
+    """A card: its word (four columns), the section of its records, FORMAT and list of one record.
+
+    `layout` tells how many records follow: "bodies" N, each headed by the body's number; "list" one
+    list over all bodies; "coordinates", "state" a list over the coordinates; "single" one record;
+    "switch" none; "entries" a count, then so many entries, each with the records `parts`.
+    """
+
+    word: str
+    section: str
+    layout: str
+    format: str = ""
+    items: tuple[Item, ...] = ()
+    tail: str = ""
+    extension: bool = False
+
+
+def _axes(letter: str, meaning: str, unit: str = "", axes=(1, 2, 3)) -> tuple[Item, ...]:
+    return tuple(Item(f"{letter}{axis}", f"{meaning}, axis {axis}", unit) for axis in axes)
+
+
+def _euler(meaning: str) -> tuple[Item, ...]:
+    return tuple(Item(f"e{i}", f"Euler parameter e{i} of {meaning}") for i in (1, 2, 3, 4))
+
+
+_HINGE = (
+    Item("K", "body whose hinge is meant"),
+    Item("A", "freedom of the hinge: 1-3 rotation, 4-6 translation"),
+)
+_CLOSURE = (
+    Item("KA", "first body of the closure"),
+    Item("NA", "its node, 0: the vector a"),
+    Item("KB", "second body of the closure, 0: inertial frame"),
+    Item("NB", "its node, 0: the vector b"),
+    *_axes("C", "1: closed in this direction"),
+    *_axes("a", "point of the first body", "m"),
+    *_axes("b", "point of the second body", "m"),
+)
+
+HISTORIC = (
+    Card("CONN", "parent", "list", "10I5", (Item("L", "number of the body's parent, 0: inertial frame"),)),
+    Card("MASS", "mass", "bodies", "I5,F10.5", (Item("BM", "mass of the body", "kg"),)),
+    Card("INER", "inertia", "bodies", "I5,3F10.5", _axes("BII", "moment of inertia about O_k", "kg m^2")),
+    Card("XI  ", "offset", "bodies", "I5,3F10.5", _axes("XI", "P_k to O_k, echoed only", "m")),
+    Card("Q(k)", "hinge_point", "bodies", "I5,3F10.5", _axes("PH", "hinge point in the parent", "m")),
+    Card("NOFP", "hinge_node", "bodies", "I5,I5", (Item("NP", "node of the parent at the hinge"),)),
+    Card("EULT", "attitude", "bodies", "I5,4F10.5", _euler("O_k against P_k")),
+    Card("EULL", "hinge_attitude", "bodies", "I5,4F10.5", _euler("P_k in the parent")),
+    Card("X(L)", "first_coordinate", "coordinates", "5F10.5"),
+    Card("Y(L)", "state", "state", "5F10.5"),
+    Card("FORC", "force", "bodies", "I5,3F10.5", _axes("HF", "force at O_k, inertial", "N")),
+    Card("TOQU", "torque", "bodies", "I5,3F10.5", _axes("HM", "external torque, inertial", "N m")),
+    Card("RC(K", "mass_centre", "bodies", "I5,3F10.5", _axes("RC", "O_k to mass centre", "m")),
+    Card(
+        "DESN",
+        "pulse",
+        "bodies",
+        "2I5,4F10.5",
+        (
+            Item("IDS", "law of the designed torque: 0 none, 1 pulse"),
+            Item("F1", "height of the pulse", "N m"),
+            Item("TIME", "length of the pulse", "s"),
+        ),
+    ),
+)
+
+EXTENSIONS = (
+    Card(
+        "GRAV",
+        "gravity",
+        "single",
+        "I5,3F10.5",
+        (Item("KG", "not used"), *_axes("g", "gravity, inertial", "m/s^2")),
+        extension=True,
+    ),
+    Card("UNCO", "one_way", "switch", extension=True),
+    Card("LOOP", "closure", "entries", "7I5", _CLOSURE, "6F10.5", extension=True),
+    Card(
+        "PROD",
+        "product",
+        "bodies",
+        "I5,3F10.5",
+        tuple(
+            Item(f"BII{ij}", f"element {ij} of the inertia matrix about O_k", "kg m^2") for ij in (12, 13, 23)
+        ),
+        extension=True,
+    ),
+    Card(
+        "SPRI",
+        "spring",
+        "entries",
+        "2I5,2F10.5",
+        (*_HINGE, Item("KS", "stiffness", "N m/rad or N/m"), Item("Q0", "coordinate at rest", "rad or m")),
+        extension=True,
+    ),
+    Card(
+        "DAMP",
+        "damper",
+        "entries",
+        "2I5,F10.5",
+        (*_HINGE, Item("CS", "damping constant", "N m s/rad or N s/m")),
+        extension=True,
+    ),
+    Card(
+        "MOTR",
+        "motor",
+        "entries",
+        "2I5,F10.5",
+        (*_HINGE, Item("TAU", "torque or force, opposite on the parent", "N m or N")),
+        extension=True,
+    ),
+    Card(
+        "PRES",
+        "prescribed",
+        "entries",
+        "2I5,3F10.5",
+        (
+            *_HINGE,
+            Item("C", "coordinate at t = 0", "rad or m"),
+            Item("B", "speed at t = 0", "rad/s or m/s"),
+            Item("A2", "acceleration", "rad/s^2 or m/s^2"),
+        ),
+        extension=True,
+    ),
+    Card(
+        "TABL",
+        "torque_table",
+        "entries",
+        "3I5",
+        (
+            Item("K", "body"),
+            Item("A", "inertial axis of the torque"),
+            Item("NP", "number of points of the table"),
+        ),
+        "2F10.5",
+        extension=True,
+    ),
+    Card(
+        "TABM",
+        "motor_table",
+        "entries",
+        "3I5",
+        (*_HINGE, Item("NP", "number of points of the table")),
+        "2F10.5",
+        extension=True,
+    ),
+    Card(
+        "ELDA",
+        "elastic_damping",
+        "bodies",
+        "I5,2F10.5",
+        (Item("ALPHA", "mass-proportional", "1/s"), Item("BETA", "stiffness-proportional", "s")),
+        extension=True,
+    ),
+    Card(
+        "NROT",
+        "nodal_rotation",
+        "entries",
+        "2I5",
+        (Item("K", "flexible body"), Item("I", "its node")),
+        "6E13.5",
+        extension=True,
+    ),
+    Card(
+        "GSTF",
+        "stiffening",
+        "bodies",
+        "I5,I5,F10.5",
+        (
+            Item("IGS", "geometric stiffening: 0 none, 1 on"),
+            Item("RA", "clamped end of the beam, from O_k", "m"),
+        ),
+        extension=True,
+    ),
+    Card(
+        "TOLR",
+        "tolerance",
+        "single",
+        "2E13.5",
+        (Item("RTOL", "relative tolerance of a step"), Item("ATOL", "absolute tolerance of a step")),
+        extension=True,
+    ),
+    Card(
+        "METH",
+        "method",
+        "single",
+        "I5",
+        (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
+        extension=True,
+    ),
+)
+
+CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}
+KNOWN_WORDS = (*MACROS, *SWITCHES, *CARDS)
+
+
+@cache
+def resembling(word: str) -> str | None:
+    """The known card that `word` was probably meant to be: other case, one letter off, two swapped."""
+    for known in KNOWN_WORDS:
+        if word.casefold() == known.casefold() or sorted(word) == sorted(known):
+            return known
+    close = [known for known in KNOWN_WORDS if sum(a != b for a, b in zip(word, known, strict=True)) == 1]
+    return close[0] if close else None

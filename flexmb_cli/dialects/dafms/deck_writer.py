@@ -1,0 +1,183 @@
+"""The answers of `flexmb new dafms` as the cards of FMBD.DAT, every number in the columns of its FORMAT.
+
+Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's table of cards.
+"""
+
+from collections.abc import Sequence
+
+from ...deck.fortran_fields import filled
+from ...deck.record import Number, Record
+from ...errors import Fault
+from .beam import Beam
+from .beam_cards import beam_block
+from .cards import CARDS
+
+OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
+OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
+
+WIDE, _REAL, _INTEGER = 13, 10, 5
+_WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
+
+
+def _width(record):
+    """Columns of a real number; those of a beam stand in no card."""
+    return WIDE if record.section.startswith(_WIDE_SECTIONS) else _REAL
+
+
+def field(value: Number, width: int) -> str:
+    """The columns of `value`: as typed where that fits and has a point, else respelled with one."""
+    if isinstance(value.value, int):
+        return f"{value.value:{_INTEGER}d}"
+    if value.text == "" or ("." in value.text and len(value.text) <= width):
+        return value.text.rjust(width)
+    return filled(value.value, width).rjust(width)
+
+
+def faults_of_fields(record: Record) -> list[Fault]:
+    """Numbers that the columns of their FORMAT cannot hold as they were typed."""
+    if record.section == "beam":
+        return []
+    faults = []
+    for value in record.numbers:
+        width = _INTEGER if isinstance(value.value, int) else _width(record)
+        if isinstance(value.value, str) or _fits(value, width):
+            continue
+        message = f"{value.key} must fit {width} columns; read {value.text}"
+        if not isinstance(value.value, int):
+            message += f"; the nearest that fits is {filled(value.value, width)}"
+        faults.append(Fault("error", message, value.place, record.subject))
+    return faults
+
+
+def _fits(value, width):
+    if isinstance(value.value, int):
+        return len(str(value.value)) <= width
+    if "." in value.text and len(value.text) <= width:
+        return True
+    return float(filled(value.value, width)) == value.value
+
+
+def beam_of(numbers: dict) -> Beam:
+    """The beam of the answers; DeckError when they make none."""
+    names = ("length", "nodes", "EI", "rho", "offset", "EA", "EI_1", "tip_mass")
+    return Beam(*(int(numbers[n]) if n == "nodes" else numbers[n] for n in names))
+
+
+def deck_lines(records: Sequence[Record]) -> list[tuple[str, str]]:
+    """The deck as pairs (line, prefix of the record that it came from or "")."""
+    return _Deck(records).lines()
+
+
+class _Deck:
+    """Cards of a complete set of answers."""
+
+    def __init__(self, records):
+        self.records = records
+        self.by_prefix = {record.prefix: record for record in records}
+        self.bodies = range(1, self.by_prefix["counts"]["N"] + 1)
+
+    def lines(self):
+        counts, title = self.by_prefix["counts"], self.by_prefix["title"]
+        lines = [(f"{counts['N']:5d}{counts['NDM']:5d}", "counts")]
+        lines += [(f"DFMB {title['text']}".rstrip(), "title"), *self._control()]
+        for k in self.bodies:
+            lines += self._block(k)
+        lines += [("CONN", ""), *self._list([(self._body(k).at("L"), f"body.{k}") for k in self.bodies], 10)]
+        for word in OF_EVERY_BODY:
+            lines += self._card(CARDS[word])
+        lines += self._state()
+        for word in OPTIONAL:
+            if counts[word]:
+                lines += self._card(CARDS[word])
+        return [*lines, ("END ", ""), ("STAR", ""), ("STOP", "")]
+
+    def _body(self, k):
+        return self.by_prefix[f"body.{k}"]
+
+    def _control(self):
+        lines = [self._freedoms(k, letter) for letter in ("NT", "NR") for k in self.bodies]
+        sizes = [self._size(k) for k in self.bodies]
+        for counts in zip(*sizes, strict=True):
+            fields = [f"{count:5d}" for count in counts]
+            lines += [("".join(fields[i : i + 10]), "") for i in range(0, len(fields), 10)]
+        time = self.by_prefix["time"]
+        return [*lines, *((field(n, _REAL), "time") for n in time.numbers)]
+
+    def _freedoms(self, k, letter):
+        flags = [self._body(k)[f"{letter}.{axis}"] for axis in (1, 2, 3)]
+        return "".join(f"{n:5d}" for n in (k, sum(flags), *flags)), f"body.{k}"
+
+    def _size(self, k):
+        """NUMNP and NDF."""
+        if beam := self._beam(k):
+            return beam.nodes, len(beam.axes)
+        elastic = self.by_prefix.get(f"elastic.{k}") if self._body(k)["kind"] == "TYPED" else None
+        return (elastic["NUMNP"], elastic["NDF"]) if elastic else (0, 0)
+
+    def _beam(self, k):
+        if self._body(k)["kind"] != "BEAM":
+            return None
+        record = self.by_prefix[f"beam.{k}"]
+        return beam_of({n.key: n.value if n.text else None for n in record.numbers})
+
+    def _block(self, k):
+        if beam := self._beam(k):
+            text = beam_block(beam, self.by_prefix["counts"]["NDM"])
+            return [(line, f"beam.{k}") for line in text.splitlines()]
+        nodes, freedoms = self._size(k)
+        return self._typed(k, nodes * freedoms) if nodes else []
+
+    def _typed(self, k, size):
+        nodes = [record for record in self.records if record.section == f"node.{k}"]
+        half = len(nodes[0].numbers) // 2
+        lines = [_indexed(record, record.numbers[:half]) for record in nodes]
+        lines += [_indexed(record, record.numbers[half:]) for record in nodes]
+        lines.append((f"{size:5d}", ""))
+        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]
+        for height in skyline.numbers:
+            addresses.append((addresses[-1] if addresses else 0) + height.value)
+        for numbers in (range(1, size + 1), addresses):
+            fields = [f"{n:5d}" for n in numbers]
+            lines += [("".join(fields[i : i + 10]), skyline.prefix) for i in range(0, size, 10)]
+        columns = [record for record in self.records if record.section == f"stiffness.{k}"]
+        lines += self._list([(n, record.prefix) for record in columns for n in record.numbers], 6, WIDE)
+        masses = self.by_prefix[f"nodal_mass.{k}"]
+        return lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
+
+    def _list(self, pairs, per_line, width=_REAL):
+        """Numbers side by side; a line goes under the name of its first number's record."""
+        chunks = [pairs[i : i + per_line] for i in range(0, len(pairs), per_line)]
+        return [("".join(field(n, width) for n, _ in chunk), chunk[0][1]) for chunk in chunks]
+
+    def _card(self, card):
+        records = [record for record in self.records if record.section == card.section]
+        lines = [(card.word, "")]
+        if card.layout == "entries":
+            lines.append((f"{len(records):5d}", ""))
+        for record in records:
+            fields = [field(n, _width(record)) for n in record.numbers]
+            if card.layout == "bodies":
+                fields.insert(0, f"{record.number:5d}")
+            if card.word == "GRAV":
+                fields.insert(0, f"{0:5d}")
+            first = 7 if card.word == "LOOP" else len(fields)
+            lines += [("".join(part), record.prefix) for part in (fields[:first], fields[first:]) if part]
+            lines += self._rows(f"{card.section}.{record.number}")
+        return lines
+
+    def _rows(self, section):
+        """The table that follows a record: points of TABM and TABL, rotations of NROT."""
+        for record in self.records:
+            if record.section == section:
+                width = _width(record)
+                yield from self._list([(n, record.prefix) for n in record.numbers], 6, width)
+
+    def _state(self):
+        records = [record for record in self.records if record.section == "state"]
+        pairs = [(record.at(key), record.prefix) for key in ("u", "q") for record in records]
+        return [("Y(L)", ""), *self._list(pairs, 5)] if pairs else []
+
+
+def _indexed(record, numbers):
+    return f"{record.number:5d}" + "".join(field(n, _REAL) for n in numbers), record.prefix

@@ -1,0 +1,192 @@
+"""Readers of what DAFMS wrote, ours and historic: the echo FMBD.OUT and the time series of units 2 and 3.
+
+The layouts are those of `dafms.py`.  Lines that are no part of them (the ==WKD== lines of the debugging
+program, blank lines) are passed over.
+"""
+
+import os
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...deck.fortran_format import E, Edit, F, I
+from ...deck.fortran_words import split_fields, split_list, unit_of, value_of
+from ...deck.listing import DAFMS_ECHO, DAFMS_SERIES, EchoLine, Listing, Section, TableError
+from ...errors import Fault, Place
+
+
+@dataclass(frozen=True)
+class _Tag:
+    """A line of the echo: what stands behind its tag; `columns` empty: a list of `edits[0]`."""
+
+    name: str
+    kind: str
+    edits: tuple[Edit, ...]
+    columns: tuple[str, ...] = ()
+
+
+def _vector(name, kind, *indices):
+    edits = (*len(indices) * (I(5),), *3 * (F(10, 5),))
+    return _Tag(name, kind, edits, (*indices, "axis 1", "axis 2", "axis 3"))
+
+
+_FREEDOMS = ("body", "number", "axis 1", "axis 2", "axis 3")
+_PARAMETERS = ("body", "e1", "e2", "e3", "e4")
+# Tags as printed, but for blanks; FMBD.OUT, thesis (Zhao, 1992), appendix C.
+TAGS = {
+    "==N==NDM==": _Tag("counts", "count", (I(5), I(5)), ("N", "NDM")),
+    "NUMBEROFDOFOFTRANSLATION=": _Tag("translations", "count", 5 * (I(5),), _FREEDOMS),
+    "NUMBEROFDOFOFROTATION=": _Tag("rotations", "count", 5 * (I(5),), _FREEDOMS),
+    "NUMBEROFNODESINBODYK=": _Tag("nodes of bodies", "count", (I(5),)),
+    "NUMBEROFDOFOFNODEINBK=": _Tag("directions of nodes", "count", (I(5),)),
+    "AMOUNTOFINTEGRALSTEP=": _Tag("steps", "count", (I(5),), ("IT",)),
+    "LENGTHOFTIMEOFONESTEP=": _Tag("step", "time", (F(10, 5),), ("H",)),
+    "DOFOFTHESYSTEM=": _Tag("coordinates of the system", "count", (I(5),), ("NS",)),
+    "COOR": _vector("COOR", "length", "body", "node"),
+    "=PI=": _vector("=PI=", "force", "body", "node"),
+    "NEQ=": _Tag("NEQ=", "count", (I(5),), ("equations",)),
+    "=ID=": _Tag("=ID=", "count", (I(5),)),
+    "JDIA": _Tag("JDIA", "count", (I(5),)),
+    "BKCP": _Tag("BKCP", "stiffness", (E(12, 4),)),
+    "====K====": _Tag("====K====", "count", (I(5),), ("body",)),
+    "BMI=": _Tag("BMI=", "mass", (F(10, 5),)),
+    "PIP=": _vector("PIP=", "force", "body", "node"),
+    "=BK=": _Tag("=BK=", "stiffness", (E(12, 4),)),
+    "LC==": _Tag("LC==", "count", (I(5),)),
+    "BM==": _Tag("BM==", "mass", (I(5), F(10, 5)), ("body", "mass")),
+    "BII=": _vector("BII=", "inertia", "body"),
+    "XI==": _vector("XI==", "length", "body"),
+    "PH==": _vector("PH==", "length", "body"),
+    "NP==": _Tag("NP==", "count", (I(5), I(10)), ("body", "node")),
+    "EPT=": _Tag("EPT=", "euler", (I(5), *4 * (F(10, 5),)), _PARAMETERS),
+    "EPL=": _Tag("EPL=", "euler", (I(5), *4 * (F(10, 5),)), _PARAMETERS),
+    "X(L)": _Tag("X(L)", "coordinate", (F(10, 5),)),
+    "Y(L)": _Tag("Y(L)", "state", (F(10, 5),)),
+    "HF==": _vector("HF==", "force", "body"),
+    "HM==": _vector("HM==", "torque", "body"),
+    "RC==": _vector("RC==", "length", "body"),
+    "IDS": _Tag("IDS", "torque", (I(5), I(5), F(10, 5), F(10, 5)), ("body", "law", "F1", "TIME")),
+}
+_TAGGED = re.compile(r"\s*(" + "|".join(r"\s*".join(map(re.escape, tag)) for tag in TAGS) + ")")
+_HEADING = "DFMB"
+
+
+def parse_echo(name: str, text: str) -> Listing | None:
+    """The echo of a DAFMS deck in `text`; None when it holds none.
+
+    Raises `TableError` with the place of every line that cannot be read.
+    """
+    lines = text.split("\n")
+    if not any("==N==NDM==" in line for line in lines[:50]):
+        return None
+    echo, words, faults = [], [], []
+    for number, line in enumerate(lines, 1):
+        if line.startswith(_HEADING):
+            words.append((number, " ".join(line.split())))
+        elif match := _TAGGED.match(line):
+            echo.append(_echo_line(number, line, match, faults))
+    if faults:
+        raise TableError(name, faults, lines)
+    empty = np.empty(0)
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=DAFMS_ECHO, words=tuple(words))
+
+
+def _echo_line(number, line, match, faults):
+    tag = TAGS["".join(match[1].split())]
+    rest = line[match.end() :]
+    words = split_fields(rest, tag.edits) if tag.columns else split_list(rest, tag.edits[0])
+    if words is None:
+        faults.append(_fault(number, line, match.end(), tag))
+        return None
+    values, units = tuple(map(value_of, words)), tuple(map(unit_of, words))
+    edits = tag.edits if tag.columns else len(words) * tag.edits
+    return EchoLine(number, tag.name, values, units, tag.columns, tag.kind, edits)
+
+
+def _fault(number, line, start, tag):
+    wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
+    read = line[start:].strip()
+    column = start + 1 + len(line[start:]) - len(line[start:].lstrip())
+    return Fault("error", f"{wanted}, read {read!r}", Place(number, column, max(1, len(read))), tag.name)
+
+
+# FORMAT(2F12.7,5E15.6) of CDGEAR; Y holds the NS speeds, then the NS coordinates.
+_EDITS = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
+_COLUMNS = {
+    "2": (("last speed", "speed"), ("coordinate 1", "coordinate"), ("coordinate 2", "coordinate")),
+    "3": (("coordinate 3", "coordinate"), ("coordinate 5", "coordinate"), ("coordinate 6", "coordinate")),
+}
+_UNKNOWN = tuple((f"value {number}", "state") for number in range(1, 7))
+_FIRST_ROW = re.compile(r"\s*[-+]?\d*\.\d{7}(?=[-+*\s]|\d*\.|$)")
+_NOTES = ("TOL,XEND,H", "**Y**", "444-444-444")
+
+
+def parse_series(name: str, text: str) -> Listing | None:
+    """The time series of unit 2 (<name>.T2, fort.2) or unit 3 in `text`; None when it holds none.
+
+    Raises `TableError` with the place of every line that cannot be read.
+    """
+    lines = text.split("\n")
+    rows = [n for n, line in enumerate(lines) if line.strip() and not line.lstrip().startswith(_NOTES)]
+    if not rows or not _FIRST_ROW.match(lines[rows[0]]):
+        return None
+    table, units, width = _series_numbers(name, lines, rows)
+    columns = _COLUMNS.get(_unit_number(name), _UNKNOWN)[: width - 1]
+    section = Section(
+        tuple(title for title, _ in columns),
+        tuple(kind for _, kind in columns),
+        np.arange(len(rows)),
+        np.ones(len(rows), dtype=np.int64),
+        np.array(rows) + 1,
+        table[:, 1:],
+        units,
+        "",
+        _EDITS[1:width],
+    )
+    failed = len(rows) < sum(bool(line.strip()) for line in lines)
+    return Listing(name, (), table[:, 0], 1e-7, {"series": section}, failed, DAFMS_SERIES)
+
+
+def _unit_number(name):
+    match = re.fullmatch(r".*\.(?:T|)([23])", os.path.basename(name), re.IGNORECASE)
+    return match[1] if match else ""
+
+
+def _series_numbers(name, lines, rows):
+    """All numbers (rows, width), the units of the last digits of those behind the time, and the width."""
+    try:
+        table = np.loadtxt([lines[row] for row in rows], comments=None, ndmin=2)
+    except ValueError:
+        table = np.empty((0, 0))
+    if len(table) != len(rows) or not 2 <= table.shape[1] <= len(_EDITS):
+        # Fields touch, or are stars, or something is wrong.
+        table = _one_by_one(name, lines, rows)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        exponents = np.floor(np.log10(np.abs(table[:, 2:]))) + 1
+    units = np.full((len(rows), table.shape[1] - 1), 1e-7)
+    units[:, 1:] = 10.0 ** (np.where(np.isfinite(exponents), exponents, 0) - 6)
+    return table, units, table.shape[1]
+
+
+def _one_by_one(name, lines, rows):
+    found, faults, width = [], [], None
+    for row in rows:
+        line = lines[row]
+        words = _series_words(line, width)
+        width = width or (len(words) if words else None)
+        if words is None:
+            sentence = (
+                f"{width or 'some'} numbers under FORMAT(2F12.7,5E15.6) are expected, read {line.strip()!r}"
+            )
+            faults.append(Fault("error", sentence, Place(row + 1, 1, max(1, len(line)))))
+        else:
+            found.append([value_of(word) for word in words])
+    if faults:
+        raise TableError(name, faults, lines)
+    return np.array(found)
+
+
+def _series_words(line, width):
+    widths = [width] if width else range(len(_EDITS), 0, -1)
+    return next((words for n in widths if (words := split_fields(line, _EDITS[:n]))), None)

@@ -1,0 +1,84 @@
+"""Several models in one FMBD.DAT: the 1992 program goes on after STAR with the next DFMB card, until STOP.
+
+The models share the record N, NDM.  Model k of a deck is named `k:DECK`, its numbers in `--set` `k:NAME`.
+Each is read by itself: what the cards of an earlier model gave is not kept, other than in 1992.
+"""
+
+import os
+import re
+from dataclasses import replace
+
+from ...deck.record import DeckText
+from ...deck.text import LARGEST_DECK, STANDARD_INPUT
+from ...errors import DeckError, Fault
+
+MODEL, END, STOP = "DFMB", "END ", "STOP"
+_NAMED = re.compile(r"([1-9][0-9]{0,5}):(.+)", re.DOTALL)
+
+
+def model_starts(lines: list[str]) -> list[int]:
+    """Return where the DFMB cards of the models stand: the first, and those behind END and before STOP."""
+    starts, ended = [], True
+    for k, line in enumerate(lines):
+        word = line[:4].ljust(4)
+        if word == STOP and ended:
+            break
+        if word == MODEL and ended:
+            starts.append(k)
+            ended = False
+        ended = ended or word == END
+    return starts
+
+
+def named_model(deck: str) -> tuple[str, int]:
+    """Return the path and the model that `k:PATH` names; 0 where `deck` is a path."""
+    found = _NAMED.fullmatch(deck)
+    if found is None or os.path.exists(deck):
+        return deck, 0
+    return found[2], int(found[1])
+
+
+def models_of(deck: str) -> list[str]:
+    """Return the names of the models in a deck with several of them, else `deck` itself."""
+    if deck == STANDARD_INPUT or not os.path.isfile(deck):
+        return [deck]
+    try:
+        with open(deck, "rb") as file:
+            raw = file.read(LARGEST_DECK)
+    except OSError:
+        return [deck]
+    if raw.count(MODEL.encode()) < 2:
+        return [deck]
+    count = len(model_starts(DeckText(deck, raw.decode("latin-1"), "").lines))
+    return [f"{k}:{deck}" for k in range(1, count + 1)] if count > 1 else [deck]
+
+
+def only_model(source: DeckText, model: int) -> DeckText:
+    """Return the deck with the lines of all other models blank; raises DeckError for a number it lacks."""
+    lines = source.lines
+    starts = model_starts(lines)
+    if not 1 <= model <= len(starts):
+        message = f"there is no model {model}: the deck holds {len(starts) or 'none'}"
+        raise DeckError([Fault("error", message)])
+    last = next((k for k in range(starts[-1], len(lines)) if lines[k].startswith(STOP)), len(lines))
+    ends = [*starts[1:], last]
+    own = range(starts[model - 1], ends[model - 1])
+    kept = [line if k in own or not starts[0] <= k < last else "" for k, line in enumerate(lines)]
+    return replace(source, text="\n".join(kept))
+
+
+def changes_of(changes: tuple[str, ...], source: DeckText, model: int) -> list[str]:
+    """Return the settings `NAME=VALUE` of a model: those that name it, and those that name none.
+
+    Raises DeckError for a setting of a model that the deck lacks.
+    """
+    named = [(change, _NAMED.fullmatch(change)) for change in changes]
+    if not any(found for _, found in named):
+        return list(changes)
+    count = max(1, len(model_starts(source.lines)))
+    strange = [change for change, found in named if found and int(found[1]) > count]
+    if strange:
+        holds = "one model" if count == 1 else f"{count} models"
+        raise DeckError([Fault("error", f"--set {change}: the deck holds {holds}") for change in strange])
+    own = max(model, 1)
+    return [found[2] if found else change for change, found in named if not found or int(found[1]) == own]

@@ -1,0 +1,247 @@
+"""Reader of FMBD.DAT, the deck of DAFMS: counts, the DFMB block, flexible bodies, macro cards.
+
+DAFMS thesis (Zhao, 1992), appendix C, MAIN, QCONTR and DFIN; TSYSIN is in `system_cards.py`.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
+from ...deck.record import Deck, DeckText, Number, Record
+from ...errors import DeckError, Place
+from .cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
+from .skipped_lines import SkippedLines
+from .system_cards import read_system
+
+
+@dataclass
+class Layout:
+    """How long the lists of a deck are: counts per body, body 1 first."""
+
+    bodies: int
+    dimension: int
+    translations: list[int] = field(default_factory=list)
+    rotations: list[int] = field(default_factory=list)
+    nodes: list[int] = field(default_factory=list)
+    freedoms: list[int] = field(default_factory=list)
+
+    @property
+    def coordinates(self) -> int:
+        """NS, the number of generalized coordinates (thesis eq. 2.4)."""
+        return sum(self.translations) + sum(self.rotations) + sum(map(self.elastic, range(self.bodies)))
+
+    def elastic(self, body: int) -> int:
+        """NMK, the number of elastic coordinates of a body counted from 0."""
+        return self.nodes[body] * self.freedoms[body]
+
+
+def read_dafms(source: DeckText) -> Deck:
+    """The deck of `source`; `DeckError` with every fault found when it cannot be read.
+
+    Unknown cards are skipped, as DAFMS does, and listed as notes among the deck's warnings.
+    """
+    records = Records(source, KNOWN_WORDS)
+    read: list[Record] = []
+    with suppress(Unreadable, MissingRecord):
+        _read_deck(records, read)
+    if records.errors:
+        raise DeckError(records.faults)
+    return Deck("dafms", source, tuple(read), tuple(records.faults))
+
+
+def _read_deck(records: Records, read: list[Record]) -> None:
+    numbers = _read_size(records)
+    layout = Layout(numbers[0].value, numbers[1].value)
+    heading = _find_model(records)
+    read.append(Record("counts", 0, "counts", numbers))
+    read.append(Record("heading", 0, "heading card", (heading,)))
+    _read_control(records, layout, read)
+    for body in range(layout.bodies):
+        if layout.nodes[body]:
+            _read_flexible_body(records, layout, body, read)
+    read_system(records, layout, read)
+    read.append(_read_macros(records))
+
+
+def _read_size(records: Records) -> tuple[Number, ...]:
+    items = [Item("N", "number of bodies"), Item("NDM", "dimension, 2 or 3")]
+    numbers = records.read("2I5", items, "counts")
+    bodies, dimension = numbers
+    if bodies.value < 1 and not records.errors:
+        records.report("error", "counts", f"N = {bodies.value} bodies, need at least 1", bodies.place)
+    if dimension.value not in (2, 3) and not records.errors:
+        message = f"NDM = {dimension.value}, the dimension is 2 or 3"
+        records.report("error", "counts", message, dimension.place)
+    _stop_at_errors(records)
+    return numbers
+
+
+def _find_model(records: Records) -> Number:
+    """Skip lines up to the DFMB card and return it as the heading."""
+    skipped = SkippedLines(records, "before DFMB")
+    while not records.exhausted:
+        line = records.next_card()
+        word = records.word()
+        if word == "DFMB":
+            skipped.flush()
+            text = line[:80]
+            return Number("DFMB", 1, "heading card", "", Place(records.line, 1, max(1, len(text))), text)
+        if word in MACROS:
+            records.stop("", f"card '{word}' stands before any model; a model begins with a DFMB card")
+        skipped.add(line)
+    skipped.flush()
+    return records.end_of_deck("", "a DFMB card")
+
+
+def _read_control(records: Records, layout: Layout, read: list[Record]) -> None:
+    n = layout.bodies
+    translations = [_read_freedoms(records, "NT", "translation", k) for k in range(1, n + 1)]
+    rotations = [_read_freedoms(records, "NR", "rotation", k) for k in range(1, n + 1)]
+    nodes = _read_list(records, "NUMNP", "number of nodes, 0: rigid", n)
+    freedoms = _read_list(records, "NDF", "elastic freedoms of a node", n)
+    time = records.read("I5", [Item("IT", "number of integration steps")], "time")
+    time += records.read("F10.5", [Item("H", "length of a step", "s")], "time")
+    _check_nodes(records, nodes, freedoms)
+    _stop_at_errors(records)
+    layout.translations = [numbers[0].value for numbers in translations]
+    layout.rotations = [numbers[0].value for numbers in rotations]
+    layout.nodes = [number.value for number in nodes]
+    layout.freedoms = [number.value for number in freedoms]
+    for k, numbers in enumerate(zip(translations, rotations, nodes, freedoms, strict=True), 1):
+        slides, turns, count, freedom = numbers
+        read.append(Record("counts", k, f"body {k}", (*slides, *turns, count, freedom)))
+    read.append(Record("time", 0, "time", time))
+
+
+def _read_freedoms(records: Records, name: str, motion: str, k: int) -> tuple[Number, ...]:
+    """One NT or NR record: the count and three flags of the hinge of body k."""
+    items = [
+        Item("KK", "number of the body"),
+        Item(name, f"number of free {motion}s of the hinge"),
+        *(Item(f"{name}{axis}", f"1: {motion} free, axis {axis}") for axis in (1, 2, 3)),
+    ]
+    subject = f"{name} of body {k}"
+    before = records.errors
+    index, count, *flags = records.read("10I5", items, subject)
+    if records.errors == before:
+        records.check_index(index, k, subject, "records are stored in the order of the bodies")
+        _check_flags(records, name, count, flags, subject)
+    return count, *flags
+
+
+def _check_flags(records, name, count, flags, subject):
+    for number in flags:
+        if number.value not in (0, 1):
+            records.report(
+                "error", subject, f"{number.key} is a flag, 0 or 1, read {number.value}", number.place
+            )
+            return
+    free = sum(number.value for number in flags)
+    if count.value != free:
+        message = f"{name} = {count.value}, but {free} of its three flags are 1: they must agree"
+        records.report("error", subject, message, count.place)
+
+
+def _read_list(records: Records, name: str, meaning: str, count: int) -> tuple[Number, ...]:
+    items = [Item(name, f"{meaning}, body {k}") for k in range(1, count + 1)]
+    return records.read("10I5", items, name)
+
+
+def _check_nodes(records, nodes, freedoms):
+    for k, (count, freedom) in enumerate(zip(nodes, freedoms, strict=True), 1):
+        if count.value < 0:
+            message = f"NUMNP = {count.value}: a body has 0 nodes (rigid) or more"
+            records.report("error", f"body {k}", message, count.place)
+        elif count.value and freedom.value not in (1, 2, 3):
+            message = f"NDF = {freedom.value}: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic freedoms"
+            records.report("error", f"body {k}", message, freedom.place)
+
+
+def _stop_at_errors(records):
+    """The counts tell how to go on: with a wrong one nothing behind it can be read."""
+    if records.errors:
+        raise Unreadable
+
+
+def _read_flexible_body(records: Records, layout: Layout, body: int, read: list[Record]) -> None:
+    """The block of DFIN: nodes, nodal forces, NEQ, ID, skyline addresses, stiffness, masses."""
+    k, nodes, size = body + 1, layout.nodes[body], layout.elastic(body)
+    axes = (2, 3) if layout.dimension == 2 else (1, 2, 3)
+    _read_nodes(records, k, nodes, axes, ("node", "CO", "position", "m"), read)
+    _read_nodes(records, k, nodes, axes, ("nodal_force", "PI", "force, inertial axes", "N"), read)
+    subject = f"body {k}"
+    numbers = records.read("I5", [Item("NEQ", "number of equations, not used")], f"NEQ of {subject}")
+    read.append(Record("equations", k, subject, numbers))
+    _read_array(records, "ID", "equation number, not used", "", "10I5", (k, size), read)
+    before = records.errors
+    jdi = _read_array(records, "JDI", "address of the diagonal", "", "10I5", (k, size), read, "counts.jdi")
+    if records.errors > before:
+        raise Unreadable
+    _check_skyline(records, jdi, k)
+    _read_array(records, "BKP", "stiffness", "N/m", "6E13.5", (k, jdi[-1].value), read)
+    _read_array(records, "BMI", "nodal mass", "kg", "10F10.5", (k, nodes), read)
+
+
+def _read_nodes(records, k, nodes, axes, words, read):
+    section, letter, meaning, unit = words
+    for i in range(1, nodes + 1):
+        subject = f"{letter} of node {i} of body {k}"
+        items = [Item("II", "number of the node")]
+        items += [Item(f"{letter}{axis}", f"{meaning}, axis {axis}", unit) for axis in axes]
+        before = records.errors
+        index, *numbers = records.read("I5,3F10.5", items, subject)
+        if records.errors == before:
+            records.check_index(index, i, subject, "records are stored in the order of the nodes")
+        read.append(Record(f"{section}.{k}", i, f"node {i} of body {k}", tuple(numbers)))
+
+
+def _read_array(records, name, meaning, unit, form, size, read, section=None):
+    """A list of one body.  The skyline's addresses count as counts: the deck's layout hangs on them."""
+    k, count = size
+    items = [Item(f"{name}({i})", meaning, unit) for i in range(1, count + 1)]
+    numbers = records.read(form, items, f"{name} of body {k}")
+    read.append(Record(section or name.lower(), k, f"body {k}", numbers))
+    return numbers
+
+
+def _check_skyline(records: Records, jdi: tuple[Number, ...], k: int) -> None:
+    """Column J holds 1 to J entries, its diagonal last; a wrong address shifts all that follows."""
+    before = 0
+    for column, number in enumerate(jdi, 1):
+        if not 1 <= number.value - before <= column:
+            message = (
+                f"{number.key} = {number.value} is no diagonal's address, expected {_range(before, column)}: "
+                "a column holds at most as many entries as its number, the diagonal last"
+            )
+            records.stop(f"JDI of body {k}", message, number.place)
+        before = number.value
+
+
+def _range(before, column):
+    return "1" if column == 1 else f"{before + 1} to {before + column}"
+
+
+def _read_macros(records: Records) -> Record:
+    """The cards after END: STAR integrates, STOP ends the deck; what follows STOP is never read."""
+    stars = []
+    skipped = SkippedLines(records, "after END")
+    while not records.exhausted:
+        line = records.next_card()
+        word = records.word()
+        if word == "STOP":
+            break
+        if word == "DFMB":
+            records.stop("", "a second DFMB card: flexmb solves one model a deck; split the deck here")
+        elif word == "STAR":
+            stars.append(records.line)
+        elif word in CARDS:
+            records.report("warning", "", f"card '{word}' after END is not read; put it before END")
+        elif word not in SWITCHES:
+            skipped.add(line)
+    else:
+        records.report("warning", "", "the deck ends without a STOP card")
+    skipped.flush()
+    if not stars:
+        records.report("warning", "", "no STAR card: DAFMS reads this model and integrates nothing")
+    place = Place(stars[0], 1, 4) if stars else None
+    return Record("run", 0, "run", (Number("STAR", len(stars), "number of STAR cards", "", place),))

@@ -1,0 +1,61 @@
+"""Lines that no card reads: DAFMS passes over them in silence, here each group of them is told."""
+
+import re
+
+from ...deck.fortran_records import Records
+from ...errors import Place
+from .cards import resembling
+
+_DATA = re.compile(r"[ 0-9.+-]{4}")
+
+
+class SkippedLines:
+    """Gathers consecutive skipped lines and notes them as one fault when the run of them ends.
+
+    `where` says which part of the deck they stand in; `card` is the card read last before them.
+    """
+
+    def __init__(self, records: Records, where: str):
+        self.records = records
+        self.where = where
+        self.card = ""
+        self._first = 0
+        self._text = ""
+        self._count = 0
+
+    def add(self, line: str) -> None:
+        """Take up one more skipped line."""
+        if not line.strip():
+            return
+        word = line[:4].ljust(4)
+        is_data = _DATA.fullmatch(word) is not None
+        # A line next to the run's last one belongs to it, but a near miss gets its own message.
+        if self._count and not is_data and resembling(word):
+            self.flush()
+        if not self._count:
+            self._first, self._text = self.records.line, line
+        self._count += 1
+
+    def flush(self) -> None:
+        """Note the lines gathered so far."""
+        if not self._count:
+            return
+        word = self._text[:4].ljust(4)
+        severity, message = self._describe(word)
+        width = max(1, len(self._text[:4].rstrip()))
+        self.records.report(severity, "", message, Place(self._first, 1, width))
+        self._count = 0
+
+    def _describe(self, word: str) -> tuple[str, str]:
+        more = f", with {_lines(self._count - 1)} after it" if self._count > 1 else ""
+        if _DATA.fullmatch(word):
+            behind = f"after card '{self.card}'" if self.card else self.where
+            return "warning", f"{_lines(self._count)} {behind} skipped: no card reads them"
+        known = resembling(word)
+        if known:
+            return "warning", f"unknown card '{word}' skipped{more}; is '{known}' meant?"
+        return "note", f"unknown card '{word}' skipped{more}"
+
+
+def _lines(count: int) -> str:
+    return "1 line" if count == 1 else f"{count} lines"

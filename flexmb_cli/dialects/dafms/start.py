@@ -1,0 +1,119 @@
+"""When and from where a tree of FMBD.DAT moves: IT and H, X(L) and Y(L), TOLR and METH."""
+
+import math
+
+import numpy as np
+
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.mechanism import TimeGrid
+from ...model.time_checks import too_fine, unsteppable
+from ...model.tree import (
+    METHODS,
+    ROTATION,
+    UNTURNED,
+    Integration,
+    default_tolerances,
+    generalized_coordinates,
+)
+
+MOST_ROWS = 10_000_000
+
+# Five-decimal Euler parameters give an angle to about this, rad.
+_ANGLE = 1e-3
+
+
+def build_time(values: DeckValues, findings: Findings) -> TimeGrid:
+    """IT output intervals of length H, from t = 0."""
+    steps, step = values.number("time", 0, "IT"), values.number("time", 0, "H")
+    if steps.value < 1:
+        findings.error("time", f"IT = {steps.value} integration steps, need at least 1", steps.place)
+    if steps.value >= MOST_ROWS:
+        findings.error("time", f"IT = {steps.value}: more than {MOST_ROWS} report times", steps.place)
+    if not step.value > 0 or not math.isfinite(step.value):
+        message = f"H = {step.value} s: the length of a step must be above zero"
+        findings.error("time", message, step.place)
+    elif fault := unsteppable(steps.value * step.value, step.value):
+        findings.error("time", f"H = {step.value:g} s, IT = {steps.value}: {fault}", step.place)
+    return TimeGrid(0.0, steps.value * step.value, step.value, steps.place)
+
+
+def build_integration(values: DeckValues, findings: Findings) -> Integration:
+    """Cards TOLR and METH; a blank or missing tolerance keeps its default."""
+    rtol, atol = values.values("tolerance", 0, (0.0, 0.0))
+    if rtol < 0 or atol < 0 or rtol >= 1:
+        message = f"RTOL = {rtol}, ATOL = {atol}: tolerances lie above 0, RTOL below 1"
+        findings.error("TOLR", message, values.place("tolerance"))
+    elif rtol and (fault := too_fine(rtol)):
+        findings.error("TOLR", f"RTOL: {fault}", values.place("tolerance"))
+    (method,) = values.values("method", 0, (1,))
+    if not 1 <= method <= len(METHODS):
+        choice = ", ".join(f"{i} {name}" for i, name in enumerate(METHODS, 1))
+        findings.error("METH", f"METH = {method} is no integrator: {choice}", values.place("method"))
+        return Integration()
+    relative, absolute = default_tolerances(METHODS[method - 1])
+    return Integration(METHODS[method - 1], rtol or relative, atol or absolute)
+
+
+def build_start(values: DeckValues, bodies, hinges, drives, findings: Findings):
+    """Initial coordinates q and speeds y, both (NS,), from Y(L) and the prescribed motions at t = 0."""
+    coordinates = generalized_coordinates(bodies, hinges)
+    q = np.array([record["q"] for record in values.section("coordinate")] or [0.0] * len(coordinates), float)
+    y = np.array([record["u"] for record in values.section("speed")] or [0.0] * len(coordinates), float)
+    _check_first_coordinates(values, q, findings)
+    for drive in drives:
+        m = next(i for i, c in enumerate(coordinates) if (c.body, c.motion, c.axis) == _where(drive))
+        _set_driven(values, (q, y), m, drive, coordinates[m].name, findings)
+    _check_angles(values, coordinates, hinges, q, findings)
+    return q, y
+
+
+def _where(drive):
+    return drive.body, drive.motion, drive.axis
+
+
+def _check_first_coordinates(values, q, findings):
+    if not values.section("speed"):
+        message = "card 'Y(L)' is missing: the motion starts at rest from zero coordinates"
+        findings.warn("", message, values.place("counts"))
+    for m, record in enumerate(values.section("first_coordinate")):
+        if abs(record["X"] - q[m]) > 1.1e-5 and not _is_set(values, m):
+            message = f"X({m + 1}) = {record['X']} is not used: Y(L) gives {q[m]} for this coordinate"
+            findings.warn("X(L)", message, record.place)
+            return
+
+
+def _is_set(values, m):
+    """Whether `--set` gave the initial coordinate: the deck's echoes of the old one are no slips then."""
+    return bool(values.section("coordinate")) and values.place("coordinate", m + 1) is None
+
+
+def _set_driven(values, state, m, drive, name, findings):
+    """A driven coordinate starts where its law says; Y(L) may repeat it or leave it zero."""
+    for vector, section, wanted in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
+        if vector[m] and abs(vector[m] - wanted) > 1.1e-5 + 1e-6 * abs(wanted):
+            message = f"{section} {m + 1} ({name}) is {vector[m]} in Y(L), but PRES starts it at {wanted}"
+            findings.warn("Y(L)", message, values.place(section, m + 1))
+        vector[m] = wanted
+
+
+def _check_angles(values, coordinates, hinges, q, findings):
+    """With one free rotation EULT is an echo of the angle in Y(L) (listing, SOK); say when it differs."""
+    if not values.section("attitude"):
+        return
+    for m, c in enumerate(coordinates):
+        hinge = hinges[c.body]
+        if c.motion != ROTATION or len(hinge.rotations) != 1 or hinge.attitude == UNTURNED:
+            continue
+        if _is_set(values, m):
+            continue
+        echo = _quadruple(c.axis, q[m])
+        if abs(np.dot(echo, hinge.attitude)) < math.cos(_ANGLE / 2):
+            message = f"EULT is not used: the angle {q[m]} rad in Y(L) rules (coordinate {m + 1})"
+            findings.warn(f"body {c.body + 1}", message, values.place("attitude", c.body + 1))
+
+
+def _quadruple(axis, angle):
+    quadruple = [math.cos(angle / 2), 0.0, 0.0, 0.0]
+    quadruple[axis] = math.sin(angle / 2)
+    return quadruple

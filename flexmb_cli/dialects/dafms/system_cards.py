@@ -1,0 +1,165 @@
+"""The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
+
+from ...deck.fortran_records import Item, MissingRecord, Records
+from ...deck.record import Number, Record
+from ...errors import Place
+from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON, Card
+from .skipped_lines import SkippedLines
+
+
+def read_system(records: Records, layout, read: list[Record]) -> None:
+    """Read TSYSIN's cards into `read`; `layout` gives the lengths of the lists (`dafms.Layout`)."""
+    system = _System(records, layout, read)
+    while not records.exhausted:
+        line = records.next_card()
+        word = records.word()
+        if word == END:
+            system.skipped.flush()
+            return
+        if word in MACROS:
+            system.skipped.flush()
+            records.report("error", "", f"card '{word}' stands before END: the card 'END ' is missing")
+            records.line -= 1
+            return
+        system.take(word, line)
+    system.skipped.flush()
+    records.end_of_deck("", "the card 'END '")
+
+
+class _System:
+    """What TSYSIN has read so far: the deck's records and the line of every card."""
+
+    def __init__(self, records: Records, layout, read: list[Record]):
+        self.records = records
+        self.layout = layout
+        self.read = read
+        self.lines: dict[str, int] = {}
+        self.skipped = SkippedLines(records, "among the TSYSIN cards")
+
+    def take(self, word: str, line: str) -> None:
+        """One line of the card level: a card with its records, a switch, or a line to skip."""
+        if word in (PRINT_ON, PRINT_OFF):
+            self.skipped.flush()
+            self._add("echo", self.records.line, "echo", (self._switch("PRT", int(word == PRINT_ON)),))
+        elif word in CARDS:
+            self.skipped.flush()
+            self.skipped.card = word
+            self._forget_earlier(CARDS[word])
+            self._read_card(CARDS[word])
+        else:
+            self.skipped.add(line)
+
+    def _switch(self, key, value):
+        return Number(key, value, "switch", "", Place(self.records.line, 1, 4), self.records.word())
+
+    def _add(self, section, number, subject, numbers):
+        self.read.append(Record(section, number, subject, tuple(numbers)))
+
+    def _forget_earlier(self, card: Card) -> None:
+        """A repeated card overwrites what the first one gave."""
+        if card.word in self.lines:
+            line = self.lines[card.word]
+            message = f"card '{card.word}' replaces the one on line {line}"
+            self.records.report("warning", "", message, Place(self.records.line, 1, 4))
+            sections = ("speed", "coordinate") if card.layout == "state" else (card.section,)
+            self.read[:] = [record for record in self.read if record.section not in sections]
+        self.lines[card.word] = self.records.line
+
+    def _read_card(self, card: Card) -> None:
+        readers = {
+            "bodies": self._read_bodies,
+            "list": self._read_list,
+            "coordinates": self._read_coordinates,
+            "state": self._read_state,
+            "single": self._read_single,
+            "switch": self._read_switch,
+            "entries": self._read_entries,
+        }
+        try:
+            readers[card.layout](card)
+        except MissingRecord:
+            # Reading goes on at the card that stood in the place of a data record.
+            return
+
+    def _read_bodies(self, card: Card) -> None:
+        for k in range(1, self.layout.bodies + 1):
+            subject = f"{card.word.strip()} of body {k}"
+            before = self.records.errors
+            items = [Item("KK", "number of the body"), *card.items]
+            index, *numbers = self.records.read(card.format, items, subject)
+            if self.records.errors == before:
+                self.records.check_index(index, k, subject, "records are stored in the order of the bodies")
+            self._add(card.section, k, f"body {k}", numbers)
+
+    def _read_list(self, card: Card) -> None:
+        (item,) = card.items
+        items = [Item(item.key, f"{item.meaning}, body {k}") for k in range(1, self.layout.bodies + 1)]
+        for k, number in enumerate(self.records.read(card.format, items, card.word.strip()), 1):
+            self._add(card.section, k, f"body {k}", (number,))
+
+    def _read_coordinates(self, card: Card) -> None:
+        items = [Item("X", "coordinate, superseded by Y(L)", "rad or m")] * self.layout.coordinates
+        for m, number in enumerate(self.records.read(card.format, items, "X(L)"), 1):
+            self._add(card.section, m, f"coordinate {m}", (number,))
+
+    def _read_state(self, card: Card) -> None:
+        count = self.layout.coordinates
+        items = [Item("u", "initial speed", "rad/s or m/s")] * count
+        items += [Item("q", "initial coordinate", "rad or m")] * count
+        numbers = self.records.read(card.format, items, "Y(L)")
+        for m, number in enumerate(numbers[:count], 1):
+            self._add("speed", m, f"speed {m}", (number,))
+        for m, number in enumerate(numbers[count:], 1):
+            self._add("coordinate", m, f"coordinate {m}", (number,))
+
+    def _read_single(self, card: Card) -> None:
+        numbers = self.records.read(card.format, list(card.items), card.word)
+        self._add(card.section, 0, card.word, numbers)
+
+    def _read_switch(self, card: Card) -> None:
+        self._add(card.section, 0, card.word, (self._switch(card.word, 1),))
+
+    def _read_entries(self, card: Card) -> None:
+        (count,) = self.records.read("I5", [Item("NL", "number of entries")], card.word)
+        if count.value < 0:
+            message = f"a count of {count.value} entries: 0 or more"
+            self.records.report("error", card.word, message, count.place)
+        for number in range(1, count.value + 1):
+            subject = f"{card.section.replace('_', ' ')} {number}"
+            self._add(card.section, number, subject, self._read_entry(card, subject))
+
+    def _read_entry(self, card: Card, subject: str) -> list[Number]:
+        fields = 7 if card.word == "LOOP" else len(card.items)
+        numbers = list(self.records.read(card.format, list(card.items[:fields]), subject))
+        if card.word == "LOOP":
+            numbers += self.records.read(card.tail, list(card.items[fields:]), subject)
+        elif card.word == "NROT":
+            numbers += self._read_rotation(card, numbers, subject)
+        elif card.tail:
+            numbers += self._read_table(card, numbers[-1], subject)
+        return numbers
+
+    def _read_table(self, card: Card, count: Number, subject: str) -> list[Number]:
+        if count.value < 1:
+            message = f"NP = {count.value} points, a table needs at least 1"
+            self.records.stop(subject, message, count.place)
+        numbers: list[Number] = []
+        for i in range(1, count.value + 1):
+            items = [Item(f"t({i})", "time", "s"), Item(f"f({i})", "torque or force", "N m or N")]
+            numbers += self.records.read(card.tail, items, subject)
+        return numbers
+
+    def _read_rotation(self, card: Card, head: list[Number], subject: str) -> list[Number]:
+        """Three rows, rotation about axis 1, 2, 3 per unit of each elastic coordinate of the body."""
+        body = head[0]
+        if not 1 <= body.value <= self.layout.bodies or not self.layout.nodes[body.value - 1]:
+            message = f"K = {body.value} is no flexible body"
+            self.records.stop(subject, message, body.place)
+        size = self.layout.elastic(body.value - 1)
+        numbers: list[Number] = []
+        for axis in (1, 2, 3):
+            items = [
+                Item(f"phi{axis}({m})", f"rotation about axis {axis}", "rad/m") for m in range(1, size + 1)
+            ]
+            numbers += self.records.read(card.tail, items, subject)
+        return numbers

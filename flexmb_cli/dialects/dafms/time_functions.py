@@ -1,0 +1,217 @@
+"""What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
+
+from itertools import pairwise
+
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.tree import (
+    INERTIAL,
+    ROTATION,
+    TRANSLATION,
+    BodyTorque,
+    Closure,
+    Motor,
+    Prescribed,
+    Spring,
+    Table,
+    constant,
+    pulse,
+)
+
+
+def build_laws(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
+    """Keyword arguments of `Tree` for everything that drives or loads it over time."""
+    hinged = _HingeCards(values, hinges, findings)
+    springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
+    springs += _dampers(hinged, findings)
+    motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]
+    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
+    drives = [
+        Prescribed(*where, r["C"], r["B"], r["A2"], r.place) for r, where in hinged.entries("prescribed")
+    ]
+    _check_drives(drives, findings)
+    _check_rotations(values, bodies, findings)
+    return {
+        "torques": tuple(_pulses(values, bodies, findings) + _torque_tables(values, bodies, findings)),
+        "springs": tuple(springs),
+        "motors": tuple(motors),
+        "prescribed": tuple(drives),
+    }
+
+
+def _dampers(hinged, findings):
+    dampers = []
+    for record, where in hinged.entries("damper"):
+        if record["CS"] < 0:
+            message = f"CS = {record['CS']}: a negative damper feeds energy in"
+            findings.warn(record.subject, message, record.at("CS").place)
+        dampers.append(Spring(*where, damping=record["CS"], place=record.place))
+    return dampers
+
+
+class _HingeCards:
+    """Entries headed by K, A: the hinge of body K and its freedom A."""
+
+    def __init__(self, values, hinges, findings):
+        self.values = values
+        self.hinges = hinges
+        self.findings = findings
+
+    def entries(self, section):
+        """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
+        for record in self.values.section(section):
+            where = self._where(record)
+            if where is not None:
+                yield record, where
+
+    def _where(self, record):
+        body, freedom = record.at("K"), record.at("A")
+        if not 1 <= body.value <= len(self.hinges):
+            message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
+            self.findings.error(record.subject, message, body.place)
+            return None
+        if not 1 <= freedom.value <= 6:
+            message = f"A = {freedom.value}: 1-3 are rotations, 4-6 translations of a hinge"
+            self.findings.error(record.subject, message, freedom.place)
+            return None
+        motion, axis = (ROTATION, freedom.value) if freedom.value <= 3 else (TRANSLATION, freedom.value - 3)
+        hinge = self.hinges[body.value - 1]
+        free = hinge.rotations if motion == ROTATION else hinge.translations
+        if axis not in free:
+            message = f"A = {freedom.value}: {motion} {axis} of the hinge of body {body.value} is not free"
+            self.findings.error(record.subject, message, freedom.place)
+            return None
+        if motion == ROTATION and len(free) == 3 and record.section in ("spring", "prescribed"):
+            message = f"the hinge of body {body.value} has three free rotations: none of them is an angle"
+            self.findings.error(record.subject, message, body.place)
+            return None
+        return body.value - 1, motion, axis
+
+
+def _table(record, findings):
+    numbers = record.numbers[3:]
+    times, efforts = numbers[0::2], numbers[1::2]
+    for before, number in pairwise(times):
+        if number.value < before.value:
+            message = f"{number.key} = {number.value} lies before {before.key} = {before.value}"
+            findings.error(record.subject, message, number.place)
+    return Table(tuple(t.value for t in times), tuple(f.value for f in efforts))
+
+
+def _check_drives(drives, findings):
+    seen = set()
+    for drive in drives:
+        where = (drive.body, drive.motion, drive.axis)
+        if where in seen:
+            message = f"{drive.motion} {drive.axis} of the hinge of body {drive.body + 1} is prescribed twice"
+            findings.error("PRES", message, drive.place)
+        seen.add(where)
+
+
+def _check_rotations(values, bodies, findings):
+    """The reader has seen that K is a flexible body; `--set` may have changed it since."""
+    seen = {}
+    for record in values.section("nodal_rotation"):
+        node, where = record.at("I"), (record["K"], record["I"])
+        elastic = bodies[record["K"] - 1].elastic if 1 <= record["K"] <= len(bodies) else None
+        if elastic is None or 3 * elastic.coordinates != len(record.numbers) - 2:
+            message = f"K = {record['K']}: this is not the body whose rotations are given"
+            findings.error(record.subject, message, record.place)
+            continue
+        count = len(elastic.masses)
+        if not 1 <= node.value <= count:
+            message = f"I = {node.value}: body {record['K']} has nodes 1 to {count}"
+            findings.error(record.subject, message, node.place)
+        if where in seen:
+            message = f"node {where[1]} of body {where[0]} is given twice, first on line {seen[where]}"
+            findings.error(record.subject, message, node.place)
+        seen.setdefault(where, node.place.line if node.place else 0)
+
+
+def _pulses(values, bodies, findings):
+    """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
+    torques = []
+    for k in range(1, len(bodies) + 1):
+        law, height, length = values.values("pulse", k, (0, 0.0, 0.0))
+        if not law:
+            continue
+        record = values.record("pulse", k)
+        if law != 1:
+            message = f"IDS = {law}: only law 1, the pulse, is known; it is taken, as DAFMS does"
+            findings.warn(f"DESN of body {k}", message, record.place)
+        if length <= 0:
+            message = f"TIME = {length}: the pulse must last longer than zero"
+            findings.error(f"DESN of body {k}", message, record.at("TIME").place)
+            continue
+        torques.append(BodyTorque(k - 1, 1, pulse(height, length), record.place))
+    return torques
+
+
+def _torque_tables(values, bodies, findings):
+    torques = []
+    for record in values.section("torque_table"):
+        body, axis = record.at("K"), record.at("A")
+        if not 1 <= body.value <= len(bodies):
+            message = f"K = {body.value}: there are bodies 1 to {len(bodies)}"
+            findings.error(record.subject, message, body.place)
+        elif axis.value not in (1, 2, 3):
+            message = f"A = {axis.value}: the torque acts about inertial axis 1, 2 or 3"
+            findings.error(record.subject, message, axis.place)
+        else:
+            torques.append(BodyTorque(body.value - 1, axis.value, _table(record, findings), record.place))
+    return torques
+
+
+def build_closures(values: DeckValues, bodies, findings: Findings) -> tuple[Closure, ...]:
+    """The cut joints of card LOOP."""
+    return tuple(filter(None, (_closure(r, bodies, findings) for r in values.section("closure"))))
+
+
+def _closure(record, bodies, findings):
+    first, second = record.at("KA"), record.at("KB")
+    before = len(findings.faults)
+    for number, least in ((first, 1), (second, 0)):
+        if not least <= number.value <= len(bodies):
+            message = f"{number.key} = {number.value}: there are bodies {least} to {len(bodies)}"
+            message += "; the inertial frame goes second, as KB = 0" if number.value == 0 else ""
+            findings.error(record.subject, message, number.place)
+    if first.value == second.value:
+        message = f"KA = KB = {first.value}: a closure joins two bodies"
+        findings.error(record.subject, message, second.place)
+    if len(findings.faults) > before:
+        return None
+    directions = tuple(axis for axis in (1, 2, 3) if _flag(record, axis, findings))
+    if not directions and len(findings.faults) == before:
+        findings.error(record.subject, "C1, C2, C3 are all 0: nothing is closed", record.at("C1").place)
+    return Closure(
+        record.subject,
+        first.value - 1,
+        second.value - 1 if second.value else INERTIAL,
+        directions,
+        _closure_node(record, "NA", first.value, bodies, findings),
+        _closure_node(record, "NB", second.value, bodies, findings),
+        tuple(record[f"a{axis}"] for axis in (1, 2, 3)),
+        tuple(record[f"b{axis}"] for axis in (1, 2, 3)),
+        record.place,
+    )
+
+
+def _flag(record, axis, findings):
+    number = record.at(f"C{axis}")
+    if number.value not in (0, 1):
+        findings.error(record.subject, f"{number.key} is a flag, 0 or 1, read {number.value}", number.place)
+    return number.value == 1
+
+
+def _closure_node(record, key, body, bodies, findings):
+    number = record.at(key)
+    if number.value == 0:
+        return None
+    elastic = bodies[body - 1].elastic if body else None
+    count = len(elastic.masses) if elastic else 0
+    if not 1 <= number.value <= count:
+        where = f"body {body} has {count} nodes" if body else "the inertial frame has no nodes"
+        message = f"{key} = {number.value}, but {where}; 0 takes the vector"
+        findings.error(record.subject, message, number.place)
+        return None
+    return number.value - 1

@@ -1,0 +1,1 @@
+"""VSDF decks: finite-element bodies in floating frames (VSDFlex, 2008)."""

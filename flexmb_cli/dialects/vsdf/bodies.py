@@ -1,0 +1,112 @@
+"""Bodies of a VSDF deck: masses, nodes, initial motion, the bodies that a card must not name."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.fe_model import GROUND, RigidMass, VsdfBody
+from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
+from .nodes import given_nodes, sets_of
+
+_UNIT_LENGTH = 1e-6
+_TRIANGLE = 1e-9
+
+
+def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> tuple[VsdfBody, ...]:
+    """The bodies in order; file names are relative to `folder`; faults go to `findings`."""
+    count = len(values.section("body"))
+    _check_body_numbers(values, count, findings)
+    return tuple(_body(values, k, folder, findings) for k in range(1, count + 1))
+
+
+def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:
+    """The ground with its nodes."""
+    nodes = given_nodes(values, 0, findings)
+    return VsdfBody("ground", (0.0,) * 3, (1.0, 0.0, 0.0, 0.0), nodes=nodes)
+
+
+def _check_body_numbers(values, count, findings):
+    """Every card of a body must name one that exists."""
+    sections = [name for name, _ in (*FLEXIBLE_ONLY, *LISTS)]
+    sections += ["rigid", "node_set", "position", "attitude", "velocity", "node"]
+    for section in sections:
+        for record in values.section(section):
+            number = record.at("body")
+            lowest = 0 if section == "node" else 1
+            if not lowest <= number.value <= count:
+                message = f"body number {number.value} is outside {lowest}..{count}"
+                findings.error(record.subject, message, number.place)
+
+
+def _body(values, k, folder, findings) -> VsdfBody:
+    record = values.record("body", k)
+    flexible = record["kind"] == "FLEX"
+    r = values.record("position", k)
+    velocity = values.record("velocity", k)
+    pose = {
+        "r": r.vector("r") if r else (0.0, 0.0, 0.0),
+        "p": _attitude(values.record("attitude", k), findings),
+        "velocity": velocity.vector("v") if velocity else (0.0, 0.0, 0.0),
+        "omega": velocity.vector("w") if velocity else (0.0, 0.0, 0.0),
+        "place": record.place,
+        "velocity_place": velocity.place if velocity else None,
+    }
+    build = flexible_body if flexible else _rigid
+    return build(values, k, record, pose, folder, findings)
+
+
+def _attitude(record, findings):
+    if record is None:
+        return 1.0, 0.0, 0.0, 0.0
+    p = tuple(float(record[f"e{i}"]) for i in range(4))
+    length = math.hypot(*p)
+    if not length:
+        message = "the Euler parameters are all zero; write 1 0 0 0 for a body that is not turned"
+        findings.error(record.subject, message, record.at("e0").place)
+        return 1.0, 0.0, 0.0, 0.0
+    if abs(length - 1.0) > _UNIT_LENGTH:
+        message = f"the Euler parameters have length {length:.7g} and are scaled to length 1"
+        findings.warn(record.subject, message, record.at("e0").place)
+    return tuple(e / length for e in p)
+
+
+def _rigid(values, k, record, pose, _folder, findings):
+    for section, word in (*FLEXIBLE_ONLY, *LISTS):
+        for given in values.section(section):
+            if given["body"] == k:
+                findings.error(given.subject, f"{word} is for FLEX bodies; body {k} is RIGD", given.place)
+    rigid = values.record("rigid", k)
+    if rigid is None:
+        findings.error(
+            record.subject, "a RIGD body needs a card RIGI with its mass and inertia", record.place
+        )
+    mass = _rigid_mass(rigid, findings) if rigid else None
+    nodes = given_nodes(values, k, findings)
+    return VsdfBody(record.subject, **pose, rigid=mass, nodes=nodes, sets=sets_of(values, k, nodes, findings))
+
+
+def _rigid_mass(record, findings) -> RigidMass:
+    if not record["mass"] > 0:
+        message = f"the mass must be above zero; read {record.at('mass').text}"
+        findings.error(record.subject, message, record.at("mass").place)
+    xx, yy, zz, xy, yz, zx = (float(record[f"J{ij}"]) for ij in ("xx", "yy", "zz", "xy", "yz", "zx"))
+    inertia = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+    moments = np.linalg.eigvalsh(inertia)
+    if not moments[0] > 0:
+        message = f"the principal moments of inertia must be above zero; the least is {moments[0]:.6g} kg m^2"
+        findings.error(record.subject, message, record.at("Jxx").place)
+    elif moments[2] > (moments[0] + moments[1]) * (1 + _TRIANGLE):
+        message = (
+            f"no body has the principal moments {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m^2: "
+            "the largest must not exceed the sum of the others (the moments are about the centre of mass)"
+        )
+        findings.error(record.subject, message, record.at("Jxx").place)
+    return RigidMass(float(record["mass"]), record.vector("c"), inertia)
+
+
+def end_of_body(number: int) -> int:
+    """The model's number of a deck's body: from 0, ground -1."""
+    return GROUND if number == 0 else number - 1

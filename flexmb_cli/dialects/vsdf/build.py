@@ -1,0 +1,103 @@
+"""VSDF deck → VsdfModel: what its cards mean, all faults collected."""
+
+from pathlib import Path
+
+from ...deck.record import Deck
+from ...deck.records import DeckValues
+from ...errors import Fault, ModelError
+from ...model.diagnostics import Findings
+from ...model.fe_model import Integrator, VsdfModel
+from ...model.mechanism import TimeGrid
+from ...model.time_checks import unsteppable
+from .bodies import build_bodies, build_ground
+from .joints import build_joints, build_motions, build_pins, build_tables
+from .loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
+from .motion_angles import check_motion_laws
+from .unused_fields import doubt_tables, refuse_unread
+
+MOST_ROWS = 10_000_000
+SPECTRAL_RADIUS, TOLERANCE = 0.9, 1e-8
+
+
+def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
+    """The model that `deck` describes, file names relative to `folder`, and what was doubtful.
+
+    Node tables are read here; matrices are left to `fe.flexible_bodies`.  Raises ModelError with all
+    faults found, the deck's own warnings among them.
+    """
+    values, findings = DeckValues(deck), Findings()
+    refuse_unread(values, findings)
+    bodies = build_bodies(values, folder, findings)
+    ground = build_ground(values, findings)
+    time = _time(values, findings)
+    integrator = _integrator(values, findings)
+    joints = build_joints(values, bodies, ground, findings)
+    tables = build_tables(values, findings)
+    doubt_tables(values, tables, findings)
+    parts = {
+        "joints": joints,
+        "pins": build_pins(values, bodies, ground, findings),
+        "motions": build_motions(values, bodies, joints, tables, findings),
+        "forces": build_forces(values, bodies, ground, tables, findings),
+        "torques": build_torques(values, bodies, tables, findings),
+        "springs": build_springs(values, bodies, ground, findings),
+        "joint_springs": build_joint_springs(values, joints, findings),
+        "outputs": build_outputs(values, bodies, ground, findings),
+    }
+    if not bodies:
+        findings.error("", "the deck has no body", None)
+    check_motion_laws(parts["motions"], time, findings)
+    if any(fault.severity == "error" for fault in findings.faults):
+        raise ModelError((*deck.warnings, *findings.in_order))
+    gravity = values.record("gravity")
+    g = gravity.vector("g") if gravity else (0.0, 0.0, 0.0)
+    return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
+
+
+def _time(values, findings):
+    record = values.record("time")
+    if record is None:
+        findings.error("", "card 'TIME' is missing", None)
+        return TimeGrid(0.0, 0.0, 1.0)
+    end, output = float(record["end"]), float(record["output"])
+    if end < 0:
+        findings.error("TIME", f"the last time must not be negative; read {end:g}", record.at("end").place)
+    elif not output > 0:
+        message = f"the time between rows must be above zero; read {record.at('output').text}"
+        findings.error("TIME", message, record.at("output").place)
+    elif end / output + 1 > MOST_ROWS + 0.5:
+        message = f"{end / output:.3g} rows are more than {MOST_ROWS}; take a larger time between rows"
+        findings.error("TIME", message, record.at("output").place)
+    elif fault := unsteppable(end, output):
+        findings.error("TIME", fault, record.place)
+    elif 0 < end < output:
+        message = f"rows are {output:g} s apart and the run ends at {end:g} s: only that of t = 0 is written"
+        findings.warn("TIME", message, record.at("output").place)
+    elif told := TimeGrid(0.0, end, output).left_out:
+        findings.note("TIME", told, record.at("end").place)
+    return TimeGrid(0.0, end, output, record.place)
+
+
+def _integrator(values, findings):
+    record, time = values.record("integrator"), values.record("time")
+    step = float(time["step"]) if time else 0.0
+    if step < 0:
+        findings.error("TIME", f"a step must not be negative; read {step:g}", time.at("step").place)
+    if record is None:
+        return Integrator("GALF", step, SPECTRAL_RADIUS)
+    given, method = record.at("rho"), record["method"]
+    default = SPECTRAL_RADIUS if method == "GALF" else TOLERANCE
+    parameter = float(given.value) if given.text else default
+    if method == "GALF" and not 0 <= parameter <= 1:
+        message = f"the spectral radius lies between 0 and 1; read {given.text}"
+        findings.error("INTG", message, given.place)
+    if method != "GALF" and not 0 < parameter < 1:
+        message = f"the tolerance lies between 0 and 1; read {given.text}"
+        findings.error("INTG", message, given.place)
+    if method != "GALF" and step > 0:
+        message = f"{method} chooses its steps by the tolerance; the step of {step:g} s is not used"
+        findings.warn("TIME", message, time.at("step").place)
+    if record["stabilise"]:
+        message = "constraint stabilisation is not used: every step is projected onto the constraints"
+        findings.warn("INTG", message, record.at("stabilise").place)
+    return Integrator(method, step, parameter)

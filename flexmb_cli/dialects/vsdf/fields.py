@@ -1,0 +1,158 @@
+"""The fields of one data card: cut by columns, or by commas where the card has one."""
+
+import functools
+from typing import NamedTuple
+
+from ...deck import number
+from .cards import WIDTHS, Column
+
+_NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
+
+
+class Field(NamedTuple):
+    """What stands in a field: its text without the blanks around it, its first column, and the field's place.
+
+    `first` and `last` column of a field of fixed form, `last` 0 where text goes on; `index` of one by commas.
+    """
+
+    text: str
+    column: int
+    first: int = 0
+    last: int = 0
+    index: int = 0
+
+    @property
+    def span(self) -> str:
+        """The field's place in words."""
+        if self.index:
+            return f"field {self.index}"
+        return f"columns {self.first}-{self.last}" if self.last else f"column {self.first} on"
+
+
+class Unfit(ValueError):
+    """The field's text is not what the card wants there."""
+
+
+def is_free(line: str, columns: tuple[Column, ...]) -> bool:
+    """Whether a card is in free form: it has a comma before any file name."""
+    text = any(column.letter == "T" for column in columns)
+    head = line[: _edges(columns)[-1][0] - 1] if text else line
+    return "," in head
+
+
+def fields(line: str, columns: tuple[Column, ...], more: Column | None = None) -> list[Field]:
+    """The fields of `line`, as many as there are columns, and as many more as `more` finds filled."""
+    if is_free(line, columns):
+        found = _cut_by_commas(line, columns)
+    else:
+        found = [_cut(line, first, last) for first, last in _edges(columns)]
+        if more:
+            found += _cut_on(line, _edges(columns)[-1][1], WIDTHS[more.letter])
+    if more is None:
+        return found[: len(columns)]
+    while len(found) > len(columns) and not found[-1].text:
+        found.pop()
+    return found
+
+
+def rest(line: str, columns: tuple[Column, ...]) -> Field:
+    """What stands behind the last field of a card."""
+    if is_free(line, columns):
+        extra = _cut_by_commas(line, columns)[len(columns) :]
+        return next((field for field in extra if field.text), Field("", len(line) + 1))
+    last = _edges(columns)[-1][1]
+    return _cut(line, last + 1, len(line)) if 0 < last < len(line) else Field("", len(line) + 1)
+
+
+def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
+    """Whether what stands behind the last field of a card in fixed form goes on without a blank."""
+    return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
+
+
+def value(field: Field, column: Column) -> tuple[float | int | str, str]:
+    """The field's value and a doubt, "" for none.  Raises Unfit."""
+    if not field.text:
+        if column.default is None:
+            raise Unfit(f"{column.key} in {field.span} must be {_NAMES[column.letter]}; the field is empty")
+        return column.default, ""
+    if column.letter in "IF":
+        return _numeral(field, column)
+    if column.letter == "A":
+        return _word(field, column)
+    return field.text, ""
+
+
+def _numeral(field, column):
+    read = number.integer if column.letter == "I" else number.real
+    if " " in field.text:
+        raise Unfit(
+            f"{column.key} in {field.span} must be {_NAMES[column.letter]}; read '{field.text}': "
+            "two numbers in one field? fields are cut by column, or by commas"
+        )
+    if "\t" in field.text:
+        raise Unfit(f"{column.key} in {field.span}: a tab counts as one column; use blanks or commas")
+    try:
+        found, doubt = read(field.text)
+    except number.Misspelt as fault:
+        raise Unfit(f"{column.key} in {field.span} {fault}") from None
+    return found, f"{column.key}: {doubt}" if doubt else ""
+
+
+def _word(field, column):
+    word = field.text.upper()
+    if word not in column.words:
+        raise Unfit(
+            f"{column.key} in {field.span} must be one of {', '.join(column.words)}; "
+            f"read {number.shown(field.text)}"
+        )
+    return word, ""
+
+
+def guide(line: str, columns: tuple[Column, ...]) -> tuple[str, ...]:
+    """Two lines to set above a card in fixed form: its fields and a ruler of their columns."""
+    if is_free(line, columns):
+        return ()
+    picture = ""
+    for column, (first, _) in zip(columns, _edges(columns), strict=True):
+        name = f"{column.letter}{WIDTHS[column.letter] or ''}"
+        width = max(WIDTHS[column.letter], len(name) + 2)
+        picture = picture.ljust(first - 1) + "[" + name.ljust(width - 2, "-") + "]"
+    ruler = "".join(f"----+----{tens}" for tens in range(1, len(picture) // 10 + 2))
+    return picture, ruler[: len(picture)]
+
+
+@functools.cache
+def _edges(columns):
+    """First and last column of each field; text goes on to the end of the line, marked by 0."""
+    edges, first = [], 1
+    for column in columns:
+        first += column.skip
+        width = WIDTHS[column.letter]
+        edges.append((first, first + width - 1 if width else 0))
+        first += width
+    return tuple(edges)
+
+
+def _cut(line, first, last):
+    raw = line[first - 1 : last] if last else line[first - 1 :]
+    text = raw.strip()
+    column = first + (len(raw) - len(raw.lstrip()) if text else 0)
+    return Field(text, column, first, last)
+
+
+def _cut_on(line, last, width):
+    """Fields of equal width from column `last` + 1 to the end of the line."""
+    count = -(-max(0, len(line.rstrip()) - last) // width)
+    return [_cut(line, last + 1 + i * width, last + (i + 1) * width) for i in range(count)]
+
+
+def _cut_by_commas(line, columns):
+    found, first = [], 1
+    limit = len(columns) - 1 if columns[-1].letter == "T" else -1
+    for index, raw in enumerate(line.split(",", limit), start=1):
+        text = raw.strip()
+        column = first + (len(raw) - len(raw.lstrip()) if text else 0)
+        found.append(Field(text, column, index=index))
+        first += len(raw) + 1
+    missing = range(len(found) + 1, len(columns) + 1)
+    return found + [Field("", len(line) + 1, index=index) for index in missing]

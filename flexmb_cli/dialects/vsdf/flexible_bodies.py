@@ -1,0 +1,201 @@
+"""A flexible body of a VSDF deck: its finite-element files, reference, basis, damping and stiffening."""
+
+from pathlib import Path
+
+from ...deck.record import Record
+from ...deck.records import DeckValues
+from ...fe.formats.formats import NEEDS_MAPPING
+from ...fe.formats.matrix_file import FEFileFault
+from ...fe.formats.node_table import read_node_table
+from ...model.diagnostics import Findings
+from ...model.fe_model import VsdfBody
+from ...model.flexible_body import BrickMaterial, FEFile, FlexibleInput, UnitLoad
+from .nodes import members_of, sets_of
+
+FLEXIBLE_ONLY = (
+    ("node_table", "FEMN"),
+    ("mass_matrix", "FEMM"),
+    ("stiffness_matrix", "FEMK"),
+    ("mapping", "FEMP"),
+    ("damping", "DAMP"),
+    ("stiffening", "GEOS"),
+    ("unit_load", "FEMG"),
+)
+LISTS = (("clamped", "CLMP"), ("attachment", "ATTM"), ("interface", "CRBN"))
+
+
+def flexible_body(
+    values: DeckValues, k: int, record: Record, pose: dict, folder: Path, findings: Findings
+) -> VsdfBody:
+    """Body k of the card `record`; `pose`: its place and first motion, `folder`: where its files are."""
+    for section, word in (("rigid", "RIGI"), ("node", "NODE")):
+        for given in values.section(section):
+            if given["body"] == k:
+                findings.error(given.subject, f"{word} is for RIGD bodies; body {k} is FLEX", given.place)
+    table = _node_table(values, k, record, folder, findings)
+    files = {name: _file(values.record(name, k), folder) for name, _ in FLEXIBLE_ONLY[:4]}
+    for name, word in FLEXIBLE_ONLY[1:3]:
+        if files[name] is None:
+            findings.error(record.subject, f"a FLEX body needs a card {word}", record.place)
+    _check_mapping(values.record("mapping", k), files, findings)
+    _check_shapes(values, k, findings)
+    if table is None or None in (files["mass_matrix"], files["stiffness_matrix"]):
+        return VsdfBody(record.subject, **pose)
+    nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
+    sets = sets_of(values, k, nodes, findings)
+    given = FlexibleInput(
+        record.subject,
+        files["mass_matrix"],
+        files["stiffness_matrix"],
+        table.numbers,
+        table.positions,
+        files["mapping"],
+        _reference(record, nodes, k, findings),
+        **_node_lists(values, k, nodes, sets, findings),
+        modes=_modes(record, findings),
+        damping=_damping(values.record("damping", k), findings),
+        unit_loads=_unit_loads(values, k, folder, findings),
+        bricks=_bricks(values.record("stiffening", k), files["node_table"], findings),
+        place=record.place,
+    )
+    stiffened = _stiffened(values.record("stiffening", k), given, findings)
+    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+
+
+def _file(record, folder) -> FEFile | None:
+    if record is None:
+        return None
+    return FEFile(folder / record["file"].replace("\\", "/"), record["form"], record.at("file").place)
+
+
+def _check_mapping(record, files, findings):
+    """Rows of the other formats follow the node table, whatever a mapping says."""
+    forms = {files[name].form for name in ("mass_matrix", "stiffness_matrix") if files[name]}
+    if record and forms and not forms & set(NEEDS_MAPPING):
+        which = " and ".join(NEEDS_MAPPING)
+        message = f"the mapping is not read: only matrices of format {which} have one; remove the card"
+        findings.error(record.subject, message, record.place)
+
+
+def _check_shapes(values, k, findings):
+    """The interface nodes of Craig and Bampton's method have their static shapes; no others are added."""
+    bodies = [record["body"] for record in values.section("interface")]
+    for record in values.section("attachment"):
+        if record["body"] == k and k in bodies:
+            message = f"ATTM is not read beside CRBN of body {k}; name its nodes on CRBN, or remove CRBN"
+            findings.error(record.subject, message, record.place)
+
+
+def _node_table(values, k, record, folder, findings):
+    given = _file(values.record("node_table", k), folder)
+    if given is None:
+        findings.error(record.subject, "a FLEX body needs a card FEMN", record.place)
+        return None
+    try:
+        return read_node_table(given.path, given.form)
+    except FEFileFault as fault:
+        findings.error(record.subject, str(fault), given.place)
+        return None
+
+
+def _reference(record, nodes, k, findings):
+    """Three nodes, or none at all: mean axes, or the frame of the clamped nodes."""
+    numbers = [record.at(f"n{i}") for i in (1, 2, 3)]
+    if not any(number.value for number in numbers):
+        return ()
+    for number in numbers:
+        if number.value not in nodes:
+            message = (
+                f"reference node {number.key} is {number.value}, which body {k} does not have"
+                if number.value
+                else f"reference node {number.key} is missing; give three, or none for mean axes"
+            )
+            findings.error(record.subject, message, number.place)
+    values = tuple(number.value for number in numbers)
+    if len(set(values)) < 3 and 0 not in values:
+        findings.error(record.subject, "the three reference nodes must differ", numbers[0].place)
+        return ()
+    return values if all(value in nodes for value in values) else ()
+
+
+def _modes(record, findings):
+    number = record.at("modes")
+    if number.value < 0:
+        findings.error(record.subject, f"a number of modes is 0 or more; read {number.text}", number.place)
+        return 0
+    return number.value
+
+
+def _node_lists(values, k, nodes, sets, findings):
+    """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
+    known = {**{number: (number,) for number in nodes}, **sets}
+    lists = {}
+    for section, _ in LISTS:
+        found = []
+        for record in values.section(section):
+            if record["body"] == k:
+                found += [n for m in members_of(record, known, k, findings) for n in known[m]]
+        lists[section] = tuple(dict.fromkeys(found))
+    return lists
+
+
+def _damping(record, findings):
+    if record is None:
+        return 0.0, 0.0, 0.0
+    for key in ("alpha", "beta", "ratio"):
+        if record[key] < 0:
+            message = f"{key} = {record.at(key).text}: negative damping feeds energy in"
+            findings.error(record.subject, message, record.at(key).place)
+    return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
+
+
+def _unit_loads(values, k, folder, findings):
+    loads = []
+    for record in values.section("unit_load"):
+        if record["body"] != k:
+            continue
+        number = record.at("load")
+        if not 4 <= number.value <= 12:
+            message = f"unit load {number.value}: only 4 to 12 (xx xy xz yx yy yz zx zy zz) are used"
+            findings.error(record.subject, message, number.place)
+            continue
+        i, j = divmod(number.value - 4, 3)
+        if any((load.i, load.j) == (i, j) for load in loads):
+            findings.error(record.subject, f"unit load {number.value} is given twice", number.place)
+        loads.append(UnitLoad(i, j, _file(record, folder)))
+    return tuple(loads)
+
+
+def _bricks(record, file, findings) -> BrickMaterial | None:
+    """The material that GEOS gives, to find stresses with."""
+    if record is None or not record["on"] or not record.at("E").text:
+        return None
+    young, poisson = float(record["E"]), float(record["nu"])
+    if not young > 0:
+        message = f"Young's modulus must be above zero; read {record.at('E').text}"
+        findings.error(record.subject, message, record.at("E").place)
+    if not -1 < poisson < 0.5:
+        message = f"Poisson's ratio lies between -1 and 0.5; read {record.at('nu').text}"
+        findings.error(record.subject, message, record.at("nu").place)
+    return BrickMaterial(file, young, poisson, record.at("E").place)
+
+
+def _stiffened(record, given, findings):
+    if record and record["on"] not in (0, 1):
+        message = f"on is 0 or 1; read {record.at('on').text}"
+        findings.error(record.subject, message, record.at("on").place)
+    if record is None or not record["on"]:
+        if given.unit_loads:
+            message = f"FEMG is not used: GEOS does not switch stiffening on for {given.name}"
+            findings.warn(given.name, message, given.unit_loads[0].file.place)
+        return False
+    if given.unit_loads and given.bricks:
+        message = "stiffening comes either from the matrices of FEMG or from bricks; leave E out, or FEMG"
+        findings.error(record.subject, message, record.at("E").place)
+    if not given.unit_loads and not given.bricks:
+        message = (
+            "centrifugal stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the "
+            "bricks in the node table's file"
+        )
+        findings.error(record.subject, message, record.at("on").place)
+    return True

@@ -1,0 +1,142 @@
+"""What `flexmb new vsdf` asks for, and the deck it gives: cards of the reader's table, in free form.
+
+A flexible body needs its node table and two matrices, a rigid one its mass; of all other cards the
+dialogue asks how many there are.
+"""
+
+from collections.abc import Sequence
+
+from ...deck import number
+from ...deck.questions import INTEGER, TEXT, Cell, Entry
+from ...deck.record import Record
+from ...errors import Fault
+from .cards import BY_WORD, CARDS, END, FINAL, Card
+
+MOST = 1000
+_BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN", "FEMM", "FEMK"), ("RIGI",)
+_SINGLE = tuple(card for card in CARDS if card.counted == "single")
+_COUNTED = tuple(card for card in CARDS if card not in _SINGLE and card.word not in (*_FLEXIBLE, *_RIGID))
+_TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
+
+
+def _count_cell(card):
+    what = card.subject.replace("{}", "").strip().removesuffix(" of body")
+    default = None if card is _BODY else "0"
+    return Cell(card.word, f"number of cards: {what}", letter=INTEGER, default=default)
+
+
+_COUNTS = Entry("counts", 0, "counts", tuple(_count_cell(card) for card in _COUNTED))
+
+
+class VsdfForm:
+    """The questions of a VSDF deck."""
+
+    dialect = "vsdf"
+
+    def entries(self, values: dict[str, str]) -> list[Entry]:
+        """Title, counts, bodies with what each kind needs, the other cards, and those of the whole deck."""
+        counts = _counts(values)
+        entries = [_TITLE, _COUNTS]
+        if not counts:
+            return entries
+        bodies = range(1, counts["BODY"] + 1)
+        entries += [_entry(_BODY, k) for k in bodies]
+        for k in bodies:
+            kind = values.get(f"body.{k}.kind", "").upper()
+            words = _FLEXIBLE if kind == "FLEX" else _RIGID
+            entries += [_entry(BY_WORD[word], k) for word in words]
+        for card in _COUNTED[1:]:
+            entries += [_entry(card, k) for k in range(1, counts[card.word] + 1)]
+        return entries + [_entry(card, 0) for card in _SINGLE]
+
+    def faults(self, records: Sequence[Record], complete: bool) -> list[Fault]:
+        """Counts, numbers of bodies and joints, and lists of nodes; `flexmb check` knows the rest."""
+        last = records[-1]
+        if last.section == "counts":
+            return [
+                fault for count in last.numbers for fault in _outside(last, count, count.key == "BODY", MOST)
+            ]
+        faults = []
+        for value in last.numbers if last.section != "title" else ():
+            if value.key == "nodes":
+                faults += _faults_of_list(last, value)
+            elif value.key in ("body", "a", "b"):
+                faults += _outside(last, value, "0: ground" not in value.meaning, records[1]["BODY"])
+            elif value.key == "joint":
+                faults += _outside(last, value, 1, records[1]["JOIN"])
+        return faults
+
+    def lines(self, records: Sequence[Record]) -> list[tuple[str, str]]:
+        """A keyword before the records of its card; what the fields are stands in a comment."""
+        lines = [(f"VSDF {records[0]['text']}".rstrip(), records[0].prefix)]
+        lines.append(("* Lengths in m, angles in rad, times in s, masses in kg.", ""))
+        section = ""
+        for record in records[2:]:
+            card = _BY_SECTION[record.section]
+            if record.section != section:
+                section = record.section
+                fields = [c.key for c in (*card.columns, *([card.more] if card.more else []), *card.second)]
+                lines += [(f"* {' '.join(fields)}", ""), (card.word, "")]
+            lines += [(line, record.prefix) for line in _data_lines(card, record)]
+        return [*lines, *((word.ljust(4) if word == END else word, "") for word in FINAL)]
+
+
+_BY_SECTION = {card.section: card for card in CARDS}
+
+
+def _counts(values):
+    try:
+        counts = {cell.key: number.integer(values[f"counts.{cell.key}"])[0] for cell in _COUNTS.cells}
+    except (KeyError, number.Misspelt):
+        return {}
+    return counts if max(counts.values()) <= MOST else {}
+
+
+def _is_numbered(card):
+    """Whether the first field is the record's own number or body, which nobody needs to type."""
+    return card.counted == "own" or card.word in (*_FLEXIBLE, *_RIGID)
+
+
+def _entry(card: Card, k: int) -> Entry:
+    columns = (*card.columns[_is_numbered(card) :], *card.second)
+    cells = tuple(_cell(column) for column in columns)
+    if card.more:
+        cells += (Cell("nodes", f"{card.more.meaning}: all, between blanks", letter=TEXT),)
+    subject = card.subject.format(k) if _is_numbered(card) else f"card {card.word} {k}"
+    return Entry(card.section, k, subject if k else card.word, cells)
+
+
+def _cell(column):
+    # An empty field is more than a zero: a length without value is that of t = 0.
+    default = None if column.default is None else ""
+    if column.key == "method":
+        default = column.words[0]  # what a deck without the card is solved by
+    return Cell(column.key, column.meaning, column.unit, column.letter, default, column.words)
+
+
+def _data_lines(card, record):
+    texts = [n.text for n in record.numbers]
+    if card.more:
+        texts[-1:] = texts[-1].split()
+    if _is_numbered(card):
+        texts.insert(0, str(record.number))
+    first = len(texts) - len(card.second)
+    # The blank in front keeps a word in the first field from being read as a keyword.
+    return ["    " + ",".join(part) for part in (texts[:first], texts[first:]) if part]
+
+
+def _outside(record, value, least, most):
+    if int(least) <= value.value <= most:
+        return []
+    message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"
+    return [Fault("error", message, value.place, record.subject)]
+
+
+def _faults_of_list(record, value):
+    faults = []
+    for text in value.text.split():
+        try:
+            number.integer(text)
+        except number.Misspelt as fault:
+            faults.append(Fault("error", f"each of the nodes {fault}", value.place, record.subject))
+    return faults

@@ -1,0 +1,277 @@
+"""Joints, pins and motions of a VSDF deck, at nodes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
+from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionLaw, table_law
+from .bodies import end_of_body
+
+_COINCIDENT = 1e-12
+
+
+@dataclass(frozen=True)
+class JointWord:
+    """A kind of joint: its word, name, equations, and how many nodes it needs on a and on b."""
+
+    word: str
+    kind: str
+    equations: int
+    on_a: int
+    on_b: int
+
+
+JOINT_WORDS = (
+    JointWord("SPHE", "spherical", 3, 1, 1),
+    JointWord("UNIV", "universal", 4, 2, 2),
+    JointWord("REVO", "revolute", 5, 2, 2),
+    JointWord("CYLI", "cylindrical", 4, 2, 2),
+    JointWord("TRAN", "translational", 5, 3, 3),
+    JointWord("SCRW", "screw", 5, 3, 3),
+    JointWord("FIXD", "fixed", 6, 3, 3),
+    JointWord("RSPH", "revolute-spherical", 2, 2, 1),
+    JointWord("DIST", "spherical-spherical", 1, 1, 1),
+)
+BY_WORD = {joint.word: joint for joint in JOINT_WORDS}
+TURNING, SLIDING = ("revolute", "cylindrical", "screw"), ("translational", "cylindrical", "screw")
+
+
+def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) -> End | None:
+    """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
+    if not 0 <= body.value <= len(bodies):
+        findings.error(subject, f"body number {body.value} is outside 0..{len(bodies)}", body.place)
+        return None
+    index = end_of_body(body.value)
+    owner = ground if index == GROUND else bodies[index]
+    if not owner.nodes:
+        # A body whose node table failed has a fault of its own.
+        if index == GROUND:
+            findings.error(subject, f"the ground has no node {node.value}", node.place)
+        elif owner.rigid is not None:
+            findings.error(
+                subject, f"{owner.name} has no node {node.value}; cards NODE give some", node.place
+            )
+        return None
+    if not owner.members(node.value):
+        name = "the ground" if index == GROUND else owner.name
+        findings.error(subject, f"{name} has no node {node.value}", node.place)
+        return None
+    return End(index, node.value)
+
+
+def build_joints(values: DeckValues, bodies, ground, findings: Findings) -> tuple[NodeJoint, ...]:
+    """The joints whose bodies and nodes exist."""
+    joints = [_joint(record, bodies, ground, findings) for record in values.section("joint")]
+    return tuple(joint for joint in joints if joint is not None)
+
+
+def _joint(record, bodies, ground, findings):
+    word = BY_WORD[record["kind"]]
+    if record["a"] == record["b"]:
+        which = "the ground" if record["a"] == 0 else f"body {record['a']}"
+        findings.error(
+            record.subject, f"a and b are both {which}; two bodies are needed", record.at("b").place
+        )
+        return None
+    before = len(findings.faults)
+    a = _side(record, "a", word.on_a, bodies, ground, findings)
+    b = _side(record, "b", word.on_b, bodies, ground, findings)
+    if len(findings.faults) > before or (a is None and b is None):
+        return None
+    if None in (a, b):
+        a, b = _with_ground(record, word, a, b, bodies, findings)
+    if not a or not b:
+        return None
+    _check_axis(record, "a", a, bodies, ground, findings)
+    _check_axis(record, "b", b, bodies, ground, findings)
+    size = _size(record, word, a, b, bodies, ground, findings)
+    return NodeJoint(record.subject, word.kind, a, b, size, record.place)
+
+
+def _side(record, letter, count, bodies, ground, findings):
+    """The ends on one body; None for the ground without nodes, which takes its points from the other body."""
+    body = record.at(letter)
+    nodes = [record.at(f"{letter}{i}") for i in range(1, count + 1)]
+    if body.value == 0 and not any(node.value for node in nodes):
+        return None
+    ends = []
+    for node in nodes:
+        if node.value == 0:
+            message = f"{record['kind']} needs {count} nodes on {letter}; {node.key} is missing"
+            findings.error(record.subject, message, node.place)
+        else:
+            end = find_end(bodies, ground, body, node, record.subject, findings)
+            if not 0 <= body.value <= len(bodies):
+                return ()
+            ends.append(end)
+    return tuple(end for end in ends if end is not None)
+
+
+def _with_ground(record, word, a, b, bodies, findings):
+    """The ground's points where those of the other body are at t = 0."""
+    ends = a or b
+    if word.kind in ("universal", "spherical-spherical", "revolute-spherical"):
+        letter = "a" if a is None else "b"
+        message = f"{word.word} needs nodes on the ground, cards NODE of body 0; {letter}1 is missing"
+        findings.error(record.subject, message, record.at(f"{letter}1").place)
+        return None, None
+    points = tuple(
+        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node)))) for end in ends
+    )
+    return (points, b) if a is None else (a, points)
+
+
+def _positions(ends, bodies, ground):
+    owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
+    return [
+        np.array(end.point) if end.point is not None else owner.global_position(end.node)
+        for end, owner in zip(ends, owners, strict=True)
+    ]
+
+
+def _check_axis(record, letter, ends, bodies, ground, findings):
+    """P and Q must be apart, and H off their line."""
+    if len(ends) < 2:
+        return
+    P, Q, *H = _positions(ends, bodies, ground)
+    length = np.linalg.norm(Q - P)
+    names = f"nodes {letter}1 and {letter}2"
+    if not length > _COINCIDENT:
+        message = f"{names} are the same point, so the axis between them has no direction"
+        findings.error(record.subject, message, record.at(f"{letter}2").place)
+    elif H and not np.linalg.norm(np.cross(Q - P, H[0] - P)) > _COINCIDENT * length:
+        message = f"node {letter}3 lies on the axis through {names}; it must lie across it"
+        findings.error(record.subject, message, record.at(f"{letter}3").place)
+
+
+def _size(record, word, a, b, bodies, ground, findings):
+    """Pitch or distance, nan where the deck leaves it to the positions at t = 0."""
+    given = record.at("size")
+    if word.kind == "screw":
+        if not given.text:
+            message = "SCRW needs its pitch in size, m/rad; write 0.0 for a screw without advance"
+            findings.error(record.subject, message, given.place)
+        return float(given.value)
+    if word.kind not in ("spherical-spherical", "revolute-spherical"):
+        return math.nan
+    size = float(given.value)
+    if not given.text:
+        (P, *_), (R, *_) = _positions(a, bodies, ground), _positions(b, bodies, ground)
+        size = float(np.linalg.norm(R - P))
+    if not size > 0:
+        message = "the distance must be above zero; for coinciding points take SPHE"
+        findings.error(record.subject, message, given.place)
+    return size
+
+
+def build_pins(values: DeckValues, bodies, ground, findings: Findings) -> tuple[Pin, ...]:
+    """The cards PINN."""
+    pins = [_pin(record, bodies, ground, findings) for record in values.section("pin")]
+    return tuple(pin for pin in pins if pin is not None)
+
+
+def _pin(record, bodies, ground, findings):
+    mask = record.at("mask")
+    digits = f"{mask.value:03d}"
+    if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
+        message = f"mask {mask.text} wanted as three digits 0 or 1 for x y z, such as 111 or 101"
+        findings.error(record.subject, message, mask.place)
+        return None
+    if record["body"] == 0:
+        findings.error(record.subject, "the ground is held already", record.place)
+        return None
+    end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
+    given = [record.at(f"p.{axis}") for axis in "xyz"]
+    point = record.vector("p") if any(number.text for number in given) else None
+    held = tuple(digit == "1" for digit in digits)
+    if end and point is None:
+        place = bodies[end.body].global_position(end.node)
+        record.made.update(
+            {f"p.{axis}": f"{value + 0.0:.9g}" for axis, value in zip("xyz", place, strict=True)}
+        )
+    return end and Pin(record.subject, end, held, point, record.place)
+
+
+def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw | None]:
+    """The tables by their numbers, None for those with faults; times must ascend."""
+    points: dict[int, list] = {}
+    for record in values.section("table"):
+        points.setdefault(record["table"], []).append(record)
+    tables: dict[int, MotionLaw | None] = {}
+    for number, records in points.items():
+        tables[number] = None
+        if number < 1:
+            message = f"tables are numbered from 1; read {records[0].at('table').text}"
+            findings.error(f"table {number}", message, records[0].place)
+        times = [record["t"] for record in records]
+        late = next((i for i in range(1, len(times)) if not times[i] > times[i - 1]), None)
+        if len(records) < 2:
+            findings.error(f"table {number}", "a table needs two points at least", records[0].place)
+        elif late is not None:
+            message = f"times must ascend; {times[late]:g} s follows {times[late - 1]:g} s"
+            findings.error(f"table {number}", message, records[late].at("t").place)
+        else:
+            tables[number] = table_law(times, [record["f"] for record in records])
+    return tables
+
+
+def build_motions(values: DeckValues, bodies, joints, tables, findings: Findings) -> tuple[Motion, ...]:
+    """The cards MOTN."""
+    kinds = {joint.name: joint.kind for joint in joints}
+    motions = []
+    for record in values.section("motion"):
+        law = _law(record, tables, findings)
+        if _target_exists(record, len(bodies), len(values.section("joint")), kinds, findings) and law:
+            motions.append(Motion(record.subject, record["kind"], record["object"] - 1, law, record.place))
+    return tuple(motions)
+
+
+def _target_exists(record, bodies, joints, kinds, findings):
+    target, kind = record.at("object"), record["kind"]
+    relative = kind in ("ANGL", "STRK")
+    what, count = ("joint", joints) if relative else ("body", bodies)
+    if not 1 <= target.value <= count:
+        message = f"{what} number {target.value} is outside 1..{count}"
+        findings.error(record.subject, message, target.place)
+        return False
+    fitting = TURNING if kind == "ANGL" else SLIDING
+    found = kinds.get(f"joint {target.value}")
+    if relative and found and found not in fitting:
+        what = "angle" if kind == "ANGL" else "stroke"
+        message = f"joint {target.value} is {found} and has no {what}; {', '.join(fitting)} joints have one"
+        findings.error(record.subject, message, target.place)
+        return False
+    return True
+
+
+def _law(record, tables, findings):
+    law = record.at("law")
+    constants = tuple(float(record[f"c{i}"]) for i in range(4))
+    if not POLYNOMIAL <= law.value <= TABLE:
+        message = f"law {law.value} is outside 1..4 (1 polynomial, 2 spin-up, 3 sine, 4 table)"
+        findings.error(record.subject, message, law.place)
+        return None
+    if law.value == TABLE:
+        return find_table(record, record.at("c0"), tables, findings)
+    if law.value == SINE and not record.at("c2").text:
+        message = "the sine needs c2, rad/s; it stands still without"
+        findings.error(record.subject, message, record.at("c2").place)
+        return None
+    if law.value == SPIN_UP and not constants[1] > 0:
+        message = "the spin-up time c1 must be above zero"
+        findings.error(record.subject, message, record.at("c1").place)
+        return None
+    return MotionLaw(law.value, constants)
+
+
+def find_table(record, number, tables, findings) -> MotionLaw | None:
+    """The table that a card names by `number`; None, and no further fault, for one that has faults."""
+    found = tables.get(int(number.value))
+    if number.value not in tables:
+        message = f"there is no table {number.value:g}; cards TABL give some"
+        findings.error(record.subject, message, number.place)
+    return found

@@ -1,0 +1,127 @@
+"""Forces, torques, springs and output nodes of a VSDF deck."""
+
+import math
+
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeSpring
+from .bodies import end_of_body
+from .joints import SLIDING, TURNING, find_end, find_table
+
+
+def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings) -> tuple[NodeForce, ...]:
+    """The cards FORC."""
+    forces = []
+    for record in values.section("force"):
+        end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
+        follows = _follows(record, findings)
+        factor = _factor(record, tables, findings)
+        if end and end.body == GROUND:
+            findings.error(record.subject, "a force on the ground moves nothing", record.at("body").place)
+        elif end:
+            force = record.vector("F")
+            forces.append(NodeForce(record.subject, end, force, follows, factor, record.place))
+    return tuple(forces)
+
+
+def _follows(record, findings):
+    number = record.at("follows")
+    if number.value not in (0, 1):
+        message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
+        findings.error(record.subject, message, number.place)
+    return number.value == 1
+
+
+def _factor(record, tables, findings):
+    number = record.at("table")
+    table = find_table(record, number, tables, findings) if number.value else None
+    return table and table.of_factor
+
+
+def build_torques(values: DeckValues, bodies, tables, findings: Findings) -> tuple[BodyTorque, ...]:
+    """The cards TORQ, on rigid bodies only."""
+    torques = []
+    for record in values.section("torque"):
+        body = record.at("body")
+        follows, factor = _follows(record, findings), _factor(record, tables, findings)
+        if not 1 <= body.value <= len(bodies):
+            message = f"body number {body.value} is outside 1..{len(bodies)}"
+            findings.error(record.subject, message, body.place)
+        elif bodies[body.value - 1].flexible is not None:
+            message = f"body {body.value} is FLEX, its nodes do not turn; give a pair of forces instead"
+            findings.error(record.subject, message, body.place)
+        else:
+            torque = record.vector("M")
+            index = end_of_body(body.value)
+            torques.append(BodyTorque(record.subject, index, torque, follows, factor, record.place))
+    return tuple(torques)
+
+
+def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tuple[NodeSpring, ...]:
+    """The cards SPRI."""
+    springs = []
+    for record in values.section("spring"):
+        _check_not_negative(record, ("k", "c", "length"), findings)
+        ends = [
+            find_end(bodies, ground, record.at(side), record.at(f"n{side}"), record.subject, findings)
+            for side in "ab"
+        ]
+        if ends[0] and ends[0] == ends[1]:
+            message = "both ends are the same node"
+            findings.error(record.subject, message, record.at("nb").place)
+        elif all(ends) and _in_one_solid(*ends, bodies):
+            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"
+            message = f"both ends are on {what}, so their distance never changes"
+            findings.error(record.subject, message, record.at("b").place)
+        elif all(ends):
+            given = record.at("length")
+            length = float(given.value) if given.text else math.nan
+            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))
+    return tuple(springs)
+
+
+def _in_one_solid(a, b, bodies):
+    return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
+
+
+def _check_not_negative(record, keys, findings):
+    for key in keys:
+        if record[key] < 0:
+            message = f"{key} must not be negative; read {record.at(key).text}"
+            findings.error(record.subject, message, record.at(key).place)
+
+
+def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple[JointSpring, ...]:
+    """The cards JSPR."""
+    springs = []
+    kinds = {joint.name: joint.kind for joint in joints}
+    count = len(values.section("joint"))
+    for record in values.section("joint_spring"):
+        _check_not_negative(record, ("k", "c"), findings)
+        number = record.at("joint")
+        if not 1 <= number.value <= count:
+            message = f"joint number {number.value} is outside 1..{count}"
+            findings.error(record.subject, message, number.place)
+            continue
+        kind = kinds.get(f"joint {number.value}", "revolute")
+        if kind not in (*TURNING, *SLIDING):
+            message = f"joint {number.value} is {kind} and has neither angle nor stroke"
+            findings.error(record.subject, message, number.place)
+            continue
+        springs.append(
+            JointSpring(
+                record.subject, number.value - 1, record["k"], record["c"], record["q0"], record.place
+            )
+        )
+    return tuple(springs)
+
+
+def build_outputs(values: DeckValues, bodies, ground, findings: Findings) -> tuple[End, ...]:
+    """The cards OUTN: nodes and node sets, in the deck's order, each once."""
+    ends = []
+    for record in values.section("output"):
+        for number in record.numbers[1:]:
+            end = find_end(bodies, ground, record.at("body"), number, record.subject, findings)
+            if end and end not in ends:
+                ends.append(end)
+    return tuple(ends)

@@ -1,0 +1,54 @@
+"""Laws of motion of VSDF decks that are no numbers, no angles, or turn more than a report time can show."""
+
+import math
+
+import numpy as np
+
+from ...model.diagnostics import Findings
+from ...model.driver_angles import LARGEST_ANGLE, MANY_TURNS, NO_ANGLE
+from ...model.mechanism import TimeGrid
+from ...model.time_functions import Motion
+
+LARGEST_RATE = 1e100  # its square still is a number
+SAMPLES = 101  # even times of a run at which a law is looked at
+TURNS = ("ANGL", "ROTX", "ROTY", "ROTZ")
+
+
+def check_motion_laws(motions: tuple[Motion, ...], grid: TimeGrid, findings: Findings) -> None:
+    """Refuse laws that are no numbers and angles that are none; doubt `MANY_TURNS` in a report step."""
+    for motion in motions:
+        values, rates, _ = told = _sampled(motion.law, grid)
+        if not (np.abs(told) <= LARGEST_RATE).all():
+            message = (
+                f"its law or a derivative is beyond {LARGEST_RATE:.0e}, or no number; of a table, two points "
+                "lie too close"
+            )
+            findings.error(motion.name, message, motion.place)
+        elif motion.kind in TURNS and np.abs(values).max() > LARGEST_ANGLE:
+            angle = np.abs(values).max()
+            message = f"its angle reaches {angle:.3g} rad; {NO_ANGLE}: constants are in rad and s"
+            findings.error(motion.name, message, motion.place)
+        elif motion.kind in TURNS and (turns := np.abs(rates).max() * grid.step / math.tau) > MANY_TURNS:
+            message = f"it turns {turns:.3g} times between two report times: are its constants in rad and s?"
+            findings.note(motion.name, message, motion.place)
+
+
+def _sampled(law, grid):
+    """Value, rate and acceleration of a law at even times, or at the points of its table, (3, times)."""
+    # Each look into a table goes through all of its points.
+    times = (grid.start, grid.end) if law.times else np.linspace(grid.start, grid.end, SAMPLES)
+    try:
+        told = np.array([law.at(float(t)) for t in times]).T
+    except ValueError:  # the sine of an infinite number
+        return np.full((3, 1), np.nan)
+    return np.hstack([told, _at_points(law, grid)]) if law.times else told
+
+
+def _at_points(law, grid):
+    """The same at the points of a table that the run reaches; of the rates a bound."""
+    t, f, g = (np.array(column) for column in (law.times, law.values, law.curvature))
+    h = np.diff(t)
+    with np.errstate(over="ignore"):
+        rates = np.abs(np.diff(f)) / h + h * np.maximum(np.abs(g[:-1]), np.abs(g[1:])) / 2
+    reached = (grid.start <= t) & (t <= grid.end)
+    return np.array([f, np.append(rates, rates[-1]), g])[:, reached]

@@ -1,0 +1,65 @@
+"""Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
+
+import numpy as np
+
+from ...deck.record import Record
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+
+
+def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.ndarray]:
+    """Places (3,) of the nodes of body k (0: the ground), m in its axes, by their numbers."""
+    nodes = {}
+    for record in values.section("node"):
+        if record["body"] != k:
+            continue
+        number = record["node"]
+        if number in nodes:
+            owner = f"body {k}" if k else "the ground"
+            findings.error(record.subject, f"{owner} already has a node {number}", record.at("node").place)
+        if number < 1:
+            message = f"node numbers begin at 1; read {number}"
+            findings.error(record.subject, message, record.at("node").place)
+        nodes[number] = np.array(record.vector("r"))
+    return nodes
+
+
+def sets_of(values: DeckValues, k: int, nodes: dict, findings: Findings) -> dict[int, tuple[int, ...]]:
+    """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
+    sets = {}
+    for record in values.section("node_set"):
+        if record["body"] != k:
+            continue
+        number = record.at("set")
+        members = members_of(record, nodes, k, findings)
+        _check_once(record, sets.get(number.value, ()), findings)
+        if number.value in nodes:
+            message = f"{number.value} is a node of body {k}; a set needs a number of its own"
+            findings.error(record.subject, message, number.place)
+        elif number.value < 1:
+            findings.error(record.subject, f"sets are numbered from 1; read {number.text}", number.place)
+        elif members:
+            sets[number.value] = sets.get(number.value, ()) + members
+    return sets
+
+
+def _check_once(record, before, findings):
+    """A set is the mean of its nodes: one that it names twice would count double."""
+    seen = set(before)
+    for number in record.numbers[2:]:
+        if number.value in seen:
+            findings.error(record.subject, f"node {number.value} is in the set already", number.place)
+        seen.add(number.value)
+
+
+def members_of(record: Record, nodes: dict, k: int, findings: Findings) -> tuple[int, ...]:
+    """The nodes a card lists that exist; the others are faults."""
+    members = []
+    for number in record.numbers:
+        if not number.key.startswith("node"):
+            continue
+        if number.value in nodes:
+            members.append(number.value)
+        else:
+            findings.error(record.subject, f"body {k} has no node {number.value}", number.place)
+    return tuple(members)

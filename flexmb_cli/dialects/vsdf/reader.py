@@ -1,0 +1,235 @@
+"""Reader of VSDF decks: keyword cards of four columns, data cards below them."""
+
+import re
+
+from ...deck.record import Deck, DeckText, Number, Record
+from ...errors import DeckError, Fault, Place
+from . import fields
+from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP, Card, Column
+
+_TITLE_WIDTH = 75
+# Nobody reads more, and each costs a search for near words.
+_MOST_FAULTS = 1000
+_COMMENT = "*"
+# A data card begins with a blank or a number, so that no keyword can be mistaken for one.
+_DATA = re.compile(r"[\s0-9+\-.,]")
+_NUMBERS = re.compile(r"[.,+\-]*[0-9][0-9.,+\-EeDd]*(?=\s|$)")
+
+
+def read_vsdf(source: DeckText) -> Deck:
+    """The deck of `source`; `DeckError` with every fault found when it cannot be read."""
+    reader = _Reader(source)
+    reader.read()
+    if any(fault.severity == "error" for fault in reader.faults):
+        raise DeckError(reader.faults)
+    return Deck("vsdf", source, tuple(reader.records), tuple(reader.faults))
+
+
+class _Reader:
+    """The deck's lines, the card whose data is being read, and what was read so far."""
+
+    def __init__(self, source: DeckText):
+        self.lines = source.lines
+        self.at = 0
+        self.faults: list[Fault] = []
+        self.records: list[Record] = []
+        self.seen: dict[tuple[str, int], int] = {}
+        self.counts: dict[str, int] = {}
+        self.begun = self.unknown = False
+        self.bare: Place | None = None  # of a keyword without data so far
+
+    def read(self) -> None:
+        """Title, keyword blocks, END, STAR and STOP."""
+        self._read_title()
+        card, ended = None, {}
+        while (line := self._next()) is not None:
+            if len(self.faults) > _MOST_FAULTS:
+                place = Place(self.at, 1)
+                self._error("", f"more than {_MOST_FAULTS} faults: the deck is not read from here on", place)
+                return
+            if not _DATA.match(line):
+                word = line[:4].strip().upper()
+                self._check_filled(card, word)
+                card = self._open(word, line, ended)
+                if word == STOP:
+                    break
+            elif card is not None:
+                self.bare = None
+                self._read_record(card, line)
+            elif not self.unknown:
+                where = "behind END, where nothing is read" if ended else "before any keyword"
+                self._error("", f"a data card stands {where}", Place(self.at, 1))
+        self._check_end(ended)
+
+    def _next(self):
+        """The next line that is neither blank nor a comment; None at the end of the deck."""
+        while self.at < len(self.lines):
+            self.at += 1
+            line = self.lines[self.at - 1].rstrip()
+            if line and not line.startswith(_COMMENT):
+                return line
+        return None
+
+    def _read_title(self):
+        line = self._next() or ""
+        if line[:4].upper() != "VSDF":
+            place = Place(max(self.at, 1), 1, 4)
+            self._error("", f"the first card must begin with VSDF; read '{line[:4]}'", place)
+        title = line[5 : 5 + _TITLE_WIDTH]
+        place = Place(max(self.at, 1), 1, 4)
+        self.records.append(Record("title", 0, "title", (Number("title", title, "title", "", place, title),)))
+
+    def _open(self, word: str, line: str, ended: dict) -> Card | None:
+        """The card that `word` names; None for END, STAR, STOP and for words that no card has."""
+        place = Place(self.at, 1, max(1, len(line[:4].rstrip())))
+        self.unknown = False
+        if word in FINAL:
+            ended.setdefault(word, place)
+            return None
+        if word not in BY_WORD:
+            self.unknown = True
+            self._error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place)
+            return None
+        told = self._check_alone(word, line)
+        if END in ended:
+            self._error("", f"card '{word}' stands behind END, where nothing is read", place)
+            self.unknown = True
+            return None
+        if word != "BODY" and not self.begun:
+            self._error("", f"card '{word}' stands before BODY, which must come first", place)
+        self.begun, self.bare = True, None if told else place
+        return BY_WORD[word]
+
+    def _check_filled(self, card, following):
+        """A keyword alone says nothing; what was meant may stand in its comment."""
+        if card is not None and self.bare is not None and following in KNOWN_WORDS:
+            self._warn(card.word, "no data card stands below the keyword, so it says nothing", self.bare)
+        self.bare = None
+
+    def _check_alone(self, word, line):
+        """Words behind a keyword are a comment; numbers there were meant to be read, and are a fault."""
+        extra = line[4:].strip()
+        if not _NUMBERS.match(extra):
+            return False
+        message = (
+            f"'{extra}' stands behind the keyword and is not read; data cards follow on lines of their own"
+        )
+        self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
+        return True
+
+    def _check_end(self, ended):
+        if END not in ended:
+            last = len(self.lines)
+            while last > 1 and not self.lines[last - 1].strip():
+                last -= 1
+            place = Place(last, len(self.lines[last - 1].rstrip()) + 1)
+            self._error("", "unexpected end of the deck, expected the card END", place)
+        elif STAR not in ended:
+            self._warn("", "no STAR card behind END: the deck asks for no run", ended[END])
+
+    def _read_record(self, card: Card, line: str) -> None:
+        before = len(self.faults)
+        numbers = self._read_card(card, line, card.columns, card.more)
+        head = numbers[0] if numbers else None
+        if card.second:
+            numbers += self._read_second(card)
+        if head is None or any(fault.severity == "error" for fault in self.faults[before:]):
+            self.counts[card.section] = self.counts.get(card.section, 0) + 1
+            return
+        self._keep(card, head, numbers)
+
+    def _read_second(self, card):
+        """The second card of a record; it must be a data card."""
+        here = self.at
+        line = self._next()
+        if line is None or not _DATA.match(line):
+            self.at = here
+            keys = f"{card.second[0].key} ... {card.second[-1].key}"
+            place = Place(here, len(self.lines[here - 1].rstrip()) + 1)
+            self._error(card.word, f"its second card, with {keys}, is missing", place)
+            return []
+        return self._read_card(card, line, card.second, None)
+
+    def _read_card(self, card: Card, line: str, columns, more: Column | None) -> list[Number]:
+        found = fields.fields(line, columns, more)
+        wanted = [*columns, *([more] * (len(found) - len(columns)))]
+        numbers = [self._number(card, line, columns, *pair) for pair in zip(found, wanted, strict=True)]
+        if more is None:
+            self._check_rest(card, line, columns)
+        elif len(found) == len(columns):
+            place = Place(self.at, len(line) + 1)
+            self._error(card.word, f"the card names no {more.meaning}", place)
+        return [number for number in numbers if number is not None]
+
+    def _number(self, card, line, columns, field, column: Column) -> Number | None:
+        place = Place(self.at, field.column, max(1, len(field.text)))
+        try:
+            value, doubt = fields.value(field, column)
+        except fields.Unfit as fault:
+            self._error(card.word, str(fault), place, fields.guide(line, columns))
+            return None
+        if doubt:
+            self._warn(card.word, doubt, place)
+        return Number(column.key, value, column.meaning, column.unit, place, field.text)
+
+    def _check_rest(self, card, line, columns):
+        """Words behind the last field are a comment; numbers there were meant to be read."""
+        extra = fields.rest(line, columns)
+        text = extra.text
+        if not text:
+            return
+        place = Place(self.at, extra.column, len(text))
+        if _NUMBERS.match(text):
+            message = f"'{text}' stands behind the last field and is not read"
+            self._error(card.word, message, place, fields.guide(line, columns))
+        elif fields.runs_over(line, columns, extra):
+            message = (
+                f"'{text}' touches the last field, which ends in column {extra.column - 1}: a comment needs "
+                "a blank before it, a longer number the form with commas"
+            )
+            self._error(card.word, message, place, fields.guide(line, columns))
+
+    def _keep(self, card: Card, head: Number, numbers: list[Number]) -> None:
+        count = self.counts[card.section] = self.counts.get(card.section, 0) + 1
+        number = {"single": 0, "list": count}.get(card.counted, head.value)
+        subject = card.subject.format(number)
+        if card.counted != "list":
+            earlier = self.seen.setdefault((card.section, number), self.at)
+            if earlier != self.at:
+                self._error(subject, f"it is given on line {earlier} already", head.place)
+                return
+        if card.counted == "own" and number != count:
+            message = f"it is number {count} of its kind; records are numbered 1, 2, ... in their order"
+            self._error(subject, message, head.place)
+        self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))
+
+    def _error(self, subject, message, place, guide=()):
+        self.faults.append(Fault("error", message, place, subject, tuple(guide)))
+
+    def _warn(self, subject, message, place):
+        self.faults.append(Fault("warning", message, place, subject))
+
+
+def _hint(word: str) -> str:
+    """What may have been meant by a word that no card has."""
+    if word in DATA_WORDS:
+        return f"; '{word}' stands on a data card, behind a blank"
+    from difflib import get_close_matches
+
+    near = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
+    return f"; is '{near[0]}' meant?" if near else ""
+
+
+def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
+    """Fields that repeat get a number behind their key, so that every number has its own name."""
+    keys = [number.key for number in numbers]
+    if len(set(keys)) == len(keys):
+        return tuple(numbers)
+    named, counts = [], {}
+    for found in numbers:
+        if keys.count(found.key) > 1:
+            counts[found.key] = counts.get(found.key, 0) + 1
+            key = f"{found.key}{counts[found.key]}"
+            found = Number(key, found.value, found.meaning, found.unit, found.place, found.text)
+        named.append(found)
+    return tuple(named)

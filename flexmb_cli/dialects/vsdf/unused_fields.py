@@ -1,0 +1,115 @@
+"""Fields of VSDF cards that are filled and not read: whoever filled them meant something by it.
+
+A written 0 is what an empty field means, and is let pass.
+"""
+
+from collections.abc import Iterator
+
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.time_functions import SPIN_UP, TABLE
+from .joints import BY_WORD
+
+SIZED = {"SCRW": "pitch", "RSPH": "distance", "DIST": "distance"}
+_OF_LAW = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)}
+_LAWS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
+_VALUES = {
+    "force": ("F.x", "F.y", "F.z"),
+    "torque": ("M.x", "M.y", "M.z"),
+    "spring": ("k", "c"),
+    "joint_spring": ("k", "c"),
+    "damping": ("alpha", "beta", "ratio"),
+}
+
+
+def refuse_unread(values: DeckValues, findings: Findings) -> None:
+    """Faults for fields that mean nothing where they stand, and for cards without any value."""
+    for section, unread in _UNREAD.items():
+        for record in values.section(section):
+            for key, reason in unread(record):
+                _refuse(record, key, reason, findings)
+    for section, keys in _VALUES.items():
+        for record in values.section(section):
+            if not any(record.at(key).text for key in keys):
+                message = f"{', '.join(keys)} are all empty, so the card does nothing"
+                findings.error(record.subject, message, record.at(keys[0]).place)
+    _doubt_switched_off(values, findings)
+
+
+def _refuse(record, key, reason, findings):
+    number = record.at(key)
+    if number.value:
+        message = f"{key} is {number.text} and is not read: {reason}; leave the field empty"
+        findings.error(record.subject, message, number.place)
+
+
+def _of_body(record) -> Iterator[tuple[str, str]]:
+    if record["kind"] == "RIGD":
+        yield "modes", "a RIGD body has no modes"
+        for key in ("n1", "n2", "n3"):
+            yield key, "a RIGD body has no reference nodes, its axes are those of its RIGI and NODE cards"
+
+
+def _of_joint(record) -> Iterator[tuple[str, str]]:
+    word = BY_WORD[record["kind"]]
+    for letter, count in (("a", word.on_a), ("b", word.on_b)):
+        nodes = f"{count} node{'s' if count > 1 else ''} on {letter}"
+        for i in range(count + 1, 4):
+            yield f"{letter}{i}", f"{word.word} has {nodes}"
+    if word.word not in SIZED:
+        yield "size", f"{word.word} has neither pitch nor distance"
+
+
+def _of_motion(record) -> Iterator[tuple[str, str]]:
+    law = record["law"]
+    for key in ("c0", "c1", "c2", "c3"):
+        if law in _OF_LAW and key not in _OF_LAW[law]:
+            yield key, _LAWS[law]
+
+
+def _of_stiffening(record) -> Iterator[tuple[str, str]]:
+    if record["on"] and not record.at("E").text:
+        yield "nu", "Poisson's ratio belongs to Young's modulus E, which is empty"
+
+
+def _of_spring(record) -> Iterator[tuple[str, str]]:
+    if not record.at("k").text:
+        yield "length", "a length at rest belongs to the stiffness k, which is empty"
+
+
+def _of_joint_spring(record) -> Iterator[tuple[str, str]]:
+    if not record.at("k").text:
+        yield "q0", "a position at rest belongs to the stiffness k, which is empty"
+
+
+_UNREAD = {
+    "body": _of_body,
+    "joint": _of_joint,
+    "motion": _of_motion,
+    "spring": _of_spring,
+    "joint_spring": _of_joint_spring,
+    "stiffening": _of_stiffening,
+}
+
+
+def _doubt_switched_off(values, findings):
+    for record in values.section("stiffening"):
+        if not record["on"] and record["E"]:
+            message = "E and nu are not used: stiffening is switched off, on is 0"
+            findings.warn(record.subject, message, record.at("E").place)
+
+
+def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
+    """Warnings of `tables` without faults that neither a motion nor a load names."""
+    used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
+    used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}
+    told = {number for number, law in tables.items() if law is None}
+    for record in values.section("table"):
+        number = record.at("table")
+        if number.value in used or number.value in told:
+            continue
+        told.add(number.value)
+        message = (
+            "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field"
+        )
+        findings.warn(f"table {number.value}", message, number.place)

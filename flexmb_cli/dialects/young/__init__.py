@@ -1,0 +1,1 @@
+"""YOUNG decks (1996): spatial mechanisms, kinematics and dynamics."""

@@ -1,0 +1,256 @@
+"""The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
+
+import math
+
+import numpy as np
+
+from ...deck.record import Deck, Record
+from ...errors import Fault, ModelError
+from ...model.arrays.dynamic import inertia_matrix
+from ...model.diagnostics import Findings
+from ...model.loads import (
+    AlphaSteps,
+    AppliedForce,
+    AppliedTorque,
+    DynamicModel,
+    InitialVelocity,
+    MassProperties,
+    SpringDamper,
+)
+from ...model.time_checks import unsteppable
+from .build import build_young
+from .dynamic_cards import FORWARD, analysis_of
+
+ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
+ROUND_OFF = 1e-9  # of the largest moment of inertia
+DEFAULT_TOLERANCE = 1e-9
+LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
+
+
+def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
+    """The dynamic model that `deck` describes, and the doubts about it.
+
+    Raises ModelError with all faults found.
+    """
+    mechanism, warnings = build_young(deck)
+    findings = Findings()
+    _check_bodies(deck, len(mechanism.bodies), findings)
+    _check_once(deck, findings)
+    _check_method(deck, findings)
+    model = DynamicModel(
+        mechanism,
+        analysis_of(deck),
+        tuple(_mass(record, findings) for record in deck.section("mass")),
+        tuple(_force(record, findings) for record in deck.section("force")),
+        tuple(_torque(record, findings) for record in deck.section("torque")),
+        (*_springs(deck, findings), *_dampers(deck, findings)),
+        next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
+        tuple(_velocity(record) for record in deck.section("velocity")),
+        _tolerance(deck, findings),
+        _alpha_steps(deck, findings),
+        bool(deck.section("radau")),
+    )
+    _check_time(model, findings)
+    _doubt_massless(model, findings)
+    _doubt_idle_velocities(model, findings)
+    _note_loads_at_rest(model, findings)
+    faults = [*warnings, *findings.in_order]
+    if any(fault.severity == "error" for fault in faults):
+        raise ModelError((*deck.warnings, *faults))
+    return model, faults
+
+
+def _check_bodies(deck, bodies, findings):
+    for section in ("mass", "force", "torque", "spring", "damper", "velocity"):
+        for record in deck.section(section):
+            numbers = [number for number in record.numbers if number.key in ("body", "I", "J")]
+            for number in numbers:
+                if not 1 <= number.value <= bodies:
+                    message = f"body number {number.value} is outside 1..{bodies}"
+                    findings.error(record.subject, message, number.place)
+            if len(numbers) == 2 and numbers[0].value == numbers[1].value:
+                message = f"I and J are both body {numbers[0].value}; two bodies are needed"
+                findings.error(record.subject, message, numbers[1].place)
+
+
+def _check_once(deck, findings):
+    """A body has one mass and one first velocity, a deck one of all else that is here."""
+    for section in ("mass", "velocity", "gravity", "tolerance", "generalised-alpha", "radau"):
+        first: dict = {}
+        for record in deck.section(section):
+            key = record["body"] if section in ("mass", "velocity") else None
+            other = first.setdefault(key, record)
+            if other is not record:
+                what = f"body {key}" if key else "the deck"
+                message = f"{what} already has {other.subject}; remove one of them"
+                findings.error(record.subject, message, record.place)
+
+
+def _mass(record: Record, findings) -> MassProperties:
+    inertia = tuple(float(record[element]) for element in ELEMENTS)
+    if not record["m"] >= 0.0:
+        message = f"the mass must not be negative; read {record['m']:g}"
+        findings.error(record.subject, message, record.at("m").place)
+    _check_inertia(record, inertia, findings)
+    return MassProperties(
+        record.subject, record["body"] - 1, float(record["m"]), record.vector("centre"), inertia, record.place
+    )
+
+
+def _check_inertia(record, inertia, findings):
+    """1. No principal moment is negative.  2. None exceeds the sum of the others."""
+    moments = np.linalg.eigvalsh(inertia_matrix(inertia))
+    slack = ROUND_OFF * max(abs(moments[0]), moments[2])
+    place = record.at("Ixx").place
+    shown = ", ".join(f"{moment:.6g}" for moment in moments)
+    if moments[0] < -slack:
+        message = f"the inertia tensor must have no negative principal moment; they are {shown} kg m^2"
+        findings.error(record.subject, message, place)
+    elif moments[2] > moments[0] + moments[1] + slack:
+        message = (
+            f"no body has principal moments of inertia {shown} kg m^2: the largest exceeds the sum of "
+            "the others"
+        )
+        findings.warn(record.subject, message, place)
+
+
+def _following(record, findings):
+    found = record.at("following")
+    if found.value not in (0, 1):
+        message = f"following must be 0 (global axes) or 1 (body axes); read {found.value}"
+        findings.error(record.subject, message, found.place)
+    return found.value == 1
+
+
+def _force(record: Record, findings) -> AppliedForce:
+    following = _following(record, findings)
+    return AppliedForce(
+        record.subject,
+        record["body"] - 1,
+        record.vector("F"),
+        record.vector("P"),
+        following,
+        place=record.place,
+    )
+
+
+def _torque(record: Record, findings) -> AppliedTorque:
+    following = _following(record, findings)
+    return AppliedTorque(
+        record.subject, record["body"] - 1, record.vector("T"), following, place=record.place
+    )
+
+
+def _springs(deck, findings):
+    for record in deck.section("spring"):
+        for key in ("stiffness", "free_length", "damping"):
+            _doubt_negative(record, key, findings)
+        yield _line(record, record["stiffness"], record["free_length"])
+
+
+def _dampers(deck, findings):
+    for record in deck.section("damper"):
+        _doubt_negative(record, "damping", findings)
+        yield _line(record, 0.0, 0.0)
+
+
+def _line(record, stiffness, free_length):
+    return SpringDamper(
+        record.subject,
+        record["I"] - 1,
+        record["J"] - 1,
+        record.vector("P_i"),
+        record.vector("P_j"),
+        float(stiffness),
+        float(free_length),
+        float(record["damping"]),
+        record.place,
+    )
+
+
+def _doubt_negative(record, key, findings):
+    if record[key] < 0.0:
+        message = f"{key.replace('_', ' ')} {record[key]:g} is negative"
+        findings.warn(record.subject, message, record.at(key).place)
+
+
+def _velocity(record: Record) -> InitialVelocity:
+    return InitialVelocity(
+        record.subject, record["body"] - 1, record.vector("v"), record.vector("w"), record.place
+    )
+
+
+def _tolerance(deck, findings):
+    """That of RAD5, else that of TOLERANCE, else the default."""
+    found = DEFAULT_TOLERANCE
+    for section, key in (("tolerance", "relative"), ("radau", "tolerance")):
+        for record in deck.section(section):
+            number = record.at(key)
+            if section == "radau" and number.value == 0.0:
+                continue
+            if not (math.isfinite(number.value) and LEAST_TOLERANCE <= number.value <= MOST_TOLERANCE):
+                message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {number.text}"
+                findings.error(section, message, number.place)
+            found = float(number.value)
+    return found
+
+
+def _check_method(deck, findings):
+    """A deck has one method, which only a forward analysis uses."""
+    for record in deck.section("radau"):
+        if deck.section("generalised-alpha"):
+            message = "the deck asks for GALF as well; remove one of them"
+            findings.error(record.subject, message, record.place)
+        if analysis_of(deck) != FORWARD:
+            findings.warn(record.subject, "is not used: nothing is integrated", record.place)
+
+
+def _alpha_steps(deck, findings):
+    records = deck.section("generalised-alpha")
+    if not records:
+        return None
+    step, radius = records[0].at("step"), records[0].at("radius")
+    if not (math.isfinite(step.value) and step.value >= 0.0):
+        findings.error(records[0].subject, f"a step must not be negative; read {step.text}", step.place)
+    if not 0.0 <= radius.value <= 1.0:
+        message = f"the spectral radius lies between 0 and 1; read {radius.text}"
+        findings.error(records[0].subject, message, radius.place)
+    if analysis_of(deck) != FORWARD:
+        findings.warn(records[0].subject, "is not used: nothing is integrated", records[0].place)
+    return AlphaSteps(float(step.value), float(radius.value))
+
+
+def _check_time(model, findings):
+    grid = model.mechanism.time
+    fault = unsteppable(max(abs(grid.start), abs(grid.end)), grid.step)
+    if fault and model.analysis == FORWARD:
+        findings.error("time", fault, grid.place)
+
+
+def _doubt_massless(model, findings):
+    at_rest = {ground.body for ground in model.mechanism.grounds}
+    heavy = {item.body for item in model.masses}
+    for number, body in enumerate(model.mechanism.bodies):
+        if number not in at_rest | heavy:
+            findings.warn(body.name, "has no MASS card and is taken as massless", body.place)
+
+
+def _note_loads_at_rest(model, findings):
+    """Note the loads that act on bodies at rest only."""
+    at_rest = {ground.body for ground in model.mechanism.grounds}
+    bodies = model.mechanism.bodies
+    loads = [(item, (item.body,)) for item in (*model.forces, *model.torques)]
+    loads += [(item, (item.i, item.j)) for item in model.springs]
+    for item, numbers in loads:
+        if at_rest.issuperset(numbers):
+            names = " and ".join(bodies[number].name for number in numbers)
+            held = "is held" if len(numbers) == 1 else "are held"
+            message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
+            findings.note(item.name, message, item.place)
+
+
+def _doubt_idle_velocities(model, findings):
+    if model.analysis == FORWARD:
+        return
+    for item in model.velocities:
+        findings.warn(item.name, "is not used: the drivers prescribe all velocities", item.place)

@@ -1,0 +1,88 @@
+"""Decks of YOUNG's earlier version: 11 counts, no distance constraints, body estimates of three numbers.
+
+IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its echo says of the bodies
+"ENTER INITIAL ESTIMATES OF X, Y, Z (E0=1,E1,E2,E3=0)".
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...deck.number import Misspelt, integer
+from ...deck.record import Deck, Number, Record
+from ...deck.words import Word
+from ...errors import Fault
+from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
+
+POSITIONS = 3  # numbers of a body estimate
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+NOTE = (
+    "the deck has 11 counts, as decks of YOUNG's earlier version: NSIMP2 is 0, and body estimates are x y z "
+    "with Euler parameters 1 0 0 0"
+)
+
+
+def _earlier(section: Section) -> Section:
+    if section is COUNTS:
+        return replace(section, columns=tuple(c for c in section.columns if c.key != DISTANCES.count))
+    return replace(section, columns=section.columns[:POSITIONS]) if section is BODIES else section
+
+
+EARLIER_SECTIONS = tuple(_earlier(section) for section in YOUNG_SECTIONS if section is not DISTANCES)
+
+
+def are_eleven_counts(texts: Sequence[str]) -> bool:
+    """Return whether the words of a deck's first line are the counts of the earlier version."""
+    if len(texts) != len(COUNTS.columns) - 1:
+        return False
+    try:
+        for text in texts:
+            integer(text)
+    except Misspelt:
+        return False
+    return True
+
+
+def lines_begin_records(words: Sequence[Word], sizes: Sequence[int], behind: Word | None) -> bool:
+    """Return whether every line begins with a record and the last number ends its line.
+
+    A deck of 12 counts that has lost one does not look so: its body estimates have seven numbers.
+    """
+    starts, place = set(), 0
+    for size in sizes:
+        starts.add(place)
+        place += size
+    if place != len(words) or (behind is not None and behind.line == words[-1].line):
+        return False
+    new_lines = (k for k in range(1, len(words)) if words[k].line != words[k - 1].line)
+    return all(k in starts for k in new_lines)
+
+
+def completed(deck: Deck) -> Deck:
+    """Return the deck with the numbers that the final version reads, and a note."""
+    records = tuple(_COMPLETED.get(record.section, _unchanged)(record) for record in deck.records)
+    note = Fault("note", NOTE, deck.one("counts").place, "counts")
+    return replace(deck, records=records, warnings=(*deck.warnings, note))
+
+
+def _unchanged(record: Record) -> Record:
+    return record
+
+
+def _with_distances(record: Record) -> Record:
+    numbers = list(record.numbers)
+    where = COUNTS.positions[DISTANCES.count]
+    numbers.insert(where, _missing(COUNTS, where, 0, record))
+    return Record(record.section, record.number, record.subject, tuple(numbers))
+
+
+def _with_attitude(record: Record) -> Record:
+    more = [_missing(BODIES, POSITIONS + k, e, record) for k, e in enumerate(UNTURNED)]
+    return Record(record.section, record.number, record.subject, (*record.numbers, *more))
+
+
+def _missing(section: Section, where: int, value: float, record: Record) -> Number:
+    column = section.columns[where]
+    return Number(column.key, value, column.meaning, column.unit, record.place, f"{value:g}")
+
+
+_COMPLETED = {"counts": _with_distances, "body": _with_attitude}

@@ -1,0 +1,148 @@
+"""The historic check that equations and coordinates are equal in number, body by body where it fails.
+
+YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL + 4 NCYLIN + 5 NTRANS
++ 5 NSCREW + NSIMPL + NSIMP2 + NDRIVE + 6 NGROUN.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+from ...errors import Place
+from ...model.diagnostics import Findings
+from ...model.joints import BY_NAME
+from ...model.mechanism import Mechanism
+
+SHOWN_GROUPS = 8
+SHOWN_BODIES = 6
+_PER_BODY = 6
+
+
+def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Findings) -> None:
+    """Report too few or too many equations at `place`, and notes on the groups of bodies concerned.
+
+    Ground bodies do not connect: a group is what moves together.  A group with too few equations
+    is movable even where another group has so many that the sum is right.
+    """
+    links = tuple(_links(mechanism))
+    equations = sum(count for count, *_ in links)
+    coordinates = _PER_BODY * len(mechanism.bodies)
+    fixed = frozenset(ground.body for ground in mechanism.grounds)
+    groups = _groups(len(mechanism.bodies), fixed, links)
+    off = [group for group in groups if group.excess]
+    if equations != coordinates:
+        findings.error("counts", _total(equations, coordinates, len(mechanism.bodies)), place)
+    elif any(group.excess < 0 for group in off):
+        message = "the equations are as many as the coordinates, but in the wrong places"
+        findings.error("counts", message, place)
+    else:
+        return
+    for group in off[:SHOWN_GROUPS]:
+        findings.note("", group.sentence, mechanism.bodies[group.bodies[0]].place)
+    if len(off) > SHOWN_GROUPS:
+        findings.note("", f"{len(off) - SHOWN_GROUPS} more groups of bodies are not in balance", place)
+
+
+def imbalance(counts: Mapping[str, int]) -> str:
+    """What is wrong with the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
+    coordinates = _PER_BODY * counts["NBODY"]
+    equations = sum(
+        kind.equations * counts[kind.young_count] for kind in BY_NAME.values() if kind.young_count
+    )
+    equations += _PER_BODY * counts["NGROUN"]
+    return "" if equations == coordinates else _total(equations, coordinates, counts["NBODY"])
+
+
+def _total(equations, coordinates, bodies):
+    many = "few" if equations < coordinates else "many"
+    return (
+        f"{bodies} {'body has' if bodies == 1 else 'bodies have'} {coordinates} coordinates, but the "
+        f"constraints and drivers give {_many(equations)}, {abs(equations - coordinates)} too {many}"
+    )
+
+
+def _links(mechanism) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Pairs (equations, bodies they touch)."""
+    for joint in mechanism.joints:
+        yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
+    for distance in mechanism.distances:
+        yield 1, (distance.i, distance.j)
+    for held in (*mechanism.simplified, *mechanism.drivers):
+        yield 1, (held.body,)
+    for ground in mechanism.grounds:
+        yield _PER_BODY, (ground.body,)
+
+
+@dataclass
+class _Group:
+    """Bodies that joints connect, and the equations on them with the bodies that bear each."""
+
+    bodies: list[int] = field(default_factory=list)
+    borne: list[tuple[int, list[int]]] = field(default_factory=list)
+
+    @property
+    def excess(self) -> int:
+        """Equations more than coordinates, negative for too few."""
+        return self.equations - _PER_BODY * len(self.bodies)
+
+    @property
+    def equations(self) -> int:
+        """All equations on the group."""
+        return sum(equations for equations, _ in self.borne)
+
+    @property
+    def sentence(self) -> str:
+        """The group's balance for a note."""
+        balance = f"{abs(self.excess)} too {'many' if self.excess > 0 else 'few'}"
+        coordinates = _PER_BODY * len(self.bodies)
+        text = f"{_named(self.bodies)}: {coordinates} coordinates, {_many(self.equations)}, {balance}"
+        return text if len(self.bodies) == 1 else f"{text} ({self._shares})"
+
+    @property
+    def _shares(self):
+        share = dict.fromkeys(self.bodies, 0.0)
+        for equations, bodies in self.borne:
+            for body in bodies:
+                share[body] += equations / len(bodies)
+        shown = ", ".join(f"body {body + 1}: {share[body]:g}" for body in self.bodies[:SHOWN_BODIES])
+        more = ", …" if len(self.bodies) > SHOWN_BODIES else ""
+        return f"a joint's equations shared between its bodies, {shown}{more}; 6 each are needed"
+
+
+def _many(equations):
+    return "1 equation" if equations == 1 else f"{equations} equations"
+
+
+def _named(bodies):
+    numbers = [str(body + 1) for body in bodies[:SHOWN_BODIES]]
+    if len(bodies) > SHOWN_BODIES:
+        return f"bodies {', '.join(numbers)} and {len(bodies) - SHOWN_BODIES} more"
+    if len(bodies) == 1:
+        return f"body {numbers[0]}"
+    return f"bodies {', '.join(numbers[:-1])} and {numbers[-1]}"
+
+
+@lru_cache(maxsize=4)
+def _groups(bodies, fixed, links):
+    """The groups in the order of their first bodies; the variants of a study mostly have the same."""
+    root = list(range(bodies))
+    for _, touched in links:
+        free = [body for body in touched if body not in fixed]
+        for a, b in pairwise(free):
+            root[_root(root, a)] = _root(root, b)
+    groups = defaultdict(_Group)
+    for body in range(bodies):
+        groups[_root(root, body)].bodies.append(body)
+    for equations, touched in links:
+        bearing = [body for body in touched if body not in fixed] or list(touched[:1])
+        groups[_root(root, bearing[0])].borne.append((equations, bearing))
+    return tuple(groups.values())
+
+
+def _root(root, body):
+    while root[body] != body:
+        root[body] = root[root[body]]
+        body = root[body]
+    return body

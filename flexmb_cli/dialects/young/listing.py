@@ -1,0 +1,223 @@
+"""OUT table of a YOUNG deck: echo of the input, a head, one block for every report time.
+
+Layout of the listings in Appendix B of the YOUNG dissertation (Liang Yong, 1996).  In the safe layout
+body numbers that the program printed without a blank between them (screw joints) stay so only while
+both have one digit.
+"""
+
+import numpy as np
+
+from ...deck.fortran_format import HISTORIC, SAFE, Layout, fixed, integer
+from ...deck.record import Deck
+from ...solvers.kinematics.rows import Rows
+
+COUNT_TITLES = (
+    "body : NBODY",
+    "driver: NDRIVE",
+    "points of interest: NPOINT",
+    "spherical joints: NSPHER",
+    "universal joints: NUNIVE",
+    "revolute joints: NREVOL",
+    "cylindrical joints: NCYLIN",
+    "translational joints: NTRANS",
+    "screw joints: NSCREW",
+    "simplified constraint: NSIMPL",
+    "distance constraint: NSIMP2",
+    "grounded body: NGROUN",
+)
+DIRECTION_TITLE = "ENTER 1-6 FOR DIRECTION X,Y,Z,ALPH(axis is X),BETA(axis is Y),DELT(axis is Z)"
+# Section: name in the listing, text above the coordinates (two lines for the translational joint).
+JOINT_TITLES = {
+    "spherical": ("SPHERICAL JOINT", "ENTER LOCAL COORDINATES OF JOINT POINT"),
+    "universal": ("UNIVERSAL JOINT", "ENTER LOCAL COORDINATES OF POINTS"),
+    "revolute": ("REVOLUTE JOINT", "ENTER LOCAL COORDINATES OF POINTS Pij,Qi,Qj"),
+    "cylindrical": (
+        "CYLINDRICAL JOINT",
+        "ENTER LOCAL COORDINATES OF 4 POINTS: 2 ON AXIS, 2 ON EACH BODY",
+    ),
+    "translational": (
+        "TRANSLATIONAL JOINTS",
+        "ENTER LOCAL COORDINATES OF 6 POINTS, 3 ON EACH BODY,\n4 ON AXIS, 2 FOR PERPENDICULAR VECTORS:",
+    ),
+    "screw": ("SCREW JOINT", "ENTER LOCAL COORDINATES OF 6 POINTS,3 ON EACH BODY, 4 ON AXIS"),
+}
+# The driver's title carries the number of drivers, not its own: a slip of the program, seen in every
+# listing with several drivers and kept for its byte layout.
+DRIVER_TITLES = (
+    " ENTER BODY No ",
+    "ENTER DRIVER CONSTRAINT\n NUMBER 1-6 FOR X,Y,Z,ALPHA,BETA,DELTA",
+    "ENTER INITIAL POSITION, VELOCITY & ACCELERATION",
+)
+HEAD = "\n-----------------------------\n-- KINEMATIC ANALYSIS --\n-----------------------------\n"
+FAILED = "\n\n-----CONVERGENCE FAILED-----\n"
+STOPPED = "\n\n-----RUN STOPPED-----\n"
+
+POSITION_TITLE = "BODY       X         Y         Z         e0        e1        e2        e3"
+VELOCITY_TITLE = "BODY  dX     dY     dZ     de0    de1    de2    de3    w-x    w-y    w-z"
+ACCELERATION_TITLE = "BODY  ddX    ddY    ddZ    dde0   dde1   dde2   dde3   dw-x   dw-y   dw-z"
+POINT_TITLE = "No   X       Y       Z       dX      dY      dZ      ddX     ddY     ddZ"
+# Fields of a line; the listings show two decimals in w-x and w-y only.
+POSITION_FIELDS = 7 * (fixed(10, 3),)
+VELOCITY_FIELDS = 7 * (fixed(7, 3),) + (fixed(7, 2), fixed(7, 2), fixed(7, 3))
+ACCELERATION_FIELDS = 10 * (fixed(7, 3),)
+POINT_FIELDS = 9 * (fixed(8, 4),)
+
+
+class OutTable:
+    """Writes a YOUNG deck's OUT table to a text `stream`; lines end in LF.
+
+    `layout`: "safe" or "historic" (see `fortran_format`).
+    """
+
+    def __init__(self, stream, deck: Deck, layout: str = SAFE):
+        self._stream = stream
+        self._deck = deck
+        self._layout = layout
+        counts = deck.one("counts")
+        self._block = report_block(counts["NBODY"], counts["NPOINT"], layout)
+
+    def begin(self) -> None:
+        """Write the echo of the input and the head of the analysis."""
+        self._stream.write(echo_of_input(self._deck, self._layout) + HEAD)
+
+    def rows(self, rows: Rows) -> None:
+        """Write the blocks of the given report times."""
+        self._stream.write(self._block.lines(block_values(rows)))
+
+    def failed(self) -> None:
+        """Write that the iterations did not converge; nothing follows."""
+        self._stream.write(FAILED)
+
+    def stopped(self) -> None:
+        """Write that the run was ended before the last time; nothing follows."""
+        self._stream.write(STOPPED)
+
+
+def report_block(bodies: int, points: int, layout: str = SAFE) -> Layout:
+    """The block of one report time; its fields are the columns of `block_values`."""
+    parts = ["\n-----\nTIME= ", fixed(5, 3), "\n-----\n"]
+    parts += _section("POSITION", POSITION_TITLE, bodies, POSITION_FIELDS)
+    parts += ["\n\n", *_section("VELOCITY", VELOCITY_TITLE, bodies, VELOCITY_FIELDS)]
+    parts += ["\n", *_section("ACCELERATION", ACCELERATION_TITLE, bodies, ACCELERATION_FIELDS), "\n"]
+    if points:
+        parts += ["\n", *_section("POINTS OF INTEREST", POINT_TITLE, points, POINT_FIELDS), "\n"]
+    return Layout(*parts, "*****\n", layout=layout)
+
+
+def block_values(rows: Rows) -> np.ndarray:
+    """Values of the blocks, shape (times, fields of `report_block`), in the order of the page."""
+    sections = (
+        (rows.position, rows.euler_parameters),
+        (rows.velocity, rows.euler_parameter_rates, rows.angular_velocity),
+        (rows.acceleration, rows.euler_parameter_accelerations, rows.angular_acceleration),
+        (rows.point_position, rows.point_velocity, rows.point_acceleration),
+    )
+    times = len(rows.time)
+    flat = [np.concatenate(arrays, axis=2).reshape(times, -1) for arrays in sections]
+    return np.concatenate([rows.time[:, None], *flat], axis=1)
+
+
+def echo_of_input(deck: Deck, layout: str = SAFE) -> str:
+    """The program's questions, each with the deck's answer, in the order of reading."""
+    drivers = len(deck.section("driver"))
+    texts = [_counts(deck.one("counts"), layout)]
+    texts += [_body(record, layout) for record in deck.section("body")]
+    texts += [_driver(record, drivers, layout) for record in deck.section("driver")]
+    texts += [_point(record, layout) for record in deck.section("point")]
+    for section in JOINT_TITLES:
+        texts += [_joint(record, layout) for record in deck.section(section)]
+    texts += [_simplified(record, layout) for record in deck.section("simplified")]
+    texts += [_distance(record, layout) for record in deck.section("distance")]
+    texts += [_ground(record, layout) for record in deck.section("ground")]
+    return "".join([*texts, _time(deck.one("time"), layout)])
+
+
+def _section(name, title, count, fields):
+    parts = [f"{name}\n{title}\n"]
+    for number in range(1, count + 1):
+        parts += [f"{number:3d}", *fields, "\n"]
+    return parts
+
+
+def _answers(values, field, layout):
+    """One line of answers, all with the same field."""
+    return Layout(*len(values) * (field,), "\n", layout=layout).lines(values)
+
+
+def _values(record, start):
+    return [number.value for number in record.numbers[start:]]
+
+
+def _counts(record, layout):
+    title = "\n".join(("ENTER NUMBER OF", *COUNT_TITLES))
+    return f"{title}\n{_answers(_values(record, 0), integer(3), layout)}"
+
+
+def _body(record, layout):
+    title = f"FOR BODY {record.number} ENTER INITIAL ESTIMATES OF X,Y,Z & E0 E1,E2,E3"
+    return f"{title}\n{_answers(_values(record, 0), fixed(6, 2), layout)}"
+
+
+def _driver(record, drivers, layout):
+    body, direction, law = DRIVER_TITLES
+    return (
+        f"FOR DRIVER No {drivers}\n{body}\n{record['body']:3d}\n{direction}\n{record['direction']:3d}\n"
+        f"{law}\n{_answers(_values(record, 2), fixed(8, 2), layout)}"
+    )
+
+
+def _point(record, layout):
+    return (
+        f"FOR POINT OF INTEREST No {record.number}\n ENTER BODY No \n{record['body']:3d}\n"
+        f"ENTER RELATIVE COORDINATES OF THE POINT\n{_answers(_values(record, 1), fixed(6, 2), layout)}"
+    )
+
+
+def _joint(record, layout):
+    name, coordinates = JOINT_TITLES[record.section]
+    pair = [record["I"], record["J"]]
+    bodies = _touching(pair, layout) if record.section == "screw" else _answers(pair, integer(3), layout)
+    return (
+        f"FOR {name} No {record.number}\n ENTER BODY No I & J \n{bodies}"
+        f"{coordinates}\n{_answers(_values(record, 2), fixed(6, 2), layout)}"
+    )
+
+
+def _touching(pair, layout):
+    readable = layout == HISTORIC or max(pair) < 10
+    return ("" if readable else " ").join(str(number) for number in pair) + "\n"
+
+
+def _simplified(record, layout):
+    return (
+        f"FOR SIMPLIFIED CONSTRAINTS No {record.number}\n ENTER BODY No: \n{record['body']:3d}\n"
+        f"{DIRECTION_TITLE}\n{record['direction']:3d}\n"
+        f"ENTER VALUES OF CONSTRAINT\n{_answers([record['value']], fixed(6, 2), layout)}"
+    )
+
+
+def _distance(record, layout):
+    return (
+        f"FOR DISTANCE CONSTRAINTS No {record.number}\n ENTER THE TWO BODY No: \n"
+        f"{_answers([record['I'], record['J']], integer(3), layout)}"
+        f"{DIRECTION_TITLE}\n{record['direction']:3d}\n"
+        f"ENTER VALUES OF DISTANCE\n{_answers([record['value']], fixed(6, 2), layout)}"
+    )
+
+
+def _ground(record, layout):
+    body = record["body"]
+    group = (integer(2), integer(2), fixed(6, 2))
+    answers = [
+        item for direction, value in enumerate(_values(record, 1), 1) for item in (body, direction, value)
+    ]
+    coordinates = Layout(*6 * group, "\n", layout=layout).lines(answers)
+    title = f"ENTER BODY No FOR No {record.number} GROUNDED BODY"
+    return f"{title}\n{body}\nENTER BODY {body} COORDINATES\n{coordinates}"
+
+
+def _time(record, layout):
+    gap = 5 * " "
+    field = fixed(5, 2)
+    line = Layout(field, gap, field, gap, field, "\n", layout=layout).lines(_values(record, 0))
+    return f"-----*-----*-----\nENTER STARTING TIME: Ti; FINAL TIME: Te; AND dT\n{line}"

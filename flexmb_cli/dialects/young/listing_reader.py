@@ -1,0 +1,274 @@
+"""Reader of YOUNG's OUT tables: ours and the historic ones.
+
+Historic fields run together when full (`-7.3304-1074.6427  0.0000245.3407`), so that blanks alone do
+not part them; the number of decimals of each column does.  The spacing of the titles and the line ends
+do not matter.  Lines that are no part of the layout are passed over.
+"""
+
+import re
+import warnings
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, Section, TableError, plain_text
+from ...deck.table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
+from ...errors import Fault, Place
+
+FAST_LINES = 4096
+
+
+@dataclass
+class _Gathered:
+    """The lines of one section while the file is read."""
+
+    columns: Columns
+    text: list[str] = field(default_factory=list)
+    step: list[int] = field(default_factory=list)
+    line: list[int] = field(default_factory=list)
+
+
+def parse_listing(name: str, content: bytes) -> Listing | None:
+    """The OUT table in `content`; None when it has no block and no echo of a YOUNG table.
+
+    Raises `TableError` with the place of every line that cannot be read.
+    """
+    lines = plain_text(content).split("\n")
+    scan = _Scan()
+    for number, line in enumerate(lines, 1):
+        scan.take(number, line)
+    if not scan.time and not scan.is_young:
+        return None
+    faults: list[Fault] = []
+    sections = {key: _section(key, lines, gathered, faults) for key, gathered in scan.sections.items()}
+    faults += scan.faults
+    if faults:
+        raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)
+    time, words = np.array(scan.time), tuple(scan.words)
+    return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, words=words)
+
+
+class _Scan:
+    """Sorts the lines of a file into echo, times and sections."""
+
+    def __init__(self):
+        self.echo: list[EchoLine] = []
+        self.time: list[float] = []
+        self.time_unit = 0.001
+        self.sections: dict[str, _Gathered] = {}
+        self.faults: list[Fault] = []
+        self.failed = False
+        self.is_young = False
+        self.words: list[tuple[int, str]] = []
+        self._titles: set[str] = set()
+        self._open: _Gathered | None = None
+        self._title = ""
+
+    def take(self, number, line):
+        """Sort one line."""
+        head = line.lstrip()[:1]
+        if not head:
+            return
+        if self._open is not None and head.isdigit():
+            self._open.text.append(line)
+            self._open.step.append(len(self.time) - 1)
+            self._open.line.append(number)
+        elif not self.time and head in "0123456789.+-" and (numbers := _echo_numbers(line)):
+            self.echo.append(EchoLine(number, self._title, *numbers))
+        else:
+            self._take_words(number, line)
+
+    def _take_words(self, number, line):
+        words = line.split()
+        if words[0].startswith("TIME"):
+            self._open_block(number, line)
+            return
+        if "CONVERGENCE FAILED" in line or "RUN STOPPED" in line:
+            self.failed = True
+            return
+        self._keep_words(number, " ".join(words))
+        if words[0] in HEADINGS and self.time:
+            self._open_section(HEADINGS[words[0]])
+        elif words[0] in ("BODY", "No") and self._open is not None:
+            self._take_title(words[1:])
+        else:
+            self._open = None
+            self._title = " ".join(words)
+            self.is_young = self.is_young or self._title in ("ENTER NUMBER OF", "-- KINEMATIC ANALYSIS --")
+
+    def _keep_words(self, number: int, text: str) -> None:
+        """Keep a line of text; a title that the blocks repeat is kept once."""
+        if not any(character.isalpha() for character in text) or text in self._titles:
+            return
+        if self.time:
+            self._titles.add(text)
+        self.words.append((number, text))
+
+    def _open_block(self, number, line):
+        self._open = None
+        match = re.fullmatch(r"\s*TIME\s*=\s*([-+]?\d*\.?\d+)\s*", line)
+        if match is None:
+            place = Place(number, line.index("TIME") + 1, len(line.strip()))
+            self.faults.append(
+                Fault("error", f"a time is expected behind TIME=, read {line.strip()!r}", place)
+            )
+            return
+        self.time.append(float(match[1]))
+        self.time_unit = _unit(match[1])
+
+    def _open_section(self, key):
+        self._open = self.sections.setdefault(key, _Gathered(SECTIONS[key]))
+
+    def _take_title(self, words):
+        """A title with fewer columns than the layout names those that are there."""
+        standard = self._open.columns
+        known = {name.lower(): k for k, name in enumerate(standard.names)}
+        chosen = [known.get(word.lower()) for word in words]
+        if len(words) == len(standard.names) or not words or None in chosen:
+            return
+        self._open.columns = Columns(
+            standard.item,
+            *(
+                tuple(values[k] for k in chosen)
+                for values in (standard.names, standard.kinds, standard.decimals)
+            ),
+        )
+
+
+def _section(key, lines, gathered, faults):
+    columns = gathered.columns
+    width = len(columns.names)
+    table = np.empty((len(gathered.text), width + 1))
+    for start in range(0, len(gathered.text), FAST_LINES):
+        texts = gathered.text[start : start + FAST_LINES]
+        block = _read_together(texts, width)
+        if block is None:
+            block = _read_one_by_one(key, texts, gathered.line[start : start + FAST_LINES], columns, faults)
+        table[start : start + FAST_LINES] = block
+    units = _units(gathered.text[0], columns) if gathered.text else 10.0 ** -np.array(columns.decimals)
+    return Section(
+        columns.names,
+        columns.kinds,
+        np.array(gathered.step, dtype=np.int64),
+        table[:, 0].astype(np.int64),
+        np.array(gathered.line, dtype=np.int64),
+        table[:, 1:],
+        units,
+        columns.item,
+    )
+
+
+def _read_together(texts, width):
+    """All numbers of the lines at once, shape (lines, 1 + width); None when fields may run together."""
+    joined = "\n".join(texts) + "\n"
+    decimals = [len(word.partition(".")[2]) for word in texts[0].split()[1:]]
+    if len(decimals) != width or not _decimals_agree(joined, np.array(decimals), len(texts)):
+        return None
+    with warnings.catch_warnings():
+        # numpy tells text that is no number by a warning.
+        warnings.simplefilter("error")
+        try:
+            numbers = np.fromstring(joined, sep=" ")
+        except (ValueError, DeprecationWarning):
+            return None
+    if numbers.size != len(texts) * (width + 1):
+        return None
+    table = numbers.reshape(-1, width + 1)
+    index = table[:, 0]
+    return table if ((index >= 1) & (index <= LARGEST_INDEX) & (index == np.floor(index))).all() else None
+
+
+def _decimals_agree(joined, decimals, lines):
+    """Whether every point of the text is followed by just its column's digits.
+
+    Without this `0.0000245.3407` would be read as 0.0000245 and 0.3407.
+    """
+    characters = np.frombuffer((joined + "\n" * 20).encode("utf-8"), dtype=np.uint8)
+    points = np.flatnonzero(characters == ord("."))
+    if points.size != lines * decimals.size or decimals.max(initial=0) > 17:
+        return False
+    last = points.reshape(lines, -1) + decimals
+    digit = (characters >= ord("0")) & (characters <= ord("9"))
+    return bool(digit[last].all() and not digit[last + 1].any())
+
+
+def _read_one_by_one(key, texts, numbers, columns, faults):
+    block = np.full((len(texts), len(columns.names) + 1), np.nan)
+    block[:, 0] = 0
+    for row, (text, number) in enumerate(zip(texts, numbers, strict=True)):
+        index, rest, offset = _split_index(text)
+        words = _split_row(rest, columns)
+        if not 1 <= index <= LARGEST_INDEX:
+            sentence = f"a number of a {columns.item} is expected first, read {text[:offset].strip()!r}"
+            faults.append(Fault("error", sentence, Place(number, 1, offset), key))
+        elif words is None:
+            faults.append(_row_fault(key, index, rest, number, offset, columns))
+        else:
+            block[row] = [index, *map(float, words)]
+    return block
+
+
+def _split_index(text):
+    """Number of the body or point (three columns wide), the rest of the line, and where that begins."""
+    head = INDEX.match(text)
+    end = head.end() if head else 3
+    digits = text[:end].strip()
+    is_number = digits.isdecimal() and digits.isascii() and len(digits) <= 9
+    return (int(digits) if is_number else 0), text[end:], end
+
+
+INDEX = re.compile(r"\s*\d+(?=\s|$)")
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
+
+
+def _split_row(rest, columns):
+    """Spellings of the numbers of a line, parted by blanks or else by the decimals of their columns."""
+    words = rest.split()
+    if len(words) == len(columns.names) and all(NUMBER.fullmatch(word) for word in words):
+        return words
+    for decimals in (columns.decimals, len(columns.decimals) * (OLD_DECIMALS,)):
+        match = _pattern(decimals).fullmatch(rest)
+        if match:
+            return match.groups()
+    return None
+
+
+@lru_cache(maxsize=64)
+def _pattern(decimals):
+    number = r"\s*([-+]?\d*\.\d{%d}|[-+]?nan|[-+]?inf)"
+    return re.compile("".join(number % count for count in decimals) + r"\s*")
+
+
+def _row_fault(key, index, rest, number, offset, columns):
+    words = list(re.finditer(r"\S+", rest))
+    bad = next((word for word in words if not NUMBER.fullmatch(word[0])), None)
+    shown = bad or (words[0] if words else None)
+    place = Place(number, offset + (shown.start() if shown else 0) + 1, len(shown[0]) if shown else 1)
+    wanted = f"{len(columns.names)} numbers are expected ({columns.names[0]} … {columns.names[-1]})"
+    read = f"{bad[0]!r} is no number of this table" if bad else f"{len(words)} are there"
+    return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}")
+
+
+def _units(text, columns):
+    words = _split_row(_split_index(text)[1], columns)
+    if words is None:
+        return 10.0 ** -np.array(columns.decimals)
+    return np.array([_unit(word) for word in words])
+
+
+def _unit(word):
+    """One unit of the last digit of a number in fixed-point notation."""
+    return float(f"1e-{len(word.partition('.')[2])}")
+
+
+def _echo_numbers(line):
+    """Values and units of a line of numbers; None when the line is text.  Echoes print two decimals."""
+    if not re.fullmatch(r"[-+.\d\s]*\d[-+.\d\s]*", line):
+        return None
+    words = re.findall(r"[-+]?\d*\.\d\d|[-+]?\d+(?![.\d])", line)
+    if "".join(words) != "".join(line.split()):
+        words = line.split()
+    if not all(NUMBER.fullmatch(word) for word in words):
+        return None
+    return tuple(map(float, words)), tuple(map(_unit, words))

@@ -1,0 +1,171 @@
+"""Coordinates of single bodies that drivers, simplified constraints and grounds hold: once each.
+
+Directions 1-3 are x, y, z of a body, 4-6 its Euler parameters e1, e2, e3 = sin(angle/2).  A
+coordinate held twice at the same value is redundant (warning), at different values contradictory.
+"""
+
+import math
+from dataclasses import dataclass
+
+from ...errors import Place
+from ...model.diagnostics import Findings
+from ...model.mechanism import Driver, Mechanism
+
+SAME = 1e-12
+NO_ATTITUDE = 1e-9
+
+_NAMES = {1: "x", 2: "y", 3: "z", 4: "the angle about x", 5: "the angle about y", 6: "the angle about z"}
+
+
+@dataclass(frozen=True)
+class _Hold:
+    """One coordinate of one body held by the item `name`; `driver` when it moves it."""
+
+    name: str
+    body: int
+    direction: int
+    value: float
+    place: Place | None
+    driver: Driver | None = None
+
+    @property
+    def imposed(self):
+        """What the equation imposes: the coordinate, or the Euler parameter."""
+        return math.sin(self.value / 2) if self.direction > 3 else self.value
+
+
+def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
+    """Report coordinates held twice, and angles that no attitude has.
+
+    1. A body is ground once.
+    2. No coordinate is held at two values, or held and moved.
+    3. A body has one rotational driver at most, and then no other angle than zero.
+    4. The squares of e1, e2, e3 of one body do not exceed 1 together.
+    """
+    grounds = _worth_looking_at(_first_grounds(mechanism, findings), mechanism)
+    holds = [*_of_grounds(grounds), *_of_simplified(mechanism), *_of_drivers(mechanism)]
+    by_body: dict[int, list[_Hold]] = {}
+    for hold in holds:
+        by_body.setdefault(hold.body, []).append(hold)
+    # One coordinate by itself can be held anywhere.
+    for of_body in (several for several in by_body.values() if len(several) > 1):
+        _check_coordinates(of_body, findings)
+        _check_rotational_drivers(of_body, findings)
+        _check_attitude(of_body, findings)
+
+
+def _first_grounds(mechanism, findings):
+    first = {}
+    for ground in mechanism.grounds:
+        other = first.setdefault(ground.body, ground)
+        if other is ground:
+            continue
+        if ground.values == other.values:
+            message = f"body {ground.body + 1} is already {other.name}; these six equations are redundant"
+            findings.warn(ground.name, message, ground.place)
+        else:
+            message = (
+                f"body {ground.body + 1} is already {other.name}, at another position; remove one of them"
+            )
+            findings.error(ground.name, message, ground.place)
+    return first.values()
+
+
+def _worth_looking_at(grounds, mechanism):
+    """Of grounds that nothing else holds only those that no attitude may have: there may be thousands."""
+    others = {item.body for item in (*mechanism.simplified, *mechanism.drivers)}
+    return [
+        ground
+        for ground in grounds
+        if ground.body in others or sum(math.sin(angle / 2) ** 2 for angle in ground.values[3:]) > 1.0
+    ]
+
+
+def _of_grounds(grounds):
+    for ground in grounds:
+        for direction, value in enumerate(ground.values, start=1):
+            yield _Hold(ground.name, ground.body, direction, value, ground.place)
+
+
+def _of_simplified(mechanism):
+    for item in mechanism.simplified:
+        yield _Hold(item.name, item.body, item.direction, item.value, item.place)
+
+
+def _of_drivers(mechanism):
+    for item in mechanism.drivers:
+        yield _Hold(item.name, item.body, item.direction, item.C, item.place, item)
+
+
+def _check_coordinates(holds, findings):
+    first = {}
+    for hold in holds:
+        other = first.setdefault(hold.direction, hold)
+        if other is not hold:
+            _check_pair(other, hold, findings)
+
+
+def _check_pair(first, second, findings):
+    what = f"{_NAMES[second.direction]} of body {second.body + 1}"
+    if _turning(first) and _turning(second):
+        return  # reported as two rotational drivers
+    if _moves(first) or _moves(second):
+        if _law(first) == _law(second):
+            message = f"{what} is already moved the same way by {first.name}; this equation is redundant"
+            findings.warn(second.name, message, second.place)
+            return
+        verb = "moved" if first.driver else "held"
+        message = f"{what} is already {verb} by {first.name}; remove one of them"
+        findings.error(second.name, message, second.place)
+    elif abs(first.imposed - second.imposed) <= SAME * max(1.0, abs(first.imposed)):
+        message = f"{what} is already held at this value by {first.name}; this equation is redundant"
+        findings.warn(second.name, message, second.place)
+    else:
+        message = (
+            f"{what} is already held at {first.value:.15g} by {first.name}; "
+            f"{second.value:.15g} contradicts it"
+        )
+        findings.error(second.name, message, second.place)
+
+
+def _moves(hold):
+    return hold.driver is not None and (hold.driver.B != 0.0 or hold.driver.A != 0.0)
+
+
+def _turning(hold):
+    return hold.driver is not None and hold.direction > 3
+
+
+def _law(hold):
+    return hold.driver and (hold.driver.C, hold.driver.B, hold.driver.A)
+
+
+def _check_rotational_drivers(holds, findings):
+    drivers = [hold for hold in holds if _turning(hold)]
+    for second in drivers[1:]:
+        first = drivers[0]
+        message = (
+            f"body {first.body + 1} is already turned by {first.name}; a body takes one rotational driver"
+        )
+        findings.error(second.name, message, second.place)
+    for hold in holds if drivers else ():
+        # The driver sets e0 and one of e1, e2, e3 to a cosine and a sine: the others must be zero.
+        other = hold.direction > 3 and not hold.driver and hold.direction != drivers[0].direction
+        if other and hold.imposed**2 > 2 * NO_ATTITUDE:
+            message = (
+                f"{drivers[0].name} turns body {hold.body + 1} about one axis, "
+                f"so {_NAMES[hold.direction]} must be 0; read {hold.value:.15g}"
+            )
+            findings.error(hold.name, message, hold.place)
+
+
+def _check_attitude(holds, findings):
+    angles = [hold for hold in holds if hold.direction > 3 and not hold.driver]
+    total = sum({hold.direction: hold.imposed**2 for hold in angles}.values())
+    if total > 1.0 + NO_ATTITUDE:
+        last = [hold for hold in angles if hold.imposed][-1]
+        message = (
+            f"no attitude of body {last.body + 1} has these angles: the squares of sin(angle/2) "
+            f"add up to {total:.6g}, more than 1"
+        )
+        findings.error(last.name, message, last.place)

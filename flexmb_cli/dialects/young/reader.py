@@ -1,0 +1,275 @@
+"""YOUNG decks: free-format numbers in the order of `young_sections`, exactly as many as are needed.
+
+Liang Yong, YOUNG dissertation (1996), chapters 4 and 5, Appendix B.  What follows the last number is
+never looked at, as in the historic program.
+"""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import islice
+
+from ...deck import number
+from ...deck.record import Deck, DeckText, Number, Record
+from ...deck.shifted_lines import slips, with_slip_named
+from ...deck.words import UNCLOSED, Word, Words, end_of
+from ...errors import DeckError, Fault, Place
+from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
+from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
+
+DIALECT = "young"
+MOST_ERRORS = 1000
+LONGEST_RECORD = max(len(section.columns) for section in YOUNG_SECTIONS)
+
+
+def read_young(source: DeckText) -> Deck:
+    """The deck's records with every number named and placed.
+
+    Raises DeckError with all misspelt numbers, or for a deck that ends too early.
+    """
+    reading = _Reading(source, YOUNG_SECTIONS)
+    reading.words.reach(1)
+    if are_eleven_counts(reading.words.texts):
+        with suppress(DeckError):
+            return _read_earlier(source)
+    return _read(reading)
+
+
+def _read_earlier(source):
+    """The deck as one of the earlier version; raises DeckError when it is none."""
+    reading = _Reading(source, EARLIER_SECTIONS)
+    deck = _read(reading)
+    reading.words.reach(reading.taken + 1)
+    behind = reading.words[reading.taken] if len(reading.words.texts) > reading.taken else None
+    sizes = [len(record.values) for record in deck.records]
+    if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
+        raise DeckError([Fault("error", "its lines do not begin with records of the earlier version")])
+    return completed(deck)
+
+
+def _read(reading):
+    counts = _read_counts(reading)
+    records = [counts, *_read_sections(reading, counts)]
+    slipped = _slips_of(reading, counts)
+    faults = _in_order([*reading.faults, *slipped])
+    if reading.errors:
+        raise DeckError(with_slip_named(faults, slipped))
+    return Deck(DIALECT, reading.source, tuple(records), tuple(faults), slipped)
+
+
+@dataclass
+class _Reading:
+    """The words of a deck as they are taken, and the faults found on the way."""
+
+    source: DeckText
+    sections: tuple[Section, ...]
+    taken: int = 0
+    faults: list[Fault] = field(default_factory=list)
+    errors: int = 0
+
+    def __post_init__(self):
+        self.words = Words(self.source.lines)
+
+    def take(self, wanted: int) -> range:
+        """Places of the next `wanted` words, fewer at the end of the deck."""
+        first, texts = self.taken, self.words.texts
+        self.words.reach(first + wanted)
+        self.taken = min(first + wanted, len(texts))
+        if self.taken > first and texts[self.taken - 1] == UNCLOSED:
+            self.taken -= 1
+            self.error(self.words[self.taken], "", "a comment is opened here and never closed with }")
+            texts.pop()
+        return range(first, self.taken)
+
+    def error(self, word: Word, subject: str, message: str):
+        self.errors += 1
+        self.faults.append(Fault("error", message, word.place, subject))
+
+    def warn(self, word: Word, subject: str, message: str):
+        self.faults.append(Fault("warning", message, word.place, subject))
+
+    def early_end(self, subject: str, message: str):
+        # An unclosed comment swallows the rest of the deck: its own fault says enough.
+        if any("never closed" in fault.message for fault in self.faults):
+            return
+        self.errors += 1
+        self.faults.append(Fault("error", message, end_of(self.source.lines), subject))
+
+
+def _read_counts(reading):
+    section = reading.sections[0]
+    found = reading.take(len(section.columns))
+    record = _record(reading, section, 0, found)
+    if len(found) < len(section.columns):
+        subject = "counts" if found else ""
+        reading.early_end(subject, _too_few_counts(len(found)))
+    for place, count in zip(found, record.numbers, strict=True):
+        least = 1 if count.key == "NBODY" else 0
+        if count.value is not None and count.value < least:
+            message = f"{count.key} must be at least {least}; read {count.value}"
+            reading.error(reading.words[place], "counts", message)
+    if reading.errors:
+        raise DeckError(with_slip_named(reading.faults, _slip_of_counts(reading, record)))
+    return record
+
+
+def _too_few_counts(found):
+    if not found:
+        return "the deck is empty; a YOUNG deck begins with 12 integers"
+    return f"the deck ends after {found} of the 12 counts"
+
+
+def _read_sections(reading, counts):
+    wanted = sum(size for _, size in _blocks(reading, counts))
+    found = reading.take(wanted)
+    records, position = [], 0
+    for section, number_of_record in _expected(reading, counts):
+        size = len(section.columns)
+        chunk = found[position : position + size]
+        position += size
+        if reading.errors > MOST_ERRORS:
+            break  # no deck at all, such as a text that begins with twelve integers
+        if chunk:
+            records.append(_record(reading, section, number_of_record, chunk))
+        if len(chunk) < size:
+            where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
+            message = (
+                f"the deck ends {where}; by its counts the deck needs "
+                f"{wanted + len(counts.values)} numbers, it has {reading.taken}"
+            )
+            reading.early_end(_subject(section, number_of_record), message)
+            break
+    return records
+
+
+def _expected(reading, counts) -> Iterator[tuple[Section, int]]:
+    """Every record that the counts announce, lazily: a small file may announce a trillion."""
+    for section in reading.sections[1:]:
+        if section.count:
+            for number_of_record in range(1, counts[section.count] + 1):
+                yield section, number_of_record
+        else:
+            yield section, 0
+
+
+def _blocks(reading, counts):
+    """Pairs (section, numbers in the whole section)."""
+    for section in reading.sections[1:]:
+        yield section, len(section.columns) * (counts[section.count] if section.count else 1)
+
+
+def labelled(record: Record) -> Record:
+    """`record` with the meanings and units that its present direction gives the values behind it."""
+    section = next((section for section in YOUNG_SECTIONS if section.name == record.section), None)
+    if section is None:
+        return record
+    turning = any(n.key == "direction" and n.value in (4, 5, 6) for n in record.numbers)
+    return record.with_numbers(
+        replace(number, meaning=column.label(turning)[0], unit=column.label(turning)[1])
+        for column, number in zip(section.columns, record.numbers, strict=True)
+    )
+
+
+class _Read(Record):
+    """A record of a deck; what is more of its numbers than their values is made when it is looked at."""
+
+    def __init__(self, section: Section, number: int, values: tuple, words: Words, first: int):
+        vars(self).update(
+            section=section.name, number=number, subject=_subject(section, number), made={}, values=values,
+            positions=section.positions, _section=section, _words=words, _first=first,
+        )  # fmt: skip
+
+    @cached_property
+    def numbers(self) -> tuple[Number, ...]:
+        return tuple(map(self._number, range(len(self.values))))
+
+    @property
+    def place(self) -> Place | None:
+        return self._words[self._first].place
+
+    def at(self, key: str) -> Number:
+        return self._number(self.positions[key])
+
+    def _number(self, k):
+        word, column = self._words[self._first + k], self._section.columns[k]
+        label = column.label(_turns(self._section, self.values))
+        return Number(column.key, self.values[k], *label, word.place, word.text)
+
+
+def _record(reading, section, number_of_record, found):
+    texts = reading.words.texts[found.start : found.stop]
+    try:
+        read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
+        values, doubts = zip(*read, strict=True) if read else ((), ())
+    except number.Misspelt:
+        values, doubts = (), (True,)
+    if any(doubts):
+        values = tuple(_values(reading, section, number_of_record, found))
+    return _Read(section, number_of_record, values, reading.words, found.start)
+
+
+def _values(reading, section, number_of_record, found):
+    """The values of a record, None for a word that is no number; each of its faults is reported."""
+    subject = _subject(section, number_of_record)
+    for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
+        word = reading.words[place]
+        try:
+            value, doubt = spelled(word.text)
+        except number.Misspelt as fault:
+            reading.error(word, subject, f"{column.key} {fault}")
+            value, doubt = None, ""
+        if doubt:
+            colon = "" if column.is_integer else ":"
+            reading.warn(word, subject, f"{column.key}{colon} {doubt}")
+        yield value
+
+
+def _turns(section, values):
+    """Whether the record's direction is a rotation, so that its values are angles."""
+    where = section.direction
+    return where is not None and where < len(values) and values[where] in (4, 5, 6)
+
+
+def _subject(section, number_of_record):
+    return f"{section.subject} {number_of_record}" if number_of_record else section.subject
+
+
+def _slips_of(reading, counts):
+    """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
+    wanted = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
+    behind = _words_behind(reading)
+    if reading.taken == wanted and not behind:
+        return ()
+    # No record is empty, so the words taken bound the number of records worth listing.
+    expected = islice(_expected(reading, counts), reading.taken)
+    sizes = [(_subject(section, k), len(section.columns)) for section, k in expected]
+    taken = reading.words.upto(reading.taken)
+    return slips([*taken, *behind], [(COUNTS.subject, len(counts.values)), *sizes])
+
+
+def _words_behind(reading):
+    """The rest of the last number's line and the next line; nothing when the number ends its line."""
+    end = reading.taken
+    reading.words.reach(end + 2 * LONGEST_RECORD)
+    known = min(end + 2 * LONGEST_RECORD, len(reading.words.texts))
+    behind = [reading.words[place] for place in range(end, known)]
+    last = reading.words[end - 1].line
+    if not behind or behind[0].line != last:
+        return []
+    next_line = next((word.line for word in behind if word.line != last), last)
+    return [word for word in behind if word.line in (last, next_line)]
+
+
+def _slip_of_counts(reading, record):
+    """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
+    reading.take(2 * len(BODIES.columns))
+    bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
+    taken = reading.words.upto(reading.taken)
+    first_lines = sorted({word.line for word in taken})[:2]
+    near = [word for word in taken if word.line in first_lines]
+    return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
+
+
+def _in_order(faults):
+    return sorted(faults, key=lambda fault: fault.place)

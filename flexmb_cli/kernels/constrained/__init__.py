@@ -1,0 +1,1 @@
+"""Constrained equations of motion in absolute coordinates."""

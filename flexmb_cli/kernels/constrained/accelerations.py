@@ -1,0 +1,219 @@
+"""Accelerations, projections and multipliers of a mechanism at one position, by its free speeds.
+
+The speeds of a mechanism are split by elimination into dependent ones and free ones.  With Z the
+motions that the constraints leave free, J x = γ and M x = f + Jᵀ λ give
+
+    x = x_p + Z y,   Zᵀ M Z y = Zᵀ (f - M x_p),   J x_p = γ.
+
+Only the mass matrix of the free motions must be positive definite: massless couplers are allowed.
+With f = 0 the same solution is the shortest correction in the metric of M: one set of factors serves
+accelerations and projections.
+"""
+
+from .._jit import kernel, part
+from ..kinematics import constraints as equations
+from ..linalg.rank_revealing_lu import (
+    WORN,
+    cholesky,
+    cholesky_solve,
+    choose,
+    dependent_speeds,
+    factorise,
+    free_motions,
+)
+from ..linalg.rotation import rotation_matrices, rotation_rates
+from .body_vectors import geometry_of, move_arms, place_arms
+from .constraint_primitives import equation_accelerations, equation_rows
+from .forces import add_applied_forces
+from .mass_matrix import inertia_and_elastic_forces, inertia_of, mass_matrices, mass_times
+from .speeds import add_turning, coordinate_rates, speed_jacobian
+from .system import (
+    FORCES,
+    FREE,
+    GAMMA,
+    NO_INERTIA,
+    PRODUCT,
+    QD,
+    RATE,
+    REMAINDER,
+    SCALED,
+    SINGULAR,
+    SOLVED,
+    UNKNOWN,
+    A,
+)
+
+SMALLEST_INERTIA = 1e-13  # pivot of the reduced mass matrix, of its diagonal entry
+
+
+@kernel
+def evaluate_jacobian(system, work, q):
+    """Fill A, the arms, Φ_q and the scaled Jacobian on speeds of `work` at q."""
+    rotation_matrices(q, work.rotations[A])
+    place_arms(geometry_of(system, work), q)
+    equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
+    speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
+    equation_rows(system, work, work.jacobian)
+    for row in range(work.jacobian.shape[0]):
+        for k in range(work.jacobian.shape[1]):
+            if work.jacobian[row, k] != 0.0:
+                work.jacobian[row, k] *= system.speed_scale[k] / system.row_scale[row]
+
+
+@kernel
+def choose_order(work, most):
+    """Find which equations and speeds are independent from now on; returns the rank found."""
+    work.rank[0] = choose(work.jacobian, work.left, work.order, most)
+    work.quality[0] = factorise(work.jacobian, work.order, work.rank[0], work.factors)
+    return work.rank[0]
+
+
+@kernel
+def factorise_at(system, work, q):
+    """Factors at q of the constraints and of the mass matrix of the free motions: a code."""
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    return _reduce_mass(system, work, work.jacobian.shape[1] - work.rank[0])
+
+
+@kernel
+def factorise_constraints(system, work, q):
+    """Factors at q of the constraints, and the motions they leave free: a code."""
+    evaluate_jacobian(system, work, q)
+    rank, m = work.rank[0], work.jacobian.shape[0]
+    quality = factorise(work.jacobian, work.order, rank, work.factors)
+    if not quality > WORN * work.quality[0]:
+        if choose(work.jacobian, work.left, work.order, rank) < rank:
+            return SINGULAR
+        quality = work.quality[0] = factorise(work.jacobian, work.order, rank, work.factors)
+        if not quality > 0.0:
+            return SINGULAR
+    free_motions(work.factors, work.order, rank, m, work.motions)
+    return SOLVED
+
+
+@part
+def _reduce_mass(system, work, free):
+    """Zᵀ M Z and its Cholesky factor."""
+    inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    for f in range(free):
+        for k in range(work.jacobian.shape[1]):
+            column[k] = work.motions[k, f] * system.speed_scale[k]
+        mass_times(inertia, column, product)
+        fill_column(system, work, product, f, work.reduced)
+    return NO_INERTIA if cholesky(work.reduced, free, SMALLEST_INERTIA) else SOLVED
+
+
+@kernel
+def fill_column(system, work, product, f, matrix):
+    """Fill column f of the lower part of matrix (n, n) with Zᵀ product.
+
+    A free motion moves one free speed and dependent ones: nothing else is visited.
+    """
+    rank, (m, n) = work.rank[0], work.jacobian.shape
+    order, Z, scale = work.order, work.motions, system.speed_scale
+    for g in range(f, n - rank):
+        k = order[m + rank + g]
+        matrix[g, f] = scale[k] * product[k]
+    for d in range(rank):
+        k = order[m + d]
+        amount = scale[k] * product[k]
+        if amount != 0.0:
+            for g in range(f, n - rank):
+                matrix[g, f] += Z[k, g] * amount
+
+
+@kernel
+def solve(system, work, forces, gamma, x):
+    """Fill x (n,) with J x = gamma and M x = forces + Jᵀ λ, by the factors at hand."""
+    y = work.vectors[FREE]
+    split(system, work, forces, gamma, x, y)
+    cholesky_solve(work.reduced, work.jacobian.shape[1] - work.rank[0], y)
+    add_free(system, work, work.motions, y, x)
+
+
+@kernel
+def split(system, work, forces, gamma, x, y):
+    """Fill x (n,) with x_p, by dependent speeds alone, and y with Zᵀ (forces - M x_p)."""
+    rank, (m, n) = work.rank[0], work.jacobian.shape
+    right_side, scaled, product = work.rows[SCALED], work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    order, Z, scale = work.order, work.motions, system.speed_scale
+    for row in range(m):
+        right_side[row] = gamma[row] / system.row_scale[row]
+    dependent_speeds(work.factors, order, rank, m, right_side, scaled)
+    for k in range(n):
+        x[k] = scaled[k] * scale[k]
+    mass_times(inertia_of(system, work), x, product)
+    for f in range(n - rank):
+        k = order[m + rank + f]
+        y[f] = scale[k] * (forces[k] - product[k])
+    for d in range(rank):
+        k = order[m + d]
+        amount = scale[k] * (forces[k] - product[k])
+        for f in range(n - rank):
+            y[f] += Z[k, f] * amount
+
+
+@kernel
+def add_free(system, work, Z, y, x):
+    """x += Z y for the free motions Z of some position, with the order of the work."""
+    rank, (m, n) = work.rank[0], work.jacobian.shape
+    order, scale = work.order, system.speed_scale
+    for f in range(n - rank):
+        k = order[m + rank + f]
+        x[k] += scale[k] * y[f]
+    for d in range(rank):
+        k, total = order[m + d], 0.0
+        for f in range(n - rank):
+            total += Z[k, f] * y[f]
+        x[k] += scale[k] * total
+
+
+@part
+def accelerations(system, work, q, u, t, ud):
+    """Fill ud (n,), the rates of the speeds u at q; returns (code, power), the power that of `accelerate`."""
+    code = factorise_at(system, work, q)
+    return code, accelerate(system, work, q, u, t, ud) if code == SOLVED else 0.0
+
+
+@part
+def accelerate(system, work, q, u, t, ud):
+    """Fill ud (n,), the rates of the speeds u at q, whose factors are at hand.
+
+    Returns the power of the drivers and of the applied forces that store no energy, W.  FORCES of the
+    work then holds all forces but those of the constraints.
+    """
+    power = fill_forces(system, work, q, u, t)
+    fill_gamma(system, work, q, u, t)
+    forces, product = work.vectors[FORCES], work.vectors[PRODUCT]
+    solve(system, work, forces, work.rows[GAMMA], ud)
+    # Constraints that do not move do no work: what is left of their power is the drivers'.
+    mass_times(inertia_of(system, work), ud, product)
+    for k in range(u.shape[0]):
+        power += (product[k] - forces[k]) * u[k]
+    return power
+
+
+@part
+def fill_forces(system, work, q, u, t):
+    """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
+
+    Mass matrices and arms belong to q.
+    """
+    move_arms(geometry_of(system, work), u)
+    power = inertia_and_elastic_forces(system, work, q, u, work.vectors[FORCES])
+    return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
+
+
+@part
+def fill_gamma(system, work, q, u, t):
+    """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved arms belong to q and u."""
+    qd, gamma = work.vectors[QD], work.rows[GAMMA]
+    if system.constraints.shape[0] > 0:
+        coordinate_rates(system.masses.shape[0], q, u, qd)
+        rotation_rates(q, qd, work.rotations[RATE], work.rotations[REMAINDER])
+        equations.acceleration(system.constraints, q, qd, t, work.rotations, gamma)
+        add_turning(system.bodies, q, u, work.phi_q, gamma)
+    equation_accelerations(system, work, t, gamma)

@@ -1,0 +1,118 @@
+"""Applied forces on the speeds: forces, torques, springs and dampers in line and in joints; their work.
+
+VSDFlex paper (2008), equations (66)-(73): a force F at the end of the arm s of a body adds F, s × Aᵀ F and
+Sᵀ Aᵀ F.  `loads` are records of `model.arrays.records.LOAD`; the arms have been placed and moved.
+"""
+
+import math
+
+from .._jit import kernel
+from ..linalg.rotation import rotate
+from .body_vectors import ARM, RATE, add_arm_row, geometry_of, vector
+from .constraint_primitives import add_measure_row, measure_rates, measure_value
+from .system import A
+from .time_functions import law_values
+
+# The codes of model.arrays.records; a test compares them.
+FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
+AT_REST = 1e-300
+
+
+@kernel
+def add_applied_forces(system, work, u, t, f):
+    """Add all applied forces to f (n,).
+
+    Returns the power of those that store no energy: forces, torques and dampers.
+    """
+    power = 0.0
+    for k in range(system.loads.shape[0]):
+        load = system.loads[k]
+        if load["kind"] == LINE:
+            power += _add_line(system, work, load, f)
+        elif load["kind"] == RELATIVE:
+            power += _add_relative(system, work, load, t, f)
+        else:
+            factor = 1.0
+            if load["law"] >= 0:
+                factor = law_values(system.laws, system.knots, load["law"], t)[0]
+            power += _add_vector(system, work, load, factor, u, f)
+    return power
+
+
+@kernel
+def _add_vector(system, work, load, factor, u, f):
+    p, v = load["arm"], load["vector"]
+    b = system.arms[p]["body"]
+    if b < 0:
+        return 0.0
+    F = rotate(work.rotations[A], b, v) if load["following"] else (v[0], v[1], v[2])
+    if load["kind"] == FORCE:
+        add_arm_row(geometry_of(system, work), p, F, factor, True, f)
+        w = work.arms[RATE, p]
+        power = 0.0
+        for i in range(3):
+            power += factor * F[i] * (u[6 * b + i] + w[i])
+        return power
+    power, axes = 0.0, work.rotations[A, b]
+    for i in range(3):
+        torque = factor * (axes[0, i] * F[0] + axes[1, i] * F[1] + axes[2, i] * F[2])
+        f[6 * b + 3 + i] += torque
+        power += torque * u[6 * b + 3 + i]
+    return power
+
+
+@kernel
+def _length(d):
+    return math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+
+
+@kernel
+def _add_line(system, work, load, f):
+    """Spring and damper along V of a measure; returns the power of the damper.
+
+    Ends that coincide leave the direction open: no force acts then.
+    """
+    geometry, k = geometry_of(system, work), load["measure"]
+    d, v = vector(work.spans[ARM, k], 0), vector(work.spans[RATE, k], 0)
+    length = _length(d)
+    if length < AT_REST:
+        return 0.0
+    rate = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / length
+    pull = load["stiffness"] * (length - load["free_length"]) + load["damping"] * rate
+    ends = system.measures[k]["ends"]
+    add_arm_row(geometry, ends[0, 1], d, pull / length, True, f)
+    add_arm_row(geometry, ends[0, 0], d, -pull / length, True, f)
+    return -load["damping"] * rate * rate
+
+
+@kernel
+def _stretch(system, work, load):
+    turn = system.measures[load["measure"]]["turn"]
+    near = work.turns[turn] if turn >= 0 else 0.0
+    return measure_value(geometry_of(system, work), load["measure"], near) - load["free_length"]
+
+
+@kernel
+def _add_relative(system, work, load, t, f):
+    """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
+    geometry = geometry_of(system, work)
+    rate = measure_rates(geometry, load["measure"])[0]
+    push = -load["damping"] * rate
+    if load["law"] >= 0:
+        push += law_values(system.laws, system.knots, load["law"], t)[0]
+    add_measure_row(geometry, load["measure"], push - load["stiffness"] * _stretch(system, work, load), f)
+    return push * rate
+
+
+@kernel
+def spring_energy(system, work):
+    """Energy of springs, J, at placed arms."""
+    total = 0.0
+    for k in range(system.loads.shape[0]):
+        load, stretch = system.loads[k], 0.0
+        if load["kind"] == LINE:
+            stretch = _length(vector(work.spans[ARM, load["measure"]], 0)) - load["free_length"]
+        elif load["kind"] == RELATIVE:
+            stretch = _stretch(system, work, load)
+        total += 0.5 * load["stiffness"] * stretch * stretch
+    return total

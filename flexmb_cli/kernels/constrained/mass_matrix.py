@@ -1,0 +1,229 @@
+"""Mass matrix and quadratic velocity forces of all bodies in the speeds (ṙ, ω, η̇), ω in body axes.
+
+VSDFlex paper (2008), equations (55) and (75)-(77); for a rigid body
+
+    M = [ m E        -A s~ ]      f = [ -A ω~ ω~ s ]      s = m c, J about the origin
+        [ (-A s~)ᵀ     J   ]          [  -ω~ J ω   ]
+
+and for a flexible one `floating_frame`.  M is kept body by body: work.mass (bodies, 6, 6) of the rigid ones,
+whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
+"""
+
+from collections import namedtuple
+
+from .._jit import kernel, part, plain
+from . import floating_frame
+from .system import PRODUCT, A
+
+Inertia = namedtuple("Inertia", "masses flexible mass modal")
+Inertia.__doc__ = """The mass matrix of a mechanism: what products with it need of a System and its Work.
+
+masses, flexible: those of the System.  mass, modal: those of the Work.
+"""
+
+
+@plain
+def inertia_of(system, work):
+    """The mass matrix at hand: views, which follow the work."""
+    return Inertia(system.masses, system.flexible, work.mass, work.modal)
+
+
+@kernel
+def constants_of(flat, f):
+    """S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N), KG of a body."""
+    N, at = f["modes"], f["constants"]
+    S1 = flat[at : at + 3 * N].reshape(3, N)
+    at += 3 * N
+    J1 = flat[at : at + 9 * N].reshape(N, 3, 3)
+    at += 9 * N
+    J2 = flat[at : at + 9 * N * N].reshape(N, N, 3, 3)
+    at += 9 * N * N
+    C0 = flat[at : at + 3 * N].reshape(3, N)
+    at += 3 * N
+    C1 = flat[at : at + 3 * N * N].reshape(N, 3, N)
+    at += 3 * N * N
+    Mff = flat[at : at + N * N].reshape(N, N)
+    Kr = flat[at + N * N : at + 2 * N * N].reshape(N, N)
+    Dr = flat[at + 2 * N * N : at + 3 * N * N].reshape(N, N)
+    at += 3 * N * N
+    side = 3 * f["stiffened"]
+    KG = flat[at : at + side * side * N * N].reshape(side, side, N, N)
+    return S1, J1, J2, C0, C1, Mff, Kr, Dr, KG
+
+
+@kernel
+def places_of(flat, f):
+    """s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work."""
+    N, at = f["modes"], f["places"]
+    width = 6 + N
+    s, S_tt = flat[at : at + 3], flat[at + 3 : at + 12].reshape(3, 3)
+    at += 12
+    S_tf, T = flat[at : at + 3 * N].reshape(3, N), flat[at + 3 * N : at + 12 * N].reshape(N, 3, 3)
+    at += 12 * N
+    M = flat[at : at + width * width].reshape(width, width)
+    return s, S_tt, S_tf, T, M, flat[at + width * width : at + width * width + width]
+
+
+@kernel
+def mass_matrices(system, work, q):
+    """Fill the mass matrices at q, where the rotation matrices belong to q."""
+    masses, matrix = system.masses, work.mass
+    for b in range(masses.shape[0]):
+        if masses[b]["flexible"] >= 0:
+            continue
+        s, block, axes = masses[b]["moment"], matrix[b], work.rotations[A, b]
+        for i in range(3):
+            for j in range(3):
+                block[i, j] = masses[b]["mass"] if i == j else 0.0
+                block[3 + i, 3 + j] = masses[b]["inertia"][i, j]
+            # -A s~, row i
+            block[i, 3] = axes[i, 2] * s[1] - axes[i, 1] * s[2]
+            block[i, 4] = axes[i, 0] * s[2] - axes[i, 2] * s[0]
+            block[i, 5] = axes[i, 1] * s[0] - axes[i, 0] * s[1]
+            for j in range(3, 6):
+                block[j, i] = block[i, j]
+    for k in range(system.flexible.shape[0]):
+        _flexible_mass(system, work, system.flexible[k], q)
+
+
+@part
+def _flexible_mass(system, work, f, q):
+    S1, J1, J2, C0, C1, Mff, _, _, _ = constants_of(system.modal, f)
+    s, S_tt, S_tf, T, M, _ = places_of(work.modal, f)
+    b, at = f["body"], 7 * system.masses.shape[0] + f["first"]
+    eta, mass = q[at : at + f["modes"]], system.masses[b]
+    floating_frame.first_moment(eta, mass["moment"], S1, s)
+    floating_frame.moving_inertia(eta, mass["inertia"], J1, J2, C0, C1, T, S_tt, S_tf)
+    floating_frame.mass_matrix(work.rotations[A, b], mass["mass"], s, S1, S_tt, S_tf, Mff, M)
+
+
+@kernel
+def mass_times(inertia, x, y):
+    """y = M x for x, y (n,); zeros in x cost nothing."""
+    masses = inertia.masses
+    for k in range(x.shape[0]):
+        y[k] = 0.0
+    for b in range(masses.shape[0]):
+        if masses[b]["flexible"] < 0:
+            for j in range(6):
+                amount = x[6 * b + j]
+                if amount != 0.0:
+                    for i in range(6):
+                        y[6 * b + i] += inertia.mass[b, j, i] * amount
+    for k in range(inertia.flexible.shape[0]):
+        f = inertia.flexible[k]
+        M, N = places_of(inertia.modal, f)[4], f["modes"]
+        rigid, modal = 6 * f["body"], 6 * masses.shape[0] + f["first"]
+        for j in range(6 + N):
+            amount = x[rigid + j if j < 6 else modal + j - 6]
+            if amount != 0.0:
+                for i in range(6):
+                    y[rigid + i] += M[j, i] * amount
+                for i in range(N):
+                    y[modal + i] += M[j, 6 + i] * amount
+
+
+@part
+def inertia_and_elastic_forces(system, work, q, u, f):
+    """Fill f (n,) with quadratic velocity forces, gravity, elastic forces; the mass matrices belong to q.
+
+    Returns the power of those that store no energy: damping and centrifugal stiffening.
+    """
+    masses, g = system.masses, system.gravity
+    for b in range(masses.shape[0]):
+        if masses[b]["flexible"] < 0:
+            _gyroscopic_forces(masses[b], work.rotations[A, b], u[6 * b : 6 * b + 6], f[6 * b : 6 * b + 6])
+            _add_weight(masses[b], work.rotations[A, b], g, f[6 * b : 6 * b + 6])
+    power = 0.0
+    for k in range(system.flexible.shape[0]):
+        power += _flexible_forces(system, work, system.flexible[k], q, u, f)
+    return power
+
+
+@part
+def _gyroscopic_forces(mass, axes, u, f):
+    s, J = mass["moment"], mass["inertia"]
+    w0, w1, w2 = u[3], u[4], u[5]
+    along = w0 * s[0] + w1 * s[1] + w2 * s[2]
+    square = w0 * w0 + w1 * w1 + w2 * w2
+    # -ω × (ω × s)
+    c0, c1, c2 = square * s[0] - along * w0, square * s[1] - along * w1, square * s[2] - along * w2
+    for i in range(3):
+        f[i] = axes[i, 0] * c0 + axes[i, 1] * c1 + axes[i, 2] * c2
+    h0 = J[0, 0] * w0 + J[0, 1] * w1 + J[0, 2] * w2
+    h1 = J[1, 0] * w0 + J[1, 1] * w1 + J[1, 2] * w2
+    h2 = J[2, 0] * w0 + J[2, 1] * w1 + J[2, 2] * w2
+    f[3] = h1 * w2 - h2 * w1
+    f[4] = h2 * w0 - h0 * w2
+    f[5] = h0 * w1 - h1 * w0
+
+
+@part
+def _add_weight(mass, axes, g, f):
+    s = mass["moment"]
+    b0 = axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2]
+    b1 = axes[0, 1] * g[0] + axes[1, 1] * g[1] + axes[2, 1] * g[2]
+    b2 = axes[0, 2] * g[0] + axes[1, 2] * g[1] + axes[2, 2] * g[2]
+    for i in range(3):
+        f[i] += mass["mass"] * g[i]
+    f[3] += s[1] * b2 - s[2] * b1
+    f[4] += s[2] * b0 - s[0] * b2
+    f[5] += s[0] * b1 - s[1] * b0
+
+
+@part
+def _flexible_forces(system, work, flexible, q, u, f):
+    S1, J1, _, _, C1, _, Kr, Dr, KG = constants_of(system.modal, flexible)
+    s, S_tt, S_tf, T, _, own = places_of(work.modal, flexible)
+    b, N, bodies = flexible["body"], flexible["modes"], system.masses.shape[0]
+    axes, first = work.rotations[A, b], flexible["first"]
+    eta, w = q[7 * bodies + first : 7 * bodies + first + N], u[6 * b + 3 : 6 * b + 6]
+    etad = u[6 * bodies + first : 6 * bodies + first + N]
+    floating_frame.velocity_forces(axes, w, etad, s, S1, S_tt, S_tf, J1, T, C1, own)
+    floating_frame.add_gravity(axes, system.masses[b]["mass"], s, S1, system.gravity, own)
+    power = floating_frame.add_elastic_forces(w, eta, etad, Kr, Dr, KG, own)
+    for i in range(6):
+        f[6 * b + i] = own[i]
+    for k in range(N):
+        f[6 * bodies + first + k] = own[6 + k]
+    return power
+
+
+@kernel
+def kinetic_energy(system, work, u):
+    """½ uᵀ M u, J."""
+    product, total = work.vectors[PRODUCT], 0.0
+    mass_times(inertia_of(system, work), u, product)
+    for k in range(u.shape[0]):
+        total += 0.5 * u[k] * product[k]
+    return total
+
+
+@kernel
+def strain_energy(system, q):
+    """½ ηᵀ K η of all flexible bodies, J."""
+    total = 0.0
+    for k in range(system.flexible.shape[0]):
+        f = system.flexible[k]
+        N, at, K = f["modes"], 7 * system.masses.shape[0] + f["first"], constants_of(system.modal, f)[6]
+        for i in range(N):
+            for j in range(N):
+                total += 0.5 * q[at + i] * K[i, j] * q[at + j]
+    return total
+
+
+@kernel
+def weight_energy(system, work, q):
+    """Energy of gravity, J, where rotation matrices and mass matrices belong to q."""
+    total, g = 0.0, system.gravity
+    for b in range(system.masses.shape[0]):
+        mass, axes = system.masses[b], work.rotations[A, b]
+        moment = mass["moment"]
+        s = (moment[0], moment[1], moment[2])
+        if mass["flexible"] >= 0:
+            moved = places_of(work.modal, system.flexible[mass["flexible"]])[0]
+            s = (moved[0], moved[1], moved[2])
+        for i in range(3):
+            arm = axes[i, 0] * s[0] + axes[i, 1] * s[1] + axes[i, 2] * s[2]
+            total -= g[i] * (mass["mass"] * q[7 * b + i] + arm)
+    return total

@@ -1,0 +1,108 @@
+"""Positions and speeds brought onto the constraints by the shortest correction in the metric of M.
+
+What is left afterwards is round-off: the drift that explicit integration leaves never adds up.
+"""
+
+import numpy as np
+
+from .._jit import kernel
+from ..kinematics import constraints as equations
+from ..linalg.rotation import rotation_matrices
+from .accelerations import factorise_at, solve
+from .body_vectors import geometry_of, place_arms
+from .constraint_primitives import equation_residuals, equation_velocities
+from .speeds import move
+from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, A
+
+MOST_CORRECTIONS = 12
+ROUND_OFF = 4e-16
+
+
+@kernel
+def largest_gap(system, work):
+    """Largest scaled equation in PHI, and its row; NaN counts as infinite."""
+    found, worst = 0.0, 0
+    for row in range(work.rows.shape[1]):
+        gap = abs(work.rows[PHI, row]) / system.row_scale[row]
+        if not gap <= found:
+            found, worst = (gap if gap > found else np.inf), row
+    return found, worst
+
+
+@kernel
+def evaluate_residual(system, work, q, t, near):
+    """Fill PHI at q; returns the largest scaled equation of the independent ones."""
+    rotation_matrices(q, work.rotations[A])
+    place_arms(geometry_of(system, work), q)
+    equations.residual(system.constraints, q, t, near, work.rotations[A], work.rows[PHI])
+    equation_residuals(system, work, t, near, work.rows[PHI])
+    found = 0.0
+    for k in range(work.rank[0]):
+        row = work.order[k]
+        gap = abs(work.rows[PHI, row]) / system.row_scale[row]
+        if not gap <= found:
+            found = gap if gap > found else np.inf
+    return found
+
+
+@kernel
+def project_position(system, work, q, t, near):
+    """Improve q until the independent equations are met to round-off: a code.
+
+    The factors of the first position serve all corrections: q comes from an accurate step.
+    """
+    code = factorise_at(system, work, q)
+    zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
+    before = np.inf
+    for _ in range(MOST_CORRECTIONS):
+        gap = evaluate_residual(system, work, q, t, near)
+        if code != SOLVED or gap <= ROUND_OFF or not gap < 0.5 * before:
+            break
+        before = gap
+        for row in range(gamma.shape[0]):
+            gamma[row] = -work.rows[PHI, row]
+        for k in range(zero.shape[0]):
+            zero[k] = 0.0
+        solve(system, work, zero, gamma, step)
+        move(system.masses.shape[0], q, step)
+    return code
+
+
+@kernel
+def fill_nu(system, t, nu):
+    """Fill nu (m,), the right-hand side of J u = ν."""
+    equations.velocity(system.constraints, t, nu)
+    equation_velocities(system, t, nu)
+
+
+@kernel
+def rate_gap(system, work, u, t):
+    """Fill GAMMA with ν - J u, where the Jacobian belongs to the position; returns the largest scaled."""
+    gamma = work.rows[GAMMA]
+    fill_nu(system, t, gamma)
+    found = 0.0
+    for row in range(gamma.shape[0]):
+        total = 0.0
+        for k in range(u.shape[0]):
+            if work.jacobian[row, k] != 0.0:
+                total += work.jacobian[row, k] * u[k] / system.speed_scale[k]
+        gamma[row] -= total * system.row_scale[row]
+        found = max(found, abs(gamma[row]) / system.row_scale[row])
+    return found
+
+
+@kernel
+def project_speeds(system, work, q, u, t):
+    """Correct u to meet the rates of the equations at q; returns (code, largest scaled rate left)."""
+    code = factorise_at(system, work, q)
+    if code != SOLVED:
+        return code, np.inf
+    zero, step = work.vectors[QD], work.vectors[CORRECTION]
+    for k in range(zero.shape[0]):
+        zero[k] = 0.0
+    for _ in range(2):
+        rate_gap(system, work, u, t)
+        solve(system, work, zero, work.rows[GAMMA], step)
+        for k in range(u.shape[0]):
+            u[k] += step[k]
+    return code, rate_gap(system, work, u, t)

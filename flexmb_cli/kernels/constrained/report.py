@@ -1,0 +1,70 @@
+"""What is reported of a mechanism at one time: accelerations, constraint forces, energies, residuals."""
+
+from collections import namedtuple
+
+from .._jit import kernel
+from .accelerations import accelerations
+from .forces import spring_energy
+from .mass_matrix import kinetic_energy, strain_energy, weight_energy
+from .multipliers import fill_multipliers, fill_wrenches
+from .projection import evaluate_residual, largest_gap, rate_gap
+from .system import SOLVED
+
+Report = namedtuple("Report", "times states rates wrenches multipliers powers audit")
+Report.__doc__ = """T rows of a mechanism of b bodies with n speeds and m equations.
+
+times (T,).  states (T, 2 n + b + 1): coordinates, speeds, work.  rates (T, n): of the speeds.
+wrenches (T, groups, 2, 6): see `fill_wrenches`.  multipliers (T, m).  powers (T,): of drivers and
+applied loads, W.  audit (T, 5): kinetic energy, that of weights and springs, and of strain, J, largest
+scaled gap and its rate.
+"""
+
+
+@kernel
+def coordinates_and_speeds(system, z):
+    """The parts q and u of a state."""
+    n = system.speed_scale.shape[0]
+    end = n + system.masses.shape[0]
+    return z[:end], z[end : end + n]
+
+
+@kernel
+def observe(system, work, z, t, near, report, row):
+    """Fill one row of `report` for the state z at t; a code."""
+    q, u = coordinates_and_speeds(system, z)
+    code, power = accelerations(system, work, q, u, t, report.rates[row])
+    if code == SOLVED:
+        complete(system, work, z, t, near, power, report, row)
+    return code
+
+
+@kernel
+def complete(system, work, z, t, near, power, report, row):
+    """Fill a row of `report` whose rates have just been found, by the factors at hand."""
+    q, u = coordinates_and_speeds(system, z)
+    report.powers[row] = power
+    fill_multipliers(system, work, report.rates[row], report.multipliers[row])
+    fill_wrenches(system, work, report.multipliers[row], report.wrenches[row])
+    audit = report.audit[row]
+    audit[0] = kinetic_energy(system, work, u)
+    audit[1] = weight_energy(system, work, q) + spring_energy(system, work)
+    audit[2] = strain_energy(system, q)
+    evaluate_residual(system, work, q, t, near)
+    audit[3] = largest_gap(system, work)[0]
+    audit[4] = rate_gap(system, work, u, t)
+
+
+@kernel
+def _expect(turns, near):
+    for k in range(turns.shape[0]):
+        turns[k] = near[k]
+
+
+@kernel
+def observe_rows(system, work, near, report):
+    """Fill all rows for states that are already there; near (T, screws).  Returns the rows filled."""
+    for row in range(report.times.shape[0]):
+        _expect(work.turns, near[row])
+        if observe(system, work, report.states[row], report.times[row], near[row], report, row) != SOLVED:
+            return row
+    return report.times.shape[0]

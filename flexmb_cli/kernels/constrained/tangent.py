@@ -1,0 +1,58 @@
+"""Products with the mass matrix and the tangents of elastic and damping forces: what makes a mechanism stiff.
+
+Modes contribute their K and D.  A spring along a line or in a joint, whose length or angle has the rate
+gᵀ u, contributes k g gᵀ and c g gᵀ; what turns its force is left to the iteration.
+"""
+
+from .._jit import kernel, part
+from ..linalg.rotation import dot
+from .body_vectors import ARM, RATE, add_arm_row, geometry_of, move_arms, vector
+from .constraint_primitives import add_measure_row, measure_rates
+from .forces import AT_REST, LINE, RELATIVE
+from .mass_matrix import constants_of, inertia_of, mass_times
+
+
+@part
+def tangent_times(system, work, by_position, by_speed, x, y):
+    """y = (M + by_position K + by_speed D) x for x, y (n,) where the arms are placed; moves the arms by x."""
+    mass_times(inertia_of(system, work), x, y)
+    add_stiff(system, work, by_position, by_speed, x, y)
+
+
+@kernel
+def add_stiff(system, work, by_position, by_speed, x, y):
+    """y += (by_position K + by_speed D) x, as `tangent_times`."""
+    for k in range(system.flexible.shape[0]):
+        _add_flexible(system, system.flexible[k], by_position, by_speed, x, y)
+    geometry = geometry_of(system, work)
+    if system.loads.shape[0] > 0:
+        move_arms(geometry, x)
+    for k in range(system.loads.shape[0]):
+        load = system.loads[k]
+        amount = by_position * load["stiffness"] + by_speed * load["damping"]
+        if load["kind"] == LINE:
+            _add_line(geometry, load["measure"], amount, y)
+        elif load["kind"] == RELATIVE:
+            rate = measure_rates(geometry, load["measure"])[0]
+            add_measure_row(geometry, load["measure"], amount * rate, y)
+
+
+@part
+def _add_flexible(system, f, by_position, by_speed, x, y):
+    constants, N, modal = constants_of(system.modal, f), f["modes"], 6 * system.masses.shape[0] + f["first"]
+    K, D = constants[6], constants[7]
+    for j in range(N):
+        amount = x[modal + j]
+        if amount != 0.0:
+            for i in range(N):
+                y[modal + i] += (by_position * K[j, i] + by_speed * D[j, i]) * amount
+
+
+@part
+def _add_line(geometry, k, amount, y):
+    d, v = vector(geometry.spans[ARM, k], 0), vector(geometry.spans[RATE, k], 0)
+    square = dot(d, d)
+    if square > AT_REST:
+        pull, ends = amount * dot(d, v) / square, geometry.measures[k]["ends"]
+        add_arm_row(geometry, ends[0, 1], d, -pull, True, y)
+        add_arm_row(geometry, ends[0, 0], d, pull, True, y)

@@ -1,0 +1,56 @@
+"""Laws of time with their first two derivatives; formulas and kinds as in `model.motion_law`."""
+
+import math
+
+from .._jit import kernel
+
+# The codes of model.motion_law and model.arrays.records; a test compares them.
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE = 1, 2, 3, 4, 5
+
+
+@kernel
+def law_values(laws, knots, number, t):
+    """Value, rate and second rate of law `number` at t.  knots (k, 3): time, value, second derivative."""
+    law = laws[number]
+    kind, c = law["kind"], law["c"]
+    if kind == POLYNOMIAL:
+        value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+        return value, c[1] + t * (2.0 * c[2] + 3.0 * t * c[3]), 2.0 * c[2] + 6.0 * t * c[3]
+    if kind == SPIN_UP:
+        return _spin_up(c[0], c[1], t)
+    if kind == SINE:
+        phase = c[2] * t + c[3]
+        swing = c[1] * math.sin(phase)
+        return c[0] + swing, c[1] * c[2] * math.cos(phase), -c[2] * c[2] * swing
+    return _table(knots, law["first"], law["last"], t, kind == HELD_TABLE)
+
+
+@kernel
+def _spin_up(w, T, t):
+    if t >= T:
+        return w * (t - 0.5 * T), w, 0.0
+    lap = T / (2.0 * math.pi)
+    value = w / T * (0.5 * t * t + lap * lap * (math.cos(t / lap) - 1.0))
+    return value, w / T * (t - lap * math.sin(t / lap)), w / T * (1.0 - math.cos(t / lap))
+
+
+@kernel
+def _table(knots, first, last, t, held):
+    """Cubic through the knots first to last; outside it goes on straight, or keeps its value where `held`."""
+    inside = min(max(t, knots[first, 0]), knots[last, 0])
+    while last - first > 1:
+        middle = (first + last) // 2
+        if knots[middle, 0] <= inside:
+            first = middle
+        else:
+            last = middle
+    h = knots[last, 0] - knots[first, 0]
+    a, b = (knots[last, 0] - inside) / h, (inside - knots[first, 0]) / h
+    bend_a, bend_b = knots[first, 2], knots[last, 2]
+    value = a * knots[first, 1] + b * knots[last, 1]
+    value += ((a * a * a - a) * bend_a + (b * b * b - b) * bend_b) * h * h / 6.0
+    rate = (knots[last, 1] - knots[first, 1]) / h
+    rate += ((3.0 * b * b - 1.0) * bend_b - (3.0 * a * a - 1.0) * bend_a) * h / 6.0
+    if inside == t:
+        return value, rate, a * bend_a + b * bend_b
+    return (value, 0.0, 0.0) if held else (value + rate * (t - inside), rate, 0.0)

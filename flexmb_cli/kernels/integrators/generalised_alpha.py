@@ -1,0 +1,306 @@
+"""Stepping of a constrained mechanism through time by the generalised-α method in compiled code.
+
+Steps have a given length, or one that keeps the error of a step within the tolerance; they do not
+depend on how the report rows are cut into calls.  Rows inside a step come from Hermite's cubic through
+both ends; every row is brought onto the constraints to round-off, and its accelerations and forces are
+those of the equations of motion there.
+
+What a call is asked for and what it answers is told in `constrained_march`.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..constrained.angle_unwrapping import NEAR, OLD, note_turns
+from ..constrained.angle_unwrapping import NEW as TURNED
+from ..constrained.body_vectors import geometry_of, place_arms
+from ..constrained.projection import largest_gap
+from ..constrained.report import complete, coordinates_and_speeds
+from ..constrained.system import A
+from ..linalg.rotation import rotation_matrices
+from .constrained_dop853 import (
+    BEGIN,
+    CONTRADICTION,
+    PAUSED,
+    READY,
+    REPEATED_GAP,
+    ROWS_FULL,
+    SMALLEST_STEP,
+    STEP_VANISHED,
+)
+from .generalised_alpha_step import BEFORE, LAST, MEAN, NEW, NEW_MEAN, iterate, solve_step, turn_exactly
+from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
+from .singular_ahead import laid_out, look_ahead
+
+SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
+SHARE = 0.5  # of a step in front of a singular position
+SAME = 1e-9  # of a step: times this near to each other are one
+
+CLOCK = np.dtype(
+    [
+        ("t", np.float64),  # s
+        ("step", np.float64),  # length the next step will try, s
+        ("fixed", np.float64),  # length that all steps have, s, 0: chosen
+        ("rho", np.float64),  # spectral radius at infinity
+        ("start", np.float64),  # first time, s
+        ("whole", np.int64),  # steps of given length that are behind
+        ("rejected", np.int64),  # whether the attempt before it failed
+        ("step_start", np.float64),  # the last accepted step: where it began,
+        ("step_length", np.float64),  # how long it was, 0 before the first
+        ("mean_length", np.float64),  # step that the means of the accelerations belong to
+        ("stop", np.float64),  # no step goes further, s
+        ("row", np.int64),  # report rows filled in this call
+        ("steps", np.int64),
+        ("evaluations", np.int64),
+        ("rejections", np.int64),
+        ("fault", np.int64),  # code of the last failed evaluation, or SOLVED
+        ("worst", np.int64),  # equation with the largest gap,
+        ("gap", np.float64),  # and that gap, scaled
+        ("rtol", np.float64),
+        ("atol", np.float64),
+        ("error", np.float64),  # of the step that is tried, in tolerances, of the share of chosen ones,
+        ("span", np.float64),  # of the whole run, s
+        ("turned", np.float64),  # and how far a body turns in it, of the longest turn
+        ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
+        ("power", np.float64),  # of drivers and loads that store no energy, at t, W
+        ("new_power", np.float64),  # and at the end of the step that is tried
+        ("old_power", np.float64),  # and at the start of the last step
+        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
+        ("pivot_time", np.float64),  # and that time, s
+        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
+    ]
+)
+
+AlphaMarch = namedtuple("AlphaMarch", "clock z old trial units turns rates missing step shift gaps newton")
+AlphaMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers, m equations.
+
+clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
+tried or reported, a state's unit.  turns (3, screws): see `screw_turns`.  rates (5, n): see
+`generalised_alpha`.  missing, step, shift (n,), gaps (3, m):
+of an iteration.  newton: the Work whose `reduced` is the matrix.
+"""
+
+
+def new_march(work, turns):
+    """A march at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+    m, n = work.jacobian.shape
+    size = 2 * n + work.mass.shape[0] + 1
+    states = [np.zeros(size) for _ in range(3)]
+    return AlphaMarch(
+        np.zeros(1, CLOCK),
+        *states,
+        np.ones(size),
+        np.zeros((3, turns)),
+        np.zeros((5, n)),
+        *(np.zeros(n) for _ in range(3)),
+        np.zeros((3, m)),
+        work._replace(reduced=np.zeros_like(work.reduced)),
+    )
+
+
+@kernel
+def march_rows(task, system, work, march, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
+
+    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
+    """
+    clock = march.clock[0]
+    clock["row"] = 0
+    if task == BEGIN:
+        return _begin(system, work, march)
+    spent = clock["evaluations"] + budget
+    while clock["row"] < report.times.shape[0]:
+        t = report.times[clock["row"]]
+        if t <= clock["t"] + SAME * clock["step"]:
+            if not _fill_row(system, work, march, t, report):
+                return STEP_VANISHED
+        elif clock["evaluations"] >= spent:
+            return PAUSED
+        else:
+            answer = _step(system, work, march)
+            if answer != READY:
+                return answer
+    return ROWS_FULL
+
+
+@kernel
+def _begin(system, work, march):
+    clock, rates = march.clock[0], march.rates
+    clock["start"] = clock["step_start"] = clock["t"]
+    clock["left"], clock["singular"], clock["span"] = 1.0, np.inf, clock["stop"] - clock["t"]
+    _copy(march.z, march.trial)
+    if not iterate(system, work, march, clock["t"], 0.0, 0.0, 0.0):
+        return STEP_VANISHED
+    clock["power"] = clock["new_power"]
+    _copy(march.trial, march.z)
+    _copy(march.z, march.old)
+    for kind in (LAST, BEFORE, MEAN):
+        _copy(rates[NEW], rates[kind])
+    clock["step"] = clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, march)
+    return READY
+
+
+@kernel
+def _first_step(system, march):
+    """A hundredth of the time in which the accelerations make the speeds."""
+    clock, n = march.clock[0], system.speed_scale.shape[0]
+    first = march.z.shape[0] - 1 - n
+    fastest = 0.0
+    for k in range(n):
+        size = system.speed_scale[k] + abs(march.z[first + k])
+        fastest = max(fastest, abs(march.rates[LAST, k]) / size)
+    return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
+
+
+@kernel
+def _copy(a, b):
+    """b = a."""
+    for i in range(a.shape[0]):
+        b[i] = a[i]
+
+
+@kernel
+def _step(system, work, march):
+    """One accepted step; an answer."""
+    clock = march.clock[0]
+    while True:
+        h = _length(clock)
+        if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+            return STEP_VANISHED
+        if not solve_step(system, work, march, h):
+            _retreat(clock, h / 4.0)
+        elif clock["fixed"] == 0.0 and not _holds(system, march, h):
+            _retreat(clock, h * (_factor(clock) if clock["error"] < 1e10 else SLOWEST))
+        else:
+            _accept(system, work, march, h)
+            return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+
+
+@kernel
+def _holds(system, march, h):
+    """Whether a step of length h is within the tolerance, and turns no body too far."""
+    clock, bodies, first = march.clock[0], system.masses.shape[0], march.z.shape[0] - 1 - march.rates.shape[1]
+    fastest = max(largest_turn(bodies, march.z[first:-1]), largest_turn(bodies, march.trial[first:-1]))
+    clock["turned"] = h * fastest / LONGEST_TURN
+    return clock["error"] < 1.0 and clock["turned"] < 1.0
+
+
+@kernel
+def _length(clock):
+    """Length of the next step: steps of given length end at whole multiples."""
+    left, step = clock["stop"] - clock["t"], laid_out(clock, clock["step"], SHARE)
+    if clock["fixed"] > 0.0:
+        left = min(left, clock["start"] + (clock["whole"] + 1) * clock["fixed"] - clock["t"])
+    return step if abs(step - left) <= SAME * left else min(step, left)
+
+
+@kernel
+def _retreat(clock, h):
+    """After a step that was not found, or not well enough: one of length h."""
+    clock["step"] = h
+    clock["rejections"] += 1
+    clock["rejected"] = 1
+    clock["left"] = 1.0
+
+
+@kernel
+def _factor(clock):
+    factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
+    if clock["turned"] > 0.0:
+        factor = min(factor, SAFETY / clock["turned"])
+    return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
+
+
+@kernel
+def _accept(system, work, march, h):
+    """Make the end of a step the state."""
+    clock, rates, z = march.clock[0], march.rates, march.z
+    last = z.shape[0] - 1
+    _copy(z, march.old)
+    _copy(march.trial, z)
+    z[last] = march.old[last] + 0.5 * h * (clock["power"] + clock["new_power"])
+    clock["old_power"], clock["power"] = clock["power"], clock["new_power"]
+    _copy(rates[LAST], rates[BEFORE])
+    _copy(rates[NEW], rates[LAST])
+    _copy(rates[NEW_MEAN], rates[MEAN])
+    _advance(clock, h)
+    clock["gap"], clock["worst"] = largest_gap(system, work)
+    if march.turns.shape[1] > 0:
+        q = coordinates_and_speeds(system, z)[0]
+        rotation_matrices(q, work.rotations[A])
+        place_arms(geometry_of(system, work), q)
+        note_turns(system, work, march)
+    if clock["fixed"] == 0.0:
+        look_ahead(system, work, march, rates[LAST], clock["step"])
+
+
+@kernel
+def _advance(clock, h):
+    """The time of the state, and the length of the next step."""
+    clock["step_start"], clock["step_length"] = clock["t"], h
+    t, same = clock["t"] + h, SAME * h
+    if clock["fixed"] > 0.0:
+        whole = clock["start"] + (clock["whole"] + 1) * clock["fixed"]
+        if abs(whole - t) <= same:
+            t = whole
+            clock["whole"] += 1
+        clock["step"] = clock["fixed"]
+    else:
+        clock["step"] = h * _factor(clock)
+    clock["t"] = clock["stop"] if abs(clock["stop"] - t) <= same else t
+    clock["rejected"] = 0
+    clock["steps"] += 1
+
+
+@kernel
+def _fill_row(system, work, march, t, report):
+    """A report row at a time up to the present one; returns whether there is one."""
+    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
+    _copy(march.z, march.trial)
+    if t < clock["t"] - SAME * clock["step_length"]:
+        x = (t - clock["step_start"]) / clock["step_length"]
+        _between(system, march, x, march.trial)
+    for s in range(turns.shape[1]):
+        turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[TURNED, s]
+    _copy(turns[NEAR], work.turns)
+    if not iterate(system, work, march, t, 0.0, 0.0, 0.0):
+        return False
+    _copy(march.trial, report.states[row])
+    _copy(march.rates[NEW], report.rates[row])
+    complete(system, work, march.trial, t, turns[NEAR], clock["new_power"], report, row)
+    clock["row"] += 1
+    return True
+
+
+@kernel
+def _between(system, march, x, point):
+    """Fill point with the state at the fraction x of the last step."""
+    clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]
+    nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
+    shift, before, after, mean = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    for k in range(n):
+        before[k] = old[nq + k]
+        mean[k] = 0.5 * h * (old[nq + k] + z[nq + k])
+    shift_between(bodies, old[:nq], z[:nq], mean, shift)
+    set_slope(bodies, shift, z[nq : nq + n], after)
+    for body in range(bodies if largest_turn(bodies, shift) > FAR_TURN else 0):
+        for k in range(6 * body + 3, 6 * body + 6):
+            before[k] = after[k] = shift[k] / h
+    for k in range(n):
+        shift[k] = _cubic(x, 0.0, shift[k], h * before[k], h * after[k])
+    for i in range(nq):
+        point[i] = old[i]
+    turn_exactly(bodies, point[:nq], shift)
+    for k in range(n):
+        i = nq + k
+        point[i] = _cubic(x, old[i], z[i], h * march.rates[BEFORE, k], h * march.rates[LAST, k])
+    last = nq + n
+    point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
+
+
+@kernel
+def _cubic(x, a, b, da, db):
+    change = b - a
+    return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))

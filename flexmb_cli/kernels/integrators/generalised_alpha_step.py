@@ -1,0 +1,308 @@
+"""One step of the generalised-α method for constrained mechanisms, on the group of positions and attitudes.
+
+Arnold, Brüls and Cardona, Numerische Mathematik 129 (2015), section 2: with the accelerations ud and
+their means a,
+
+    (1 - α_m) a' + α_m a = (1 - α_f) ud' + α_f ud,
+    q' = q exp(h (u + h ((1/2 - β) a + β a'))),   u' = u + h ((1 - γ) a + γ a'),
+
+parameters after Chung and Hulbert (1993) for the spectral radius ρ at infinity.  Unlike there, ud' meets
+the constraints on accelerations, and positions and speeds are brought onto theirs within the same
+iteration, by the shortest way: no constraint force oscillates for ρ = 1 or when the step changes.
+
+Every iteration takes constraints and forces as they are; the matrix Zᵀ (M + γ' h D + β' h² K) Z of the
+free motions is that of the first.
+"""
+
+import math
+
+import numpy as np
+
+from .._jit import kernel, part
+from ..constrained.accelerations import factorise_constraints, fill_column, fill_forces, fill_gamma, solve
+from ..constrained.angle_unwrapping import NEAR, expect_turns
+from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
+from ..constrained.projection import evaluate_residual, rate_gap
+from ..constrained.report import coordinates_and_speeds
+from ..constrained.speeds import move
+from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
+from ..constrained.tangent import tangent_times
+from ..linalg.rank_revealing_lu import cholesky
+from .singular_ahead import blur
+
+# Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
+# before; the means at both ends.
+NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
+# Rows of what is missing in the equations (3, m).
+POSITION, SPEED, ACCELERATION = 0, 1, 2
+
+MOST_ITERATIONS = 12
+STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
+SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
+SHARE = 1e-6  # of the step's error: what the iterations may leave in a step of given length
+ITERATED = 0.02  # of the tolerance: what they may leave in a step whose length is chosen
+FLOOR = 1e-13  # of the speeds: round-off
+MOST_BLURRED = 0.3  # and where that is all round-off
+PASSED_ON = 3.0  # how much less of an error is left at the end of a run
+CAUTION = 0.8
+LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
+CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
+
+
+@kernel
+def parameters(rho):
+    """α_m, α_f, β, γ for the spectral radius rho at infinity."""
+    alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+    gamma = 0.5 + alpha_f - alpha_m
+    return alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma
+
+
+@part
+def solve_step(system, work, march, h):
+    """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
+    clock = march.clock[0]
+    alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
+    share = (1.0 - alpha_f) / (1.0 - alpha_m)
+    _predict(system, work, march, h)
+    if not iterate(system, work, march, clock["t"] + h, share * beta * h * h, share * gamma * h, h):
+        return False
+    _finish(march, alpha_m, alpha_f)
+    return True
+
+
+@kernel
+def iterate(system, work, march, t, by_position, by_speed, h):
+    """Bring `trial` and the accelerations NEW to the equations at t; returns whether they came there.
+
+    An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
+    t, and is brought onto the constraints.
+    """
+    clock = march.clock[0]
+    # The first correction is trusted somewhat less than the last of the step before was.
+    quality, left, before, gap_before = 0.0, clock["left"] ** CAUTION, 0.0, np.inf
+    for iteration in range(MOST_ITERATIONS):
+        clock["evaluations"] += 1
+        clock["fault"] = _evaluate(system, work, march, t)
+        if clock["fault"] == SOLVED and (iteration == 0 or work.quality[0] != quality):
+            # Other speeds are free from now on where the quality has changed.
+            clock["fault"] = _set_matrix(system, work, march, by_position, by_speed)
+        if clock["fault"] != SOLVED:
+            return False
+        quality = work.quality[0]
+        size, gap = _correct(system, work, march, by_position, by_speed)
+        if h == 0.0:
+            # A row from afar needs more of them; equations that repeat others never close better.
+            if iteration >= STILL_ITERATIONS - 1 and (gap < CLOSED or not gap < 0.5 * gap_before):
+                return True
+            gap_before = gap
+            continue
+        if iteration > 0:
+            contraction = size / before if before > 0.0 else 0.0
+            # The second correction answers to the gaps that the first one closed.
+            if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
+                return False
+            left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
+        # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
+        share, part = _share(work, clock, h)
+        clock["error"] = step_error(system, march, h) / share
+        enough = max(share * part if part > 0.0 else SHARE * clock["error"], FLOOR / clock["rtol"])
+        if left * size < enough and gap < CLOSED:
+            return True
+        before = size
+    return False
+
+
+@kernel
+def _share(work, clock, h):
+    """The share of the tolerance that a step of length h may err by, and what iterations may leave of it.
+
+    0 of steps of given length, whose iterations follow their error.
+    """
+    if clock["fixed"] > 0.0:
+        return 1.0, 0.0
+    share = min(1.0, PASSED_ON * h / clock["span"])
+    blurred = blur(work, share * clock["rtol"])
+    return share * blurred, MOST_BLURRED if blurred > 1.0 else ITERATED
+
+
+@part
+def _predict(system, work, march, h):
+    """The end of the step by accelerations that go on as before."""
+    clock, n = march.clock[0], system.speed_scale.shape[0]
+    rates, length = march.rates, clock["step_length"]
+    alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
+    step = work.vectors[CORRECTION, :n]
+    for i in range(march.z.shape[0]):
+        march.trial[i] = march.z[i]
+    q, u = coordinates_and_speeds(system, march.trial)
+    for k in range(n):
+        last = rates[LAST, k]
+        rates[NEW, k] = last
+        if length > 0.0:
+            ahead = (last - rates[BEFORE, k]) * h / length
+            rates[NEW, k] += ahead
+            if h == clock["mean_length"]:
+                rates[MEAN, k] = last + (rates[MEAN, k] - last)
+            else:
+                # The mean belongs to a time that is a fixed part of a step away.  One that is carried over
+                # would alternate, by more and more where steps grow.
+                rates[MEAN, k] = last + (alpha_m - alpha_f) * ahead
+        mean = rates[MEAN, k]
+        new = ((1.0 - alpha_f) * rates[NEW, k] + alpha_f * last - alpha_m * mean) / (1.0 - alpha_m)
+        step[k] = h * (u[k] + h * ((0.5 - beta) * mean + beta * new))
+        u[k] += h * ((1.0 - gamma) * mean + gamma * new)
+    clock["mean_length"] = h
+    turn_exactly(system.masses.shape[0], q, step)
+    expect_turns(system, work, march, h)
+    for k in range(work.turns.shape[0]):
+        work.turns[k] = march.turns[NEAR, k]
+
+
+@part
+def turn_exactly(bodies, q, step):
+    """Move q by the displacements and rotation vectors (body axes) `step` (n,), of any size."""
+    for body in range(bodies):
+        k, s = 7 * body, 6 * body
+        for i in range(3):
+            q[k + i] += step[s + i]
+        x, y, z = step[s + 3], step[s + 4], step[s + 5]
+        angle = (x * x + y * y + z * z) ** 0.5
+        c = math.cos(0.5 * angle)
+        f = math.sin(0.5 * angle) / angle if angle > 1e-8 else 0.5
+        x, y, z = f * x, f * y, f * z
+        e0, e1, e2, e3 = q[k + 3], q[k + 4], q[k + 5], q[k + 6]
+        q[k + 3] = c * e0 - e1 * x - e2 * y - e3 * z
+        q[k + 4] = c * e1 + e0 * x - e3 * y + e2 * z
+        q[k + 5] = c * e2 + e3 * x + e0 * y - e1 * z
+        q[k + 6] = c * e3 - e2 * x + e1 * y + e0 * z
+    for k in range(6 * bodies, step.shape[0]):
+        q[k + bodies] += step[k]
+
+
+@part
+def _evaluate(system, work, march, t):
+    """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
+    n = system.speed_scale.shape[0]
+    q, u = coordinates_and_speeds(system, march.trial)
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    gaps, ud = march.gaps, march.rates[NEW]
+    evaluate_residual(system, work, q, t, march.turns[NEAR])
+    rate_gap(system, work, u, t)
+    for row in range(gaps.shape[1]):
+        gaps[POSITION, row] = -work.rows[PHI, row]
+        gaps[SPEED, row] = work.rows[GAMMA, row]
+    power = fill_forces(system, work, q, u, t)
+    fill_gamma(system, work, q, u, t)
+    for row in range(gaps.shape[1]):
+        total = 0.0
+        for k in range(n):
+            if work.jacobian[row, k] != 0.0:
+                total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
+        gaps[ACCELERATION, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
+    forces, product = march.missing, work.vectors[PRODUCT]
+    mass_times(inertia_of(system, work), ud, product)
+    for k in range(n):
+        forces[k] = work.vectors[FORCES, k] - product[k]
+        # Constraints that do not move do no work: what is left of their power is the drivers'.
+        power -= forces[k] * u[k]
+    march.clock[0]["new_power"] = power
+    return code
+
+
+@part
+def _set_matrix(system, work, march, by_position, by_speed):
+    """Zᵀ (M + by_speed D + by_position K) Z where everything stands, and its Cholesky factor; a code."""
+    n = system.speed_scale.shape[0]
+    rank, matrix, Z = work.rank[0], march.newton.reduced, work.motions
+    column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    for f in range(n - rank):
+        for k in range(n):
+            column[k] = Z[k, f] * system.speed_scale[k]
+        tangent_times(system, work, by_position, by_speed, column, product)
+        fill_column(system, work, product, f, matrix)
+    return NO_INERTIA if cholesky(matrix, n - rank, SMALLEST_INERTIA) else SOLVED
+
+
+@part
+def _correct(system, work, march, by_position, by_speed):
+    """Newton's correction; returns its size in tolerances and the largest scaled gap before it."""
+    n = system.speed_scale.shape[0]
+    q, u = coordinates_and_speeds(system, march.trial)
+    step, shift, gaps = march.step, march.shift, march.gaps
+    found = _largest(system, gaps)
+    solve(system, march.newton, march.missing, gaps[ACCELERATION], step)
+    for k in range(n):
+        march.rates[NEW, k] += step[k]
+        u[k] += by_speed * step[k]
+        march.missing[k] = 0.0
+    size = _size(system, march, by_speed)
+    for k in range(n):
+        step[k] *= by_position
+    for row in range(gaps.shape[1]):
+        gaps[SPEED, row] -= by_speed * gaps[ACCELERATION, row]
+        gaps[POSITION, row] -= by_position * gaps[ACCELERATION, row]
+    if gaps.shape[1] > 0:
+        solve(system, march.newton, march.missing, gaps[SPEED], shift)
+        for k in range(n):
+            u[k] += shift[k]
+        solve(system, march.newton, march.missing, gaps[POSITION], shift)
+        for k in range(n):
+            step[k] += shift[k]
+    move(system.masses.shape[0], q, step)
+    return size, found
+
+
+@part
+def _largest(system, gaps):
+    """The largest scaled gap of positions and speeds."""
+    found = 0.0
+    for kind in range(2):
+        for row in range(gaps.shape[1]):
+            found = max(found, abs(gaps[kind, row]) / system.row_scale[row])
+    return found
+
+
+@part
+def _size(system, march, by_speed):
+    """The change of the speeds by `step` in tolerances."""
+    clock, n, total = march.clock[0], system.speed_scale.shape[0], 0.0
+    first = march.z.shape[0] - 1 - n
+    for k in range(n):
+        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(march.trial[first + k])
+        total += (by_speed * march.step[k] / scale) ** 2
+    return (total / n) ** 0.5
+
+
+@part
+def step_error(system, march, h):
+    """Error of the step in tolerances, from the growth of the accelerations.
+
+    By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
+    (1/12 - s²/2) h³ d²(ud)/dt² in speeds.
+    """
+    clock, rates, n = march.clock[0], march.rates, system.speed_scale.shape[0]
+    first = march.z.shape[0] - 1 - n
+    s = (clock["rho"] - 1.0) / (clock["rho"] + 1.0)
+    of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 - 0.5 * s * s) * h
+    length, total = clock["step_length"], 0.0
+    for k in range(n):
+        growth = rates[NEW, k] - rates[LAST, k]
+        bend = growth
+        if length > 0.0:
+            bend = 2.0 * h / (h + length) * (growth - (rates[LAST, k] - rates[BEFORE, k]) * h / length)
+        total += (of_position * growth / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
+        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(march.trial[first + k])
+        total += (of_speed * bend / scale) ** 2
+    return (0.5 * total / n) ** 0.5
+
+
+@part
+def _finish(march, alpha_m, alpha_f):
+    """The means that belong to the accelerations found."""
+    rates = march.rates
+    for k in range(rates.shape[1]):
+        new = (1.0 - alpha_f) * rates[NEW, k] + alpha_f * rates[LAST, k] - alpha_m * rates[MEAN, k]
+        rates[NEW_MEAN, k] = new / (1.0 - alpha_m)

@@ -1,0 +1,75 @@
+"""Bringing the state that Radau's method tries onto positions and speeds, and its accelerations on theirs.
+
+The shortest way in the measure of the matrix of the step: stiff motions stay at rest.
+"""
+
+import numpy as np
+
+from .._jit import kernel
+from ..constrained.accelerations import accelerations, factorise_constraints, solve
+from ..constrained.angle_unwrapping import NEAR
+from ..constrained.mass_matrix import mass_matrices
+from ..constrained.projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, rate_gap
+from ..constrained.report import coordinates_and_speeds
+from ..constrained.speeds import move, normalise
+from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED
+
+
+@kernel
+def close_gaps(system, work, march, t):
+    """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
+
+    They then are those of the end.
+    """
+    newton, bodies, turns = march.newton, system.masses.shape[0], march.turns[NEAR]
+    q, u = coordinates_and_speeds(system, march.trial)
+    zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
+    normalise(bodies, q)
+    for k in range(zero.shape[0]):
+        zero[k] = 0.0
+    before = np.inf
+    for _ in range(MOST_CORRECTIONS):
+        gap = evaluate_residual(system, work, q, t, turns)
+        if gap <= ROUND_OFF or not gap < 0.5 * before:
+            break
+        before = gap
+        for row in range(gamma.shape[0]):
+            gamma[row] = -work.rows[PHI, row]
+        solve(system, newton, zero, gamma, step)
+        move(bodies, q, step)
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    mass_matrices(system, work, q)
+    for _ in range(2):
+        rate_gap(system, work, u, t)
+        solve(system, newton, zero, gamma, step)
+        for k in range(u.shape[0]):
+            u[k] += step[k]
+    return code
+
+
+@kernel
+def moved(march, found):
+    """By how many tolerances `trial` was moved from the state found."""
+    clock, z, total, counted = march.clock[0], march.trial, 0.0, found.shape[0] - 1
+    for i in range(counted):
+        scale = clock["atol"] * march.units[i] + clock["rtol"] * abs(z[i])
+        total += ((z[i] - found[i]) / scale) ** 2
+    return (total / counted) ** 0.5
+
+
+@kernel
+def settle(system, work, march, t, ud):
+    """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
+
+    The matrix of the last step serves: where other speeds have become free it is one more metric.
+    """
+    for s in range(work.turns.shape[0]):
+        work.turns[s] = march.turns[NEAR, s]
+    q, u = coordinates_and_speeds(system, march.trial)
+    code = factorise_constraints(system, work, q)
+    if code == SOLVED:
+        mass_matrices(system, work, q)
+        code = close_gaps(system, work, march, t)
+    return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)

@@ -1,0 +1,90 @@
+"""A step of Radau's method over a singular position, where two motions of a mechanism cross.
+
+Accelerations are what the equations miss over a pivot that vanishes there.  Iterations of a step whose
+stages lie near do not converge, and shorter steps only come nearer: each ends a part of the way in front of
+it.  So a step ends as far behind as it begins in front, by accelerations that go on as before.  Whether
+they do, the equations say at its end, where they are as firm as at its beginning: a motion with a corner,
+or one that would come onto another branch, has other accelerations there.
+"""
+
+from .._jit import kernel
+from ..constrained.angle_unwrapping import MOST_TURNED, expect_turns
+from ..constrained.system import SOLVED
+from .radau5_projection import moved, settle
+from .radau5_step import START, place_stages, place_trial, predict, prepare, work_scale
+from .radau5_table import STAGES, TIMES
+from .singular_ahead import blur, most_declined
+
+UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
+# How much of what is not as expected remains an error of the step: of the accelerations at its end in its
+# speeds, before they are bent and after; of the change of the power, which is taken as linear, in its work.
+BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
+
+
+@kernel
+def leap(system, work, march, h):
+    """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
+    clock, rates = march.clock[0], march.rates
+    if not prepare(march, work.jacobian.shape[1] - work.rank[0], h):
+        return False
+    predict(system, march, h)
+    clock["error"], power, found = 0.0, 0.0, march.trial.copy()
+    expected = rates[START + STAGES].copy()
+    for again in range(2):
+        if again:
+            _bend(march, expected, h)
+            for _ in range(2):
+                place_stages(system, march, h)
+        place_trial(system, march, STAGES - 1)
+        if not expect_turns(system, work, march, h) < MOST_TURNED:
+            return False
+        for i in range(found.shape[0]):
+            found[i] = march.trial[i]
+        for k in range(expected.shape[0]):
+            expected[k] = rates[START + STAGES, k]
+        clock["evaluations"] += 1
+        code, power = settle(system, work, march, clock["t"] + h, rates[START + STAGES])
+        if code != SOLVED or work.quality[0] != clock["pivot_order"]:
+            return False
+        clock["error"] = max(clock["error"], (AFTER if again else BEFORE) * h * _unexpected(march, expected))
+    pivot = most_declined(work)
+    behind = -work.factors[pivot, pivot] / work.pivots[pivot]
+    if not 1.0 / UNEVEN < behind < UNEVEN:
+        return False
+    of_work = h * abs(_spread_power(march, power)) / work_scale(march)
+    clock["error"] = max(clock["error"], moved(march, found), OF_POWER * of_work) / blur(work, clock["rtol"])
+    return clock["error"] < 1.0
+
+
+@kernel
+def _bend(march, expected, h):
+    """Let the accelerations of the stages go through those found at the end."""
+    rates, ratio = march.rates, h / march.clock[0]["step_length"]
+    for stage in range(STAGES):
+        weight = 1.0
+        for node in range(STAGES + 1):
+            at = TIMES[node - 1] if node > 0 else 0.0
+            weight *= (1.0 + ratio * TIMES[stage] - at) / (1.0 + ratio - at)
+        if stage < STAGES - 1:
+            for k in range(expected.shape[0]):
+                rates[START + 1 + stage, k] += weight * (rates[START + STAGES, k] - expected[k])
+
+
+@kernel
+def _unexpected(march, expected):
+    """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
+    clock, n, total = march.clock[0], expected.shape[0], 0.0
+    first = march.z.shape[0] - 1 - n
+    for k in range(n):
+        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(march.trial[first + k])
+        total += ((march.rates[START + STAGES, k] - expected[k]) / scale) ** 2
+    return (total / n) ** 0.5
+
+
+@kernel
+def _spread_power(march, power):
+    """Powers of the stages between that at the start and that at the end; returns the change."""
+    before = march.clock[0]["power"]
+    for stage in range(STAGES):
+        march.powers[stage] = before + TIMES[stage] * (power - before)
+    return power - before

@@ -1,0 +1,311 @@
+"""One step of Radau's method IIA of order 5 for constrained mechanisms, stiff in modes, springs and dampers.
+
+Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section IV.8, for u̇ = a(q, u,
+t), the accelerations of the index-1 equations.  Attitudes are rotation vectors θ from the start of the step,
+
+    θ̇ = ω + ½ θ × ω + (1/|θ|² - cot(|θ|/2) / (2 |θ|)) θ × (θ × ω)
+
+in body axes, the inverse of the derivative of the exponential map.
+Newton's matrix is that of the free motions at the start of the step, with ⊗ by the stages' weights A
+
+    1 ⊗ Zᵀ M Z + h A ⊗ Zᵀ D Z + h² A² ⊗ Zᵀ K Z,
+
+which the eigenvectors of A part into a real matrix and a complex one.  What else accelerations depend on
+is left to the iteration.
+"""
+
+from .._jit import kernel
+from ..constrained.accelerations import (
+    add_free,
+    factorise_constraints,
+    fill_column,
+    fill_forces,
+    fill_gamma,
+    split,
+)
+from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
+from ..constrained.report import coordinates_and_speeds
+from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN
+from ..constrained.tangent import add_stiff
+from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
+from ..linalg.rank_revealing_lu import cholesky, cholesky_solve
+from .generalised_alpha_step import turn_exactly
+from .radau5_table import (
+    COMPLEX,
+    COMPLEX_LEFT,
+    COMPLEX_RIGHT,
+    ERROR,
+    REAL,
+    REAL_LEFT,
+    REAL_RIGHT,
+    STAGES,
+    TIMES,
+    WEIGHTS,
+)
+from .rotation_increments import set_slope
+from .singular_ahead import blur
+
+# Rows of the accelerations kept (8, n): of the start and the stages of a step, the one that is tried and
+# that before.
+START, LAST = 0, 4
+# Layers of the matrices (3, n, n): M, D and K of the free motions, lower parts.
+MASS, DAMPING, STIFFNESS = 0, 1, 2
+
+MOST_ITERATIONS = 10
+CAUTION = 0.8
+LEAST = 1e-3  # contraction that is trusted
+SECOND = 2.0  # contraction with which the second correction goes on
+FLOOR = 1e-14  # of the speeds: round-off
+SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
+
+
+@kernel
+def renew_matrices(system, work, matrices):
+    """Fill M, D and K of the free motions where everything stands."""
+    free = work.jacobian.shape[1] - work.rank[0]
+    inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
+    for f in range(free):
+        for k in range(work.jacobian.shape[1]):
+            column[k] = work.motions[k, f] * system.speed_scale[k]
+        mass_times(inertia, column, product)
+        fill_column(system, work, product, f, matrices[MASS])
+        for kind in (DAMPING, STIFFNESS):
+            product[:] = 0.0
+            by_position, by_speed = (1.0, 0.0) if kind == STIFFNESS else (0.0, 1.0)
+            add_stiff(system, work, by_position, by_speed, column, product)
+            fill_column(system, work, product, f, matrices[kind])
+
+
+@kernel
+def prepare(march, free, h):
+    """Factors of the real and the complex matrix for steps of length h; returns whether there are any."""
+    matrices, real, rest = march.matrices, march.newton.reduced, march.complex
+    a, c = h * REAL, h * COMPLEX
+    for k in range(free):
+        for f in range(k + 1):
+            m, d, s = matrices[MASS, k, f], matrices[DAMPING, k, f], matrices[STIFFNESS, k, f]
+            real[k, f] = m + a * d + a * a * s
+            rest[k, f] = m + c * d + c * c * s
+    if cholesky(real, free, SMALLEST_INERTIA):
+        return False
+    factorise_symmetric(rest, free)
+    return True
+
+
+@kernel
+def solve_step(system, work, march, h):
+    """Find the stages of a step of length h from z, the last of which is its end; whether they were found.
+
+    The matrices belong to z.
+    """
+    clock, quality = march.clock[0], work.quality[0]
+    if not prepare(march, work.jacobian.shape[1] - work.rank[0], h):
+        return False
+    predict(system, march, h)
+    left, before = clock["left"] ** CAUTION, 0.0
+    for iteration in range(MOST_ITERATIONS):
+        for stage in range(STAGES):
+            clock["evaluations"] += 1
+            clock["fault"] = _evaluate(system, work, march, stage, clock["t"] + TIMES[stage] * h)
+            # Other speeds are free from now on where the quality has changed.
+            if clock["fault"] != SOLVED or work.quality[0] != quality:
+                return False
+        _correct(system, work, march)
+        size = place_stages(system, march, h)
+        if iteration > 0:
+            contraction = size / before if before > 0.0 else 0.0
+            weakest = SECOND if iteration == 1 else 1.0
+            if not (contraction < weakest or size < FLOOR / clock["rtol"]):
+                return False
+            left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
+        enough = max(min(0.03, clock["rtol"] ** 0.5), FLOOR / clock["rtol"])
+        if left * size < enough * blur(work, clock["rtol"]):
+            return True
+        before = size
+    return False
+
+
+@kernel
+def predict(system, march, h):
+    """Accelerations that go on as before: the cubic through those of the last step."""
+    rates, ratio = march.rates, 0.0
+    if march.clock[0]["step_length"] > 0.0:
+        ratio = h / march.clock[0]["step_length"]
+    for stage in range(STAGES):
+        x = 1.0 + ratio * TIMES[stage]
+        for k in range(rates.shape[1]):
+            rates[1 + stage, k] = 0.0
+        for node in range(STAGES + 1):
+            weight, at = 1.0, TIMES[node - 1] if node > 0 else 0.0
+            for other in range(STAGES + 1):
+                there = TIMES[other - 1] if other > 0 else 0.0
+                if other != node:
+                    weight *= (x - there) / (at - there)
+            for k in range(rates.shape[1]):
+                rates[1 + stage, k] += weight * rates[LAST + node, k]
+    march.shifts[:] = 0.0
+    # θ̇ depends on θ: the second time it is a good one.
+    for _ in range(2):
+        place_stages(system, march, h)
+
+
+@kernel
+def place_stages(system, march, h):
+    """Speeds and shifts (displacements, rotation vectors) of the stages from their accelerations.
+
+    Returns by how many tolerances they change.
+    """
+    clock, rates, speeds, slopes, shifts = (
+        march.clock[0],
+        march.rates,
+        march.speeds,
+        march.slopes,
+        march.shifts,
+    )
+    n, total = rates.shape[1], 0.0
+    u = coordinates_and_speeds(system, march.z)[1]
+    first = march.z.shape[0] - 1 - n
+    for stage in range(STAGES):
+        for k in range(n):
+            change = 0.0
+            for j in range(STAGES):
+                change += WEIGHTS[stage, j] * rates[1 + j, k]
+            change = u[k] + h * change - speeds[stage, k]
+            speeds[stage, k] += change
+            scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
+            total += (change / scale) ** 2
+        set_slope(system.masses.shape[0], shifts[stage], speeds[stage], slopes[stage])
+    for stage in range(STAGES):
+        for k in range(n):
+            change = 0.0
+            for j in range(STAGES):
+                change += WEIGHTS[stage, j] * slopes[j, k]
+            change = h * change - shifts[stage, k]
+            shifts[stage, k] += change
+            total += (change / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
+    return (total / (2.0 * STAGES * n)) ** 0.5
+
+
+@kernel
+def place_trial(system, march, stage):
+    """The state of a stage in `trial`."""
+    for i in range(march.z.shape[0]):
+        march.trial[i] = march.z[i]
+    q, u = coordinates_and_speeds(system, march.trial)
+    turn_exactly(system.masses.shape[0], q, march.shifts[stage])
+    for k in range(u.shape[0]):
+        u[k] = march.speeds[stage, k]
+
+
+@kernel
+def _evaluate(system, work, march, stage, t):
+    """What the equations of motion still miss at a stage, by free motions and dependent speeds; a code."""
+    place_trial(system, march, stage)
+    q, u = coordinates_and_speeds(system, march.trial)
+    code = factorise_constraints(system, work, q)
+    if code != SOLVED:
+        return code
+    n, rank, ud = u.shape[0], work.rank[0], march.rates[1 + stage]
+    mass_matrices(system, work, q)
+    power = fill_forces(system, work, q, u, t)
+    fill_gamma(system, work, q, u, t)
+    gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], march.missing
+    for row in range(gaps.shape[0]):
+        total = 0.0
+        for k in range(n):
+            if work.jacobian[row, k] != 0.0:
+                total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
+        gaps[row] -= total * system.row_scale[row]
+    mass_times(inertia_of(system, work), ud, product)
+    for k in range(n):
+        missing[k] = work.vectors[FORCES, k] - product[k]
+        # Constraints that do not move do no work: what is left of their power is the drivers'.
+        power -= missing[k] * u[k]
+    march.powers[stage] = power
+    mass_times(inertia_of(system, work), u, march.momenta[stage])
+    split(system, work, missing, gaps, march.steps[stage], march.rest[stage])
+    for k in range(n):
+        for f in range(n - rank):
+            march.motions[stage, k, f] = work.motions[k, f]
+    return code
+
+
+@kernel
+def _correct(system, work, march):
+    """Newton's correction of the accelerations of all stages."""
+    free = work.jacobian.shape[1] - work.rank[0]
+    rest, y, w = march.rest, march.real_part, march.complex_part
+    for f in range(free):
+        y[f], w[f] = 0.0, 0.0
+        for stage in range(STAGES):
+            y[f] += REAL_LEFT[stage] * rest[stage, f]
+            w[f] += COMPLEX_LEFT[stage] * rest[stage, f]
+    cholesky_solve(march.newton.reduced, free, y)
+    solve_symmetric(march.complex, free, w)
+    for stage in range(STAGES):
+        for f in range(free):
+            rest[stage, f] = REAL_RIGHT[stage] * y[f] + 2.0 * (COMPLEX_RIGHT[stage] * w[f]).real
+        add_free(system, work, march.motions[stage], rest[stage], march.steps[stage])
+        for k in range(march.steps.shape[1]):
+            march.rates[1 + stage, k] += march.steps[stage, k]
+            march.powers[stage] += march.steps[stage, k] * march.momenta[stage, k]
+
+
+@kernel
+def step_error(system, work, march, h):
+    """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
+    clock, n, rank, m = march.clock[0], march.rates.shape[1], work.rank[0], work.jacobian.shape[0]
+    u = coordinates_and_speeds(system, march.z)[1]
+    of_speed, of_position, y = march.rest[0], march.rest[1], march.real_part
+    for f in range(n - rank):
+        k = work.order[m + rank + f]
+        of_speed[f], of_position[f] = REAL * h * march.rates[START, k], REAL * h * u[k]
+        for stage in range(STAGES):
+            of_speed[f] += ERROR[stage] * (march.speeds[stage, k] - u[k])
+            of_position[f] += ERROR[stage] * march.shifts[stage, k]
+        of_speed[f] /= system.speed_scale[k]
+        of_position[f] /= system.speed_scale[k]
+    for f in range(n - rank):
+        y[f] = 0.0
+        for g in range(n - rank):
+            i, j = max(f, g), min(f, g)
+            y[f] += march.matrices[MASS, i, j] * of_speed[g]
+            y[f] -= REAL * h * march.matrices[STIFFNESS, i, j] * of_position[g]
+    cholesky_solve(march.newton.reduced, n - rank, y)
+    speeds, shifts = march.steps[0], march.steps[1]
+    speeds[:] = 0.0
+    shifts[:] = 0.0
+    for f in range(n - rank):
+        of_position[f] += REAL * h * y[f]
+    add_free(system, work, march.motions[STAGES - 1], y, speeds)
+    add_free(system, work, march.motions[STAGES - 1], of_position, shifts)
+    total, first = 0.0, march.z.shape[0] - 1 - n
+    for k in range(n):
+        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * max(
+            abs(u[k]), abs(march.speeds[STAGES - 1, k])
+        )
+        total += (speeds[k] / scale) ** 2
+        total += (shifts[k] / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
+    return (total / (2.0 * n)) ** 0.5
+
+
+@kernel
+def work_error(march, h):
+    """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
+    clock = march.clock[0]
+    error = REAL * h * clock["power"]
+    for stage in range(STAGES):
+        for j in range(STAGES):
+            error += h * ERROR[stage] * WEIGHTS[stage, j] * march.powers[j]
+    return abs(error) / work_scale(march)
+
+
+@kernel
+def work_scale(march):
+    """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
+    clock, u, last = march.clock[0], march.speeds[STAGES - 1], march.z.shape[0] - 1
+    scale, first = clock["atol"] * march.units[last] + clock["rtol"] * abs(march.z[last]), last - u.shape[0]
+    for k in range(u.shape[0]):
+        tolerance = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
+        scale += abs(march.momenta[STAGES - 1, k]) * tolerance
+    return scale

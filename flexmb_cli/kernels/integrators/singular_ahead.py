@@ -1,0 +1,128 @@
+"""Steps laid out around a singular position ahead, where two motions of a mechanism cross.
+
+Near to it equations 1e-16 off move the speeds by more the nearer it is: by the inverse square of the
+distance.  No step may end there.  The time at which a pivot of the elimination vanishes is foreseen along
+the motion, and the steps in front of it are made equal and such that one of them leads over it with all its
+stages at a distance.
+"""
+
+import math
+
+from .._jit import kernel
+from ..constrained.accelerations import evaluate_jacobian
+from ..constrained.report import coordinates_and_speeds
+from ..constrained.speeds import coordinate_rates, normalise
+from ..linalg.rank_revealing_lu import factorise
+
+LOOK = 3.5  # steps
+CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
+MOST_SECANTS = 6
+FOUND = 0.02  # of the way: how well the time is known
+ROUND_OFF = 1e-13  # of speeds, where pivots are 1: it grows by their inverse squares
+OVER = 4.0  # of the way to a position that is foreseen worse
+
+
+@kernel
+def look_ahead(system, work, march, ud, h):
+    """Note in the clock when a pivot of the elimination vanishes, s, infinity: not in a few steps of h.
+
+    ud (n,) are the accelerations at z, whose factors are at hand; jacobian and factors are not those of z
+    afterwards.
+    """
+    clock, rank = march.clock[0], work.rank[0]
+    way = _expected(clock, work)
+    for k in range(rank):
+        work.pivots[k] = work.factors[k, k]
+    clock["pivot_order"], clock["pivot_time"] = work.quality[0], clock["t"]
+    clock["singular"] = math.inf
+    if way < LOOK * h:
+        way = _way(system, work, march, ud, way if way > 0.0 else h, LOOK * h)
+        if way < LOOK * h:
+            clock["singular"] = clock["t"] + way
+
+
+@kernel
+def _expected(clock, work):
+    """Time until a pivot vanishes as it has declined since it was looked at; 0 where that is not known."""
+    since, least = clock["t"] - clock["pivot_time"], 1.0
+    if clock["pivot_order"] != work.quality[0] or not since > 0.0:
+        return 0.0
+    for k in range(work.rank[0]):
+        least = min(least, work.factors[k, k] / work.pivots[k])
+    return since * max(least, 0.0) / (1.0 - least) if least < 1.0 else math.inf
+
+
+@kernel
+def _way(system, work, march, ud, first, longest):
+    """Time from t until the pivot that declines most vanishes, by secants; infinity where none is found."""
+    before, at_before, way, pivot = 0.0, 1.0, first, -1
+    for _ in range(MOST_SECANTS):
+        _factorise_ahead(system, work, march, ud, way)
+        if pivot < 0:
+            pivot = most_declined(work)
+        at_way = work.factors[pivot, pivot] / work.pivots[pivot]
+        if at_way == at_before:
+            return math.inf
+        found = way - at_way * (way - before) / (at_way - at_before)
+        if not 0.0 < found < OVER * longest:
+            return math.inf
+        if abs(found - way) < FOUND * found:
+            return found
+        before, at_before, way = way, at_way, found
+    return math.inf
+
+
+@kernel
+def most_declined(work):
+    """The pivot that is least of what it was."""
+    found, least = 0, math.inf
+    for k in range(work.rank[0]):
+        share = work.factors[k, k] / work.pivots[k]
+        if share < least:
+            found, least = k, share
+    return found
+
+
+@kernel
+def _factorise_ahead(system, work, march, ud, way):
+    """Factors where the motion leads in the time `way` with accelerations that stay."""
+    z, bodies = march.z, system.masses.shape[0]
+    q, u = coordinates_and_speeds(system, z)
+    place, mean, rates = q.copy(), u.copy(), q.copy()
+    for k in range(u.shape[0]):
+        mean[k] += 0.5 * way * ud[k]
+    coordinate_rates(bodies, q, mean, rates)
+    for i in range(q.shape[0]):
+        place[i] += way * rates[i]
+    normalise(bodies, place)
+    evaluate_jacobian(system, work, place)
+    factorise(work.jacobian, work.order, work.rank[0], work.factors)
+
+
+@kernel
+def blur(work, tolerance):
+    """How many times a tolerance round-off may be near the state, at least 1."""
+    least = math.inf
+    for k in range(work.rank[0]):
+        least = min(least, abs(work.pivots[k]))
+    return max(1.0, ROUND_OFF / (tolerance * least * least)) if least > 0.0 else 1.0
+
+
+@kernel
+def laid_out(clock, h, share):
+    """Length of the next step, at most a little longer than h, for a step over the position ahead that has
+    it at this share of its length."""
+    way = clock["singular"] - clock["t"]
+    if not 0.0 < way < LOOK * h:
+        return h
+    if way <= share * h:
+        return way / share
+    if way <= CLOSER * share * h:
+        return h
+    return way / (math.ceil(way / h - share) + share)
+
+
+@kernel
+def leads_over(clock, h):
+    """Whether a step of length h leads over the singular position ahead."""
+    return 0.0 < clock["singular"] - clock["t"] < h

@@ -1,0 +1,1 @@
+"""Constraint equations of YOUNG mechanisms, Newton's method and continuation."""

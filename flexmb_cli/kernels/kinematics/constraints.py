@@ -1,0 +1,140 @@
+"""The whole system: Φ, its Jacobian Φ_q, and the right-hand sides of velocity and acceleration.
+
+Young (1996), section 5.3 (procedure FUNCT).  `constraints` is a structured array
+(`model.arrays.CONSTRAINT`).  Φ_q is kept row by row: phi_q (equations, 14) holds the derivatives
+with respect to the seven coordinates of the row's body i, then those of its body j.
+"""
+
+from .._jit import kernel
+from .joints import (
+    cylindrical,
+    distance,
+    driver,
+    normalisation,
+    revolute,
+    screw,
+    simplified,
+    spherical,
+    translational,
+    universal,
+)
+
+# The codes of model.joint_types; a test compares them.
+SPHERICAL, UNIVERSAL, REVOLUTE, CYLINDRICAL, TRANSLATIONAL, SCREW = 1, 2, 3, 4, 5, 6
+SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
+
+
+@kernel
+def residual(constraints, q, t, near, A, phi):
+    """Fill phi (equations,).  near (screws,): the angles expected, rad; A: matrices at q."""
+    for k in range(constraints.size):
+        c = constraints[k]
+        kind = c["kind"]
+        if kind == SPHERICAL:
+            spherical.residual(c, q, A, phi)
+        elif kind == UNIVERSAL:
+            universal.residual(c, q, A, phi)
+        elif kind == REVOLUTE:
+            revolute.residual(c, q, A, phi)
+        elif kind == CYLINDRICAL:
+            cylindrical.residual(c, q, A, phi)
+        elif kind == TRANSLATIONAL:
+            translational.residual(c, q, A, phi)
+        elif kind == SCREW:
+            screw.residual(c, q, A, near[c["screw"]], phi)
+        elif kind == SIMPLIFIED:
+            simplified.residual(c, q, phi)
+        elif kind == DISTANCE:
+            distance.residual(c, q, phi)
+        elif kind == DRIVER:
+            driver.residual(c, q, t, phi)
+        elif kind == NORMALISATION:
+            normalisation.residual(c, q, phi)
+
+
+@kernel
+def jacobian(constraints, q, A, phi_q):
+    """Fill phi_q (equations, 14)."""
+    for row in range(phi_q.shape[0]):
+        for k in range(14):
+            phi_q[row, k] = 0.0
+    for k in range(constraints.size):
+        c = constraints[k]
+        kind = c["kind"]
+        if kind == SPHERICAL:
+            spherical.jacobian(c, q, A, phi_q)
+        elif kind == UNIVERSAL:
+            universal.jacobian(c, q, A, phi_q)
+        elif kind == REVOLUTE:
+            revolute.jacobian(c, q, A, phi_q)
+        elif kind == CYLINDRICAL:
+            cylindrical.jacobian(c, q, A, phi_q)
+        elif kind == TRANSLATIONAL:
+            translational.jacobian(c, q, A, phi_q)
+        elif kind == SCREW:
+            screw.jacobian(c, q, A, phi_q)
+        elif kind == SIMPLIFIED:
+            simplified.jacobian(c, phi_q)
+        elif kind == DISTANCE:
+            distance.jacobian(c, phi_q)
+        elif kind == DRIVER:
+            driver.jacobian(c, phi_q)
+        elif kind == NORMALISATION:
+            normalisation.jacobian(c, q, phi_q)
+
+
+@kernel
+def velocity(constraints, t, nu):
+    """Fill nu = -∂Φ/∂t: only drivers depend on time."""
+    for row in range(nu.size):
+        nu[row] = 0.0
+    for k in range(constraints.size):
+        if constraints[k]["kind"] == DRIVER:
+            driver.velocity(constraints[k], t, nu)
+
+
+@kernel
+def acceleration(constraints, q, qd, t, rotations, gamma):
+    """Fill gamma, the right-hand side of Φ_q q̈ = γ.
+
+    rotations (3, bodies, 3, 3): A, dA/dt, and the remainder of d²A/dt².
+    """
+    A, Ad, Add = rotations[0], rotations[1], rotations[2]
+    for row in range(gamma.size):
+        gamma[row] = 0.0
+    for k in range(constraints.size):
+        c = constraints[k]
+        kind = c["kind"]
+        if kind == SPHERICAL:
+            spherical.acceleration(c, q, qd, A, Ad, Add, gamma)
+        elif kind == UNIVERSAL:
+            universal.acceleration(c, q, qd, A, Ad, Add, gamma)
+        elif kind == REVOLUTE:
+            revolute.acceleration(c, q, qd, A, Ad, Add, gamma)
+        elif kind == CYLINDRICAL:
+            cylindrical.acceleration(c, q, qd, A, Ad, Add, gamma)
+        elif kind == TRANSLATIONAL:
+            translational.acceleration(c, q, qd, A, Ad, Add, gamma)
+        elif kind == SCREW:
+            screw.acceleration(c, q, qd, A, Ad, Add, gamma)
+        elif kind == DRIVER:
+            driver.acceleration(c, t, gamma)
+        elif kind == NORMALISATION:
+            normalisation.acceleration(c, qd, gamma)
+
+
+@kernel
+def screw_motion(constraints, states, rotations, near, motion):
+    """Fill motion (screws, 3) with θ, dθ/dt, d²θ/dt², rad.
+
+    states (3, n): q and its derivatives; near (screws,) picks the whole turns.
+    """
+    A, Ad, Add = rotations[0], rotations[1], rotations[2]
+    for k in range(constraints.size):
+        c = constraints[k]
+        if c["kind"] == SCREW:
+            s = c["screw"]
+            xdd = screw.second_rate(c, c["h_i"], states[0], states[2], A, Ad, Add)
+            ydd = screw.second_rate(c, c["g_i"], states[0], states[2], A, Ad, Add)
+            motion[s, 0] = screw.angle(c, A, near[s])
+            motion[s, 1], motion[s, 2] = screw.angle_rates(c, A, Ad, Add, xdd, ydd)

@@ -1,0 +1,217 @@
+"""The march through time of a kinematic analysis: predict, correct, check, and report.
+
+Young (1996), section 5.2 (procedure KINEM).  Between report times the march takes the steps it
+needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
+one smooth curve, so that a mechanism is never carried over to another way of assembling it.
+"""
+
+import numpy as np
+
+from .._jit import kernel
+from . import constraints as equations
+from .joints import driver
+from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, largest, make_work, newton, rates
+
+# Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
+# as a part of the way moved.  Another branch is as far off as the way to it is long.
+SMOOTH = 1e-2
+SMOOTH_PART = 0.1
+TINY_WAY = 1e-9
+ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
+WHOLE = 1e-6  # the clock rounds the length of a step
+LARGEST_TURN = 1.1  # rad that a driver may turn in one step
+SMALLEST_PART = 2.0**-26  # of the last step that went well: below, the way is barred
+CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
+# Scaled way within which det Φ_q may change its sign: shorter ones come so near to the crossing that
+# round-off hides which curve is smooth.
+CROSSING_WAY = 1e-4
+NO_LIMIT = 1e3
+STEP_ITERATIONS = 20
+ASSEMBLY_LIMIT = 0.5
+
+# Rows of `state` and of `out`.
+POSITION, VELOCITY, ACCELERATION = 0, 1, 2
+# Places in `clock`: time reached, step to try (0: assemble first), sign of det Φ_q, last step taken,
+# attempts left before the caller is asked, iterations spent on the row so far.
+TIME, STEP, SIGN, LAST, BUDGET, SPENT = 0, 1, 2, 3, 4, 5
+CLOCK_SIZE = 6
+
+
+@kernel
+def screws_expected(motion, h, near):
+    """Angles of the screws a time h later, by their rates: they settle the whole turns."""
+    for s in range(near.size):
+        near[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
+
+
+@kernel
+def turns_too_far(constraints, t, t_new):
+    """Whether a rotational driver would turn so far that the predictor is blind."""
+    for k in range(constraints.size):
+        c = constraints[k]
+        if c["kind"] == equations.DRIVER and c["coordinate"] >= 3:
+            here, there = driver.law(c, t), driver.law(c, t_new)
+            # Through a reversal the way is longer than the difference of its ends.
+            way = max(abs(here[1]), abs(there[1])) * (t_new - t)
+            if max(abs(there[0] - here[0]), way) > LARGEST_TURN:
+                return True
+    return False
+
+
+@kernel
+def defect(system, state, new, h):
+    """How far the new position is from the smooth curve through both ends, 1 where it is just allowed,
+    and the way moved in the step.
+
+    q1 - q0 = h (v0 + v1)/2 - h² (a1 - a0)/12, exact to the fourth power of h.
+    """
+    off, moved = 0.0, 0.0
+    for k in range(state.shape[1]):
+        way = new[POSITION, k] - state[POSITION, k]
+        mean = 0.5 * h * (state[VELOCITY, k] + new[VELOCITY, k])
+        bend = h * h / 12.0 * (new[ACCELERATION, k] - state[ACCELERATION, k])
+        part = abs(way - mean + bend) / system.units[OF_COORDINATE, k]
+        if not part <= off:
+            off = part if part > off else np.inf
+        moved = max(moved, abs(way) / system.units[OF_COORDINATE, k])
+    return off / min(SMOOTH, SMOOTH_PART * moved + TINY_WAY), moved
+
+
+@kernel
+def predict(state, h, q):
+    """q at a time h after `state`, by velocity and acceleration."""
+    for k in range(q.size):
+        q[k] = state[POSITION, k] + h * (state[VELOCITY, k] + 0.5 * h * state[ACCELERATION, k])
+
+
+@kernel
+def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
+    """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
+    iterations, largest |dΦ/dt|); the defect is infinite where it failed.
+
+    limit and most bound Newton's corrections and their number.
+    """
+    h = t_new - t
+    predict(state, h, new[POSITION])
+    screws_expected(motion, h, near)
+    code, iterations, sign = newton(system, work, new[POSITION], t_new, near, limit, most)
+    if code != CONVERGED:
+        return np.inf, 0.0, sign, iterations, np.inf
+    gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
+    off, moved = defect(system, state, new, h)
+    return off, moved, sign, iterations, gap
+
+
+@kernel
+def accept(system, work, new, near, state, motion):
+    """Make the new row the state, and note where the screws are."""
+    copy(new, state)
+    equations.screw_motion(system.constraints, new, work.rotations, near, motion)
+
+
+@kernel
+def copy(source, target):
+    """Copy one state (3, n) over another."""
+    for row in range(3):
+        for k in range(source.shape[1]):
+            target[row, k] = source[row, k]
+
+
+@kernel
+def step_to(clock, target):
+    """End of the step to try next: the target, or a part of the way that leaves no sliver."""
+    left = target - clock[TIME]
+    return target if clock[STEP] >= left else clock[TIME] + min(clock[STEP], 0.5 * left)
+
+
+@kernel
+def acceptable(clock, off, moved, sign):
+    """Whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
+
+    The ways of assembling a mechanism are parted by positions at which det Φ_q is zero.  Where two
+    of them come close, the other can look smoother than the true one; the sign tells them apart.  A
+    sign that changes on a way too short for a narrow pass to hide in is a true crossing.
+    """
+    if clock[STEP] == 0.0:
+        return off < np.inf
+    if off > 1.0:
+        return False
+    return sign == clock[SIGN] or moved <= CROSSING_WAY
+
+
+@kernel
+def after_success(clock, t_new, off, sign):
+    """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
+    h = t_new - clock[TIME]
+    if clock[STEP] == 0.0:
+        clock[STEP] = np.inf
+    elif h >= (1.0 - WHOLE) * clock[STEP] and off <= ROOM_TO_GROW:
+        clock[STEP] = 2.0 * h
+    if h > 0.0:
+        clock[LAST] = h
+    clock[TIME] = t_new
+    clock[SIGN] = sign
+
+
+@kernel
+def is_barred(clock, target):
+    """Whether the next step is too short to be worth a try."""
+    tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
+    return clock[STEP] <= max(SMALLEST_PART * clock[LAST], tick)
+
+
+@kernel
+def advance(system, work, state, motion, clock, target, new, near):
+    """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
+
+    Not arrived with clock[BUDGET] left: the way is barred.  A clock[STEP] of 0 says that `state`
+    holds estimates: they are assembled at clock[TIME] = target, where no curve can be asked for.
+    """
+    assembling = clock[STEP] == 0.0
+    limit, most = (
+        (ASSEMBLY_LIMIT, int(system.limits[ITERATIONS])) if assembling else (NO_LIMIT, STEP_ITERATIONS)
+    )
+    gap = 0.0
+    while clock[TIME] < target or clock[STEP] == 0.0:
+        if clock[BUDGET] <= 0.0:
+            return False, gap
+        clock[BUDGET] -= 1.0
+        t_new = step_to(clock, target)
+        off, moved, sign = np.inf, 0.0, 0
+        if not turns_too_far(system.constraints, clock[TIME], t_new):
+            off, moved, sign, iterations, gap = attempt(
+                system, work, state, motion, clock[TIME], t_new, limit, most, new, near
+            )
+            clock[SPENT] += iterations
+        if acceptable(clock, off, moved, sign):
+            accept(system, work, new, near, state, motion)
+            after_success(clock, t_new, off, sign)
+        else:
+            clock[STEP] = 0.5 * (t_new - clock[TIME])
+            if is_barred(clock, target):
+                return False, gap
+    return True, gap
+
+
+@kernel
+def march(system, state, motion, clock, times, out, audit):
+    """Report rows at `times` (rows,), from `state` (3, n) at clock[TIME] on; state and clock move along.
+
+    motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,
+    velocities, accelerations.  audit (rows, 3): largest |Φ|, largest |dΦ/dt|, Newton iterations.
+    Returns the number of rows reached: fewer than asked for when the way is barred, or when
+    clock[BUDGET] is used up and a further call goes on.
+    """
+    work = make_work(state.shape[1])
+    new = np.empty((3, state.shape[1]))
+    near = np.empty(motion.shape[0])
+    for row in range(times.size):
+        arrived, gap = advance(system, work, state, motion, clock, times[row], new, near)
+        if not arrived:
+            return row
+        copy(state, out[row])
+        audit[row, 0] = largest(work.vectors[PHI])
+        audit[row, 1] = gap
+        audit[row, 2] = clock[SPENT]
+        clock[SPENT] = 0.0
+    return times.size

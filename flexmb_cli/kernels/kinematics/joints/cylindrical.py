@@ -1,0 +1,37 @@
+"""Cylindrical joint: s_i is parallel to s_j and to d, the vector from P_i to P_j.
+
+Young (1996), section 4.2.4, eqs (4.26)-(4.31).
+"""
+
+from ..._jit import kernel
+from ..joint_primitives import (
+    p1_acceleration,
+    p1_jacobian,
+    p1_residual,
+    p2_acceleration,
+    p2_jacobian,
+    p2_residual,
+)
+
+EQUATIONS = 4
+
+
+@kernel
+def residual(c, q, A, phi):
+    """Fill phi[row:row+4]: two of unit vectors, two of length, m."""
+    p1_residual(c, c["first_row"], A, phi)
+    p2_residual(c, c["first_row"] + 2, q, A, phi)
+
+
+@kernel
+def jacobian(c, q, A, phi_q):
+    """Fill the rows of phi_q (equations, 14)."""
+    p1_jacobian(c, c["first_row"], q, A, phi_q)
+    p2_jacobian(c, c["first_row"] + 2, q, A, phi_q)
+
+
+@kernel
+def acceleration(c, q, qd, A, Ad, Add, gamma):
+    """Fill gamma[row:row+4]."""
+    p1_acceleration(c, c["first_row"], A, Ad, Add, gamma)
+    p2_acceleration(c, c["first_row"] + 2, q, qd, A, Ad, Add, gamma)

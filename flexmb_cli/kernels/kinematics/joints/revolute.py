@@ -1,0 +1,37 @@
+"""Revolute joint: P_i and P_j coincide, s_i stays parallel to s_j.
+
+Young (1996), section 4.2.3, eqs (4.20)-(4.25).
+"""
+
+from ..._jit import kernel
+from ..joint_primitives import (
+    coincident_acceleration,
+    coincident_jacobian,
+    coincident_residual,
+    p1_acceleration,
+    p1_jacobian,
+    p1_residual,
+)
+
+EQUATIONS = 5
+
+
+@kernel
+def residual(c, q, A, phi):
+    """Fill phi[row:row+5]: three of length, m, two of unit vectors."""
+    coincident_residual(c, q, A, phi)
+    p1_residual(c, c["first_row"] + 3, A, phi)
+
+
+@kernel
+def jacobian(c, q, A, phi_q):
+    """Fill the rows of phi_q (equations, 14)."""
+    coincident_jacobian(c, q, phi_q)
+    p1_jacobian(c, c["first_row"] + 3, q, A, phi_q)
+
+
+@kernel
+def acceleration(c, q, qd, A, Ad, Add, gamma):
+    """Fill gamma[row:row+5]."""
+    coincident_acceleration(c, Add, gamma)
+    p1_acceleration(c, c["first_row"] + 3, A, Ad, Add, gamma)

@@ -1,0 +1,37 @@
+"""Universal joint: P_i and P_j coincide, the arms of the cross stay orthogonal: s_i · s_j = 0.
+
+Young (1996), section 4.2.2, eqs (4.14)-(4.19).
+"""
+
+from ..._jit import kernel
+from ..joint_primitives import (
+    coincident_acceleration,
+    coincident_jacobian,
+    coincident_residual,
+    n1_acceleration,
+    n1_jacobian,
+    n1_residual,
+)
+
+EQUATIONS = 4
+
+
+@kernel
+def residual(c, q, A, phi):
+    """Fill phi[row:row+4]: three of length, m, one of unit vectors."""
+    coincident_residual(c, q, A, phi)
+    phi[c["first_row"] + 3] = n1_residual(c, c["s_i"], c["s_j"], A)
+
+
+@kernel
+def jacobian(c, q, A, phi_q):
+    """Fill the rows of phi_q (equations, 14)."""
+    coincident_jacobian(c, q, phi_q)
+    n1_jacobian(c, c["s_i"], c["s_j"], q, A, phi_q[c["first_row"] + 3])
+
+
+@kernel
+def acceleration(c, q, qd, A, Ad, Add, gamma):
+    """Fill gamma[row:row+4]."""
+    coincident_acceleration(c, Add, gamma)
+    gamma[c["first_row"] + 3] = n1_acceleration(c, c["s_i"], c["s_j"], A, Ad, Add)

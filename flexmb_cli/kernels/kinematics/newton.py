@@ -1,0 +1,213 @@
+"""One step of a kinematic analysis: position by Newton, velocity and acceleration by the same factors.
+
+Young (1996), sections 4.3 and 5.2 (procedures NEWTON, LINEAR and KINEM).  Lengths are measured in
+the mechanism's length scale, so that all residuals and corrections are pure numbers of order one.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..linalg.lu import factorise, substitute
+from ..linalg.rotation import rotation_matrices, rotation_rates
+from . import constraints as equations
+
+CONVERGED, STALLED, SINGULAR = 0, 1, 2
+
+# Newton's error squares at each iteration: after a correction this small nothing is left but round-off.
+LAST_CORRECTION = 1e-9
+ROUND_OFF = 1e-12
+REFINED = 4e-15  # of the solution: what refinement cannot better
+
+
+# As few arrays as possible: each one costs compile time in every function it passes through.
+System = namedtuple("System", "constraints places units limits")
+System.__doc__ = """The equations.
+
+constraints: CONSTRAINT records.  places (n, 4): bodies of the two halves of each Jacobian row, order
+of elimination of the rows, matrix column of each coordinate.  units (2, n): one over those of the
+rows, those of the coordinates.  limits (4,): see the names below.
+"""
+BODY_I, BODY_J, ORDER, COLUMN = 0, 1, 2, 3
+PER_ROW, OF_COORDINATE = 0, 1
+# Largest residual that ends Newton early (0: go on to round-off), smallest pivot, most iterations,
+# and the rank: less than n when some equations repeat others.
+EARLY_END, PIVOT, ITERATIONS, RANK = 0, 1, 2, 3
+
+Work = namedtuple("Work", "rotations vectors phi_q matrix order pattern")
+Work.__doc__ = """Arrays reused in every step.
+
+rotations (3, bodies, 3, 3): A, dA/dt and the remainder of d²A/dt².  vectors (6, n).  phi_q (n, 14).
+matrix (n, n), order (n,) and pattern (n, n + 1): the factors.
+"""
+A, RATE, REMAINDER = 0, 1, 2
+PHI, RIGHT_SIDE, SCALED, UNKNOWN, CORRECTION, REST = 0, 1, 2, 3, 4, 5
+
+
+@kernel
+def make_work(coordinates):
+    """Work for a system of as many equations as coordinates."""
+    return Work(
+        np.zeros((3, coordinates // 7, 3, 3)),
+        np.zeros((6, coordinates)),
+        np.zeros((coordinates, 14)),
+        np.zeros((coordinates, coordinates)),
+        np.zeros(coordinates, np.int64),
+        np.zeros((coordinates, coordinates + 1), np.int64),
+    )
+
+
+@kernel
+def fill_matrix(system, work):
+    """Spread the rows of phi_q over the scaled matrix, columns in order of elimination."""
+    n = work.matrix.shape[0]
+    for row in range(n):
+        for k in range(n):
+            work.matrix[row, k] = 0.0
+        for half in range(2):
+            first = 7 * system.places[row, half]
+            for k in range(7):
+                value = work.phi_q[row, 7 * half + k]
+                if value != 0.0:
+                    scale = system.units[OF_COORDINATE, first + k] * system.units[PER_ROW, row]
+                    work.matrix[row, system.places[first + k, COLUMN]] += value * scale
+
+
+@kernel
+def solve_linear(system, work, right_side, solution):
+    """Solve Φ_q solution = right_side by the factors at hand; returns the largest scaled component."""
+    scaled, unknown = work.vectors[SCALED], work.vectors[UNKNOWN]
+    for row in range(scaled.size):
+        scaled[row] = right_side[row] * system.units[PER_ROW, row]
+    substitute(work.matrix, work.order, work.pattern, scaled, unknown)
+    found = 0.0
+    for k in range(solution.size):
+        value = unknown[system.places[k, COLUMN]]
+        found = max(found, abs(value))
+        solution[k] = value * system.units[OF_COORDINATE, k]
+    return found
+
+
+@kernel
+def largest_scaled(system, values):
+    """Largest |value| of the equations, each in its unit; NaN counts as infinite."""
+    found = 0.0
+    for row in range(values.size):
+        value = abs(values[row]) * system.units[PER_ROW, row]
+        if not value <= found:
+            found = value if value > found else np.inf
+    return found
+
+
+@kernel
+def largest(values):
+    """Largest magnitude."""
+    found = 0.0
+    for k in range(values.size):
+        found = max(found, abs(values[k]))
+    return found
+
+
+@kernel
+def evaluate_position(system, work, q, t, near):
+    """Fill A and Φ of `work` at q; returns the largest scaled residual."""
+    rotation_matrices(q, work.rotations[A])
+    equations.residual(system.constraints, q, t, near, work.rotations[A], work.vectors[PHI])
+    return largest_scaled(system, work.vectors[PHI])
+
+
+@kernel
+def factorise_at(system, work, q):
+    """Factors of Φ_q at q, where A belongs to q; returns the sign of det Φ_q, 0 where it is singular."""
+    equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
+    fill_matrix(system, work)
+    for row in range(work.order.size):
+        work.order[row] = system.places[row, ORDER]
+    return factorise(work.matrix, work.order, work.pattern, system.limits[PIVOT], int(system.limits[RANK]))
+
+
+@kernel
+def newton(system, work, q, t, near, limit, most):
+    """Improve q until only round-off is left; the factors of the last iteration stay in work.
+
+    `limit` bounds the scaled correction of one iteration, `most` their number.  Returns (code,
+    iterations, sign of det Φ_q).  A and Φ of `work` belong to the q returned.
+    """
+    correction = work.vectors[CORRECTION]
+    sign = 0
+    previous = np.inf
+    for iteration in range(1, most + 1):
+        gap = evaluate_position(system, work, q, t, near)
+        if not gap < np.inf:
+            return STALLED, iteration, sign
+        if gap <= system.limits[EARLY_END] and iteration > 1:
+            return CONVERGED, iteration - 1, sign
+        sign = factorise_at(system, work, q)
+        if sign == 0:
+            return SINGULAR, iteration, sign
+        size = solve_linear(system, work, work.vectors[PHI], correction)
+        shrink = 1.0 if size <= limit else limit / size
+        for k in range(q.size):
+            q[k] -= shrink * correction[k]
+        reach = reach_of(system, q)
+        if size <= LAST_CORRECTION * reach:
+            gap = evaluate_position(system, work, q, t, near)
+            return (CONVERGED if gap <= ROUND_OFF * reach else STALLED), iteration, sign
+        if iteration > 3 and shrink == 1.0 and size > previous:
+            return STALLED, iteration, sign
+        previous = size
+    return STALLED, most, sign
+
+
+@kernel
+def reach_of(system, q):
+    """Largest scaled coordinate, at least 1: round-off grows with it when a mechanism travels far."""
+    found = 1.0
+    for k in range(q.size):
+        found = max(found, abs(q[k]) / system.units[OF_COORDINATE, k])
+    return found
+
+
+@kernel
+def row_times(system, work, row, values):
+    """One row of Φ_q times values (n,)."""
+    total = 0.0
+    for half in range(2):
+        first = 7 * system.places[row, half]
+        for k in range(7):
+            total += work.phi_q[row, 7 * half + k] * values[first + k]
+    return total
+
+
+@kernel
+def solve_refined(system, work, solution):
+    """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; REST is what is left.
+
+    The factors are those of Newton's last iteration, which is nearly, but not quite, here: each
+    refinement multiplies the error by that small distance.
+    """
+    right_side, rest, correction = work.vectors[RIGHT_SIDE], work.vectors[REST], work.vectors[CORRECTION]
+    size = solve_linear(system, work, right_side, solution)
+    for _ in range(3):
+        for row in range(rest.size):
+            rest[row] = right_side[row] - row_times(system, work, row, solution)
+        if largest_scaled(system, rest) <= REFINED * size:
+            break
+        solve_linear(system, work, rest, correction)
+        for k in range(solution.size):
+            solution[k] += correction[k]
+
+
+@kernel
+def rates(system, work, q, t, qd, qdd):
+    """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
+    rotations, right_side = work.rotations, work.vectors[RIGHT_SIDE]
+    equations.jacobian(system.constraints, q, rotations[A], work.phi_q)
+    equations.velocity(system.constraints, t, right_side)
+    solve_refined(system, work, qd)
+    gap = largest(work.vectors[REST])
+    rotation_rates(q, qd, rotations[RATE], rotations[REMAINDER])
+    equations.acceleration(system.constraints, q, qd, t, rotations, right_side)
+    solve_refined(system, work, qdd)
+    return gap

@@ -1,0 +1,1 @@
+"""Small dense and profile linear algebra in loops, the same bits on every processor."""

@@ -1,0 +1,50 @@
+"""Symmetric matrices of which each row is stored from its diagonal to its last nonzero place.
+
+The profile of a row ends at `ends[i]`, one past that place; what stands below the diagonal and behind
+the end is not looked at.  Factors A = U D U' keep the profile when they are made from the last row to
+the first: Jennings, Matrix Computation for Engineers and Scientists (1977), section 5.6 on variable
+bandwidth, here from the other corner, so that coordinates of the whole tree come first and may
+reach far.  No rows are exchanged: for positive definite matrices that is stable.
+"""
+
+from .._jit import kernel
+from .row_products import product, subtract_multiple
+
+
+@kernel
+def factorise_profile(A, ends):
+    """Overwrite A (n, n) with U and D; returns whether all pivots are above zero."""
+    for i in range(A.shape[0] - 1, -1, -1):
+        for j in range(ends[i] - 1, i, -1):
+            end = min(ends[i], ends[j])
+            A[i, j] -= product(A[i, j + 1 : end], A[j, j + 1 : end])
+        for j in range(i + 1, ends[i]):
+            share = A[i, j] / A[j, j]
+            A[i, i] -= share * A[i, j]
+            A[i, j] = share
+        if not A[i, i] > 0.0:
+            return False
+    return True
+
+
+@kernel
+def substitute_profile(A, ends, x):
+    """Replace a right-hand side x (n,) by the solution, A holding the factors."""
+    n = x.shape[0]
+    for i in range(n - 1, -1, -1):
+        x[i] -= product(A[i, i + 1 : ends[i]], x[i + 1 : ends[i]])
+    for i in range(n):
+        x[i] /= A[i, i]
+    for i in range(n):
+        subtract_multiple(x[i], A[i, i + 1 : ends[i]], x[i + 1 : ends[i]])
+
+
+@kernel
+def set_profile_times(A, ends, x, out):
+    """out = A x."""
+    n = x.shape[0]
+    for i in range(n):
+        out[i] = 0.0
+    for i in range(n):
+        out[i] += A[i, i] * x[i] + product(A[i, i + 1 : ends[i]], x[i + 1 : ends[i]])
+        subtract_multiple(-x[i], A[i, i + 1 : ends[i]], out[i + 1 : ends[i]])

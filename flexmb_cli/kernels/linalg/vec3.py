@@ -1,0 +1,106 @@
+"""Vectors as triples (x, y, z), which the compiler keeps in registers.
+
+Axes of a frame are nine numbers A, row by row: A[3 i + j]; A v turns a vector from the frame's axes
+to inertial ones.  Symmetric matrices are six numbers xx xy xz yy yz zz.
+"""
+
+from .._jit import part
+
+
+@part
+def triple(a, first):
+    """Three places of a row of numbers."""
+    return (a[first], a[first + 1], a[first + 2])
+
+
+@part
+def store(v, a, first):
+    """Set three places of a row of numbers."""
+    a[first] = v[0]
+    a[first + 1] = v[1]
+    a[first + 2] = v[2]
+
+
+@part
+def accumulate(v, a, first):
+    """Add to three places of a row of numbers."""
+    a[first] += v[0]
+    a[first + 1] += v[1]
+    a[first + 2] += v[2]
+
+
+@part
+def plus(a, b):
+    """a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@part
+def minus(a, b):
+    """a - b."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@part
+def scaled(c, a):
+    """c a."""
+    return (c * a[0], c * a[1], c * a[2])
+
+
+@part
+def dot(a, b):
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@part
+def cross(a, b):
+    """Vector product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@part
+def centripetal(w, r):
+    """w x (w x r)."""
+    along = dot(w, r)
+    square = dot(w, w)
+    return (along * w[0] - square * r[0], along * w[1] - square * r[1], along * w[2] - square * r[2])
+
+
+@part
+def outward(A, v):
+    """A v: from the frame's axes to inertial ones."""
+    return (
+        A[0] * v[0] + A[1] * v[1] + A[2] * v[2],
+        A[3] * v[0] + A[4] * v[1] + A[5] * v[2],
+        A[6] * v[0] + A[7] * v[1] + A[8] * v[2],
+    )
+
+
+@part
+def inward(A, v):
+    """Aᵀ v: from inertial axes to the frame's."""
+    return (
+        A[0] * v[0] + A[3] * v[1] + A[6] * v[2],
+        A[1] * v[0] + A[4] * v[1] + A[7] * v[2],
+        A[2] * v[0] + A[5] * v[1] + A[8] * v[2],
+    )
+
+
+@part
+def column(A, axis):
+    """A unit vector of the frame in inertial axes."""
+    return (A[axis], A[3 + axis], A[6 + axis])
+
+
+@part
+def symmetric_times(J, v):
+    """J v for a triple of rows, see `symmetric`."""
+    return (dot(J[0], v), dot(J[1], v), dot(J[2], v))
+
+
+@part
+def symmetric(a, first):
+    """The three rows of a symmetric matrix whose six numbers begin at `first`."""
+    xy, xz, yz = a[first + 1], a[first + 2], a[first + 4]
+    return ((a[first], xy, xz), (xy, a[first + 3], yz), (xz, yz, a[first + 5]))

@@ -1,0 +1,130 @@
+"""The matrix b of a tree, and what a force on a frame does along every coordinate.
+
+Composite rigid bodies (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.2): with all
+coordinates locked, each frame shows the inertia of everything beyond it; a unit acceleration along a
+coordinate asks for one wrench there, which every coordinate on the way to the root feels.  The cost
+is that of the entries which are not zero.
+"""
+
+from .._jit import kernel, part
+from ..linalg.vec3 import column, cross, dot, outward, plus, scaled, triple
+from .kane import solve_tree
+from .kinematics import lump_place, place_frames
+from .motion import parts
+
+
+@kernel
+def set_mass(tree, work, coordinates, z, mass):
+    """Fill the upper triangle of mass (NS, NS) with b at the state z.
+
+    Prescribed coordinates get rows and columns of the unit matrix.
+    """
+    y, q, attitudes = parts(tree, z)
+    for m in range(coordinates.shape[0]):
+        coordinates[m]["effort"], coordinates[m]["rate"], coordinates[m]["locked"] = 0.0, 0.0, 1
+    place_frames(tree, work, coordinates, q, y, attitudes)
+    solve_tree(tree, work, coordinates, 0.0, q, y)
+    mass.fill(0.0)
+    for k in range(1, tree.frames.shape[0]):
+        frame = tree.frames[k]
+        if frame["rider"] >= 0:
+            continue
+        _set_hinge_rows(tree, work, coordinates, k, mass)
+        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
+            _set_lump_rows(tree, work, coordinates, k, tree.lumps[i], q, mass)
+        if frame["ridden"] >= 0:
+            _add_rider_rows(tree, work, coordinates, tree.riders.bodies[frame["ridden"]], mass)
+    _complete(tree, mass)
+
+
+@part
+def _set_hinge_rows(tree, work, coordinates, k, mass):
+    """Rows of the hinge coordinates of frame k, from the couplings that the solution left."""
+    frame = tree.frames[k]
+    for i in range(frame["rotations"] + frame["translations"]):
+        m = frame["first_rotation"] + i
+        if i >= frame["rotations"]:
+            m = frame["first_translation"] + i - frame["rotations"]
+        coupling = coordinates[m]["coupling"]
+        add_felt(tree, work, coordinates, k, triple(coupling, 0), triple(coupling, 3), mass[m])
+
+
+@part
+def _set_lump_rows(tree, work, coordinates, k, lump, q, mass):
+    place = outward(work[k]["axes"], lump_place(lump, q))
+    for axis in range(3):
+        m = lump["coordinate"][axis]
+        if m >= 0:
+            f = scaled(lump["mass"], column(work[k]["axes"], axis))
+            mass[m, m] = lump["mass"]
+            add_felt(tree, work, coordinates, k, cross(place, f), f, mass[m])
+
+
+@part
+def _add_rider_rows(tree, work, coordinates, body, mass):
+    """What the riders of a body carry resists its elastic coordinates."""
+    riders, first = tree.riders, body["first"]
+    for r in range(body["first_rider"], body["first_rider"] + body["riders"]):
+        k = riders.records[r]["frame"]
+        for m in range(body["count"]):
+            n, f = _rider_rows(riders, r, m, 0), _rider_rows(riders, r, m, 3)
+            add_felt(tree, work, coordinates, k, n, f, mass[first + m])
+
+
+@kernel
+def _rider_rows(riders, r, m, part):
+    """Three rows of (inertia of what hangs on rider r) times (its motion by coordinate m)."""
+    return (
+        _rider_row(riders, 6 * r, 6 * r + part, m),
+        _rider_row(riders, 6 * r, 6 * r + part + 1, m),
+        _rider_row(riders, 6 * r, 6 * r + part + 2, m),
+    )
+
+
+@kernel
+def _rider_row(riders, start, row, m):
+    total = 0.0
+    for i in range(6):
+        total += riders.own[row, i] * riders.motion[start + i, m]
+    return total
+
+
+@kernel
+def add_felt(tree, work, coordinates, k, n, f, felt):
+    """Add to felt (NS,) what all coordinates feel of the moment n and force f at the origin of frame k."""
+    while k > 0:
+        frame, s = tree.frames[k], work[k]
+        if frame["rider"] >= 0:
+            _add_felt_by_nodes(tree.riders, frame["rider"], n, f, felt)
+        for i in range(frame["rotations"]):
+            m = frame["first_rotation"] + i
+            felt[m] += dot(triple(coordinates[m]["direction"], 0), n)
+        for i in range(frame["translations"]):
+            m = frame["first_translation"] + i
+            felt[m] += dot(triple(coordinates[m]["direction"], 0), f)
+        n = plus(n, cross(triple(s["offset"], 0), f))
+        k = frame["parent"]
+
+
+@part
+def _add_felt_by_nodes(riders, r, n, f, felt):
+    """The elastic coordinates of its body move a rider by D."""
+    D, first = riders.motion, riders.records[r]["first"]
+    for m in range(riders.records[r]["count"]):
+        for i in range(3):
+            felt[first + m] += D[6 * r + i, m] * n[i] + D[6 * r + 3 + i, m] * f[i]
+
+
+@part
+def _complete(tree, mass):
+    """Bring entries below the diagonal above it; a coordinate further out may have the smaller number."""
+    n = mass.shape[0]
+    for i in range(n):
+        for j in range(i):
+            if mass[i, j] != 0.0:
+                mass[j, i] = mass[i, j]
+    for i in range(n):
+        if tree.given[i]:
+            mass[:i, i] = 0.0
+            mass[i, i:] = 0.0
+            mass[i, i] = 1.0

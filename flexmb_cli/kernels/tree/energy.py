@@ -1,0 +1,117 @@
+"""Energy of a tree, and the power of everything that is not gravity, elasticity or a spring."""
+
+from .._jit import kernel
+from ..linalg.vec3 import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
+from .kinematics import lump_place, lump_vector
+from .loads import elastic_row_times, pulls
+
+
+@kernel
+def energies(tree, work, q, y):
+    """Kinetic, potential (gravity and springs) and strain energy, J, of placed frames."""
+    g = triple(tree.gravity, 0)
+    kinetic = potential = 0.0
+    for k in range(1, tree.frames.shape[0]):
+        frame, s = tree.frames[k], work[k]
+        kinetic += _frame_kinetic(frame, s)
+        height = plus(scaled(frame["mass"], triple(s["position"], 0)), _moment(frame, s))
+        potential -= dot(g, height)
+        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
+            place, velocity = lump_state(tree.lumps[i], s, q, y)
+            kinetic += 0.5 * tree.lumps[i]["mass"] * dot(velocity, velocity)
+            potential -= tree.lumps[i]["mass"] * dot(g, place)
+    for i in range(tree.springs.shape[0]):
+        spring = tree.springs[i]
+        potential += 0.5 * spring["stiffness"] * (q[spring["coordinate"]] - spring["rest"]) ** 2
+    return kinetic, potential, _strain(tree, q)
+
+
+@kernel
+def _moment(frame, s):
+    return outward(s["axes"], triple(frame["moment"], 0))
+
+
+@kernel
+def _frame_kinetic(frame, s):
+    v, w = triple(s["velocity"], 0), triple(s["angular"], 0)
+    spin = inward(s["axes"], w)
+    turning = dot(spin, symmetric_times(symmetric(frame["inertia"], 0), spin))
+    return 0.5 * frame["mass"] * dot(v, v) + dot(v, cross(w, _moment(frame, s))) + 0.5 * turning
+
+
+@kernel
+def lump_state(lump, s, q, y):
+    """Position and velocity of a lump of the body with frame record s, inertial axes."""
+    r = outward(s["axes"], lump_place(lump, q))
+    du = outward(s["axes"], lump_vector(lump, y))
+    velocity = plus(triple(s["velocity"], 0), plus(cross(triple(s["angular"], 0), r), du))
+    return plus(triple(s["position"], 0), r), velocity
+
+
+@kernel
+def _strain(tree, q):
+    """u . K u / 2 over all bodies."""
+    total = 0.0
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        total += _bilinear(tree, tree.stiffness, body["stiffness"], body, q, q)
+    return 0.5 * total
+
+
+@kernel
+def _bilinear(tree, matrices, start, body, x, z):
+    """x . A z over one body's coordinates, A beginning at `start`."""
+    total = 0.0
+    for i in range(body["count"]):
+        total += x[body["first"] + i] * elastic_row_times(matrices, start, body, tree.reach, i, z)
+    return total
+
+
+@kernel
+def applied_power(tree, work, coordinates, t, q, y):
+    """Power of external forces and torques, motors, dampers, stiffening and prescribed motion, W."""
+    power = 0.0
+    for k in range(1, tree.frames.shape[0]):
+        frame, s = tree.frames[k], work[k]
+        power += dot(triple(frame["force"], 0), triple(s["velocity"], 0))
+        power += dot(triple(frame["torque"], 0), triple(s["angular"], 0))
+        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
+            force = triple(tree.lumps[i]["force"], 0)
+            if dot(force, force) > 0.0:
+                _place, velocity = lump_state(tree.lumps[i], s, q, y)
+                power += dot(force, velocity)
+    for i in range(tree.laws.shape[0]):
+        law = tree.laws[i]
+        rate = y[law["coordinate"]] if law["frame"] == 0 else work[law["frame"]]["angular"][law["axis"]]
+        power += (law["c0"] + law["c1"] * t) * rate
+    for m in range(coordinates.shape[0]):
+        if tree.given[m]:
+            power += coordinates[m]["drive"] * y[m]
+    return power + _stiffening_power(tree, work, q, y) - _dissipated(tree, y)
+
+
+@kernel
+def _dissipated(tree, y):
+    """Power that dampers take."""
+    total = 0.0
+    for i in range(tree.springs.shape[0]):
+        total += tree.springs[i]["damping"] * y[tree.springs[i]["coordinate"]] ** 2
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        if body["damping"] >= 0:
+            total += _bilinear(tree, tree.damping, body["damping"], body, y, y)
+    return total
+
+
+@kernel
+def _stiffening_power(tree, work, q, y):
+    """Power of geometric stiffening, which counts as a load: nothing answers it on the rigid motion."""
+    total = 0.0
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        start = body["stiffening"]
+        if start >= 0:
+            turning, weight = pulls(tree, work, body)
+            total -= turning * _bilinear(tree, tree.stiffening, start, body, y, q)
+            total -= weight * _bilinear(tree, tree.stiffening, start + body["count"] ** 2, body, y, q)
+    return total

@@ -1,0 +1,217 @@
+"""The stiff part of a tree's equations, b y' = ... - D y - K q, and linear systems with b + f D + f² K.
+
+K and D hold elastic bodies, their stiffening and hinge springs; what else depends on the coordinates
+is soft, and an implicit step may leave it out of its matrix.  All matrices are stored by profiles
+(`profile_elimination`): rows of K end where `tree.reach` says, those of b at what moves along, so
+that for slender bodies factors and products cost as much as there are nodes.
+
+Closed loops add J x = J r to such a system, and unknown forces along the rows of J.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
+from ..linalg.row_products import product, subtract_multiple
+from ..linalg.vec3 import cross, minus, scaled, triple
+from .composite_mass import add_felt, set_mass
+from .loads import pulls
+from .loop_closures import eliminate_rows, solve_rows
+
+
+class Stiff(NamedTuple):
+    """b, K and the factors, of NS speeds and R closed directions, and work space."""
+
+    mass: np.ndarray  # (NS, NS) b, with the places that the one-way assumption leaves out
+    stiff: np.ndarray  # (NS, NS) K
+    matrix: np.ndarray  # (NS, NS) factors
+    mass_ends: np.ndarray  # (NS,) one past the last place of a row
+    stiff_ends: np.ndarray
+    matrix_ends: np.ndarray
+    rest: np.ndarray  # (NS,)
+    rows: np.ndarray  # (R,) of CLOSURE_ROW: the closures as they were for the matrix, and their forces
+    felt: np.ndarray  # (R, NS) J
+    yields: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
+    grip: np.ndarray  # (R, R) J times these
+
+
+def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
+    """Blank work space."""
+    rows = closures.size
+    return Stiff(
+        *(np.zeros((speeds, speeds)) for _ in range(3)),
+        *(np.zeros(speeds, np.int64) for _ in range(3)),
+        np.zeros(speeds),
+        closures.copy(),
+        np.zeros((rows, speeds)),
+        np.zeros((rows, speeds)),
+        np.zeros((rows, rows)),
+    )
+
+
+@kernel
+def renew(tree, work, coordinates, z, s):
+    """Fill b, K and J at the state z."""
+    set_mass(tree, work, coordinates, z, s.mass)
+    _set_ends(s.mass, s.mass_ends)
+    _set_stiffness(tree, work, s.stiff, s.stiff_ends)
+    set_pulls(tree, work, coordinates, s)
+
+
+@kernel
+def set_pulls(tree, work, coordinates, s):
+    """Fill J for placed frames and measured closures."""
+    for i in range(s.rows.shape[0]):
+        s.rows[i] = tree.closures[i]
+        s.felt[i].fill(0.0)
+        row, direction = s.rows[i], triple(s.rows[i]["direction"], 0)
+        _add_pull(tree, work, coordinates, row, row["frame_a"], direction, s.felt[i])
+        _add_pull(tree, work, coordinates, row, row["frame_b"], scaled(-1.0, direction), s.felt[i])
+        for m in range(s.felt.shape[1]):
+            if tree.given[m]:
+                s.felt[i, m] = 0.0
+
+
+@kernel
+def _add_pull(tree, work, coordinates, row, k, force, felt):
+    """Add what the coordinates feel of a force on frame k at the place of a closure."""
+    arm = minus(triple(row["place"], 0), triple(work[k]["position"], 0))
+    add_felt(tree, work, coordinates, k, cross(arm, force), force, felt)
+
+
+@kernel
+def _set_ends(A, ends):
+    n = A.shape[0]
+    for i in range(n):
+        end = n
+        while end > i + 1 and A[i, end - 1] == 0.0:
+            end -= 1
+        ends[i] = end
+
+
+@kernel
+def factorise(tree, f, s):
+    """Factors of b + f D + f² K, and of J (b + f D + f² K)^-1 Jᵀ; False when it is not positive definite."""
+    A, n = s.matrix, s.matrix.shape[0]
+    for i in range(n):
+        s.matrix_ends[i] = max(s.mass_ends[i], s.stiff_ends[i])
+        for j in range(i, s.matrix_ends[i]):
+            A[i, j] = s.mass[i, j] + f * f * s.stiff[i, j]
+            if tree.one_way and tree.elastic[i] != tree.elastic[j]:
+                A[i, j] = 0.0
+    _add_damping(tree, f, A)
+    if not factorise_profile(A, s.matrix_ends):
+        return False
+    set_grip(s)
+    return True
+
+
+@kernel
+def set_grip(s):
+    """Fill (b + f D + f² K)^-1 Jᵀ and J times that, and eliminate the latter."""
+    rows = s.rows.shape[0]
+    for i in range(rows):
+        for m in range(s.yields.shape[1]):
+            s.yields[i, m] = s.felt[i, m]
+        substitute_profile(s.matrix, s.matrix_ends, s.yields[i])
+        for j in range(rows):
+            s.grip[j, i] = product(s.felt[j], s.yields[i])
+    eliminate_rows(s.rows, s.grip)
+
+
+@kernel
+def set_mass_times(tree, x, s, out):
+    """out = b x, the one-way assumption respected."""
+    set_profile_times(s.mass, s.mass_ends, x, out)
+    if tree.one_way:
+        for i in range(x.shape[0]):
+            s.rest[i] = x[i] if tree.elastic[i] else 0.0
+        _leave_rigid_rows(tree, s, out)
+
+
+@kernel
+def _leave_rigid_rows(tree, s, out):
+    """Take b rest off the rigid rows of out."""
+    for i in range(out.shape[0]):
+        if not tree.elastic[i]:
+            for j in range(i, s.mass_ends[i]):
+                out[i] -= s.mass[i, j] * s.rest[j]
+
+
+@kernel
+def solve_stiff(tree, residual, x, s):
+    """Replace a right-hand side x (NS,) by the solution; with closed loops, by that with J x = J residual."""
+    substitute_profile(s.matrix, s.matrix_ends, x)
+    if tree.one_way:
+        _answer_rigid_motion(tree, x, s)
+    for i in range(s.rows.shape[0]):
+        s.rows[i]["force"] = product(s.felt[i], x) - product(s.felt[i], residual)
+    give_way(x, s)
+
+
+@kernel
+def give_way(x, s):
+    """Take off x (NS,) the motion that changes the gaps by what the rows hold as forces."""
+    solve_rows(s.rows, s.grip)
+    for i in range(s.rows.shape[0]):
+        subtract_multiple(s.rows[i]["force"], s.yields[i], x)
+
+
+@kernel
+def _answer_rigid_motion(tree, x, s):
+    """The elastic part of x without the coupling, less what the rigid part does to it."""
+    for j in range(x.shape[0]):
+        s.rest[j] = 0.0
+    for i in range(x.shape[0]):
+        if not tree.elastic[i]:
+            for j in range(i + 1, s.mass_ends[i]):
+                if tree.elastic[j]:
+                    s.rest[j] += s.mass[i, j] * x[i]
+    substitute_profile(s.matrix, s.matrix_ends, s.rest)
+    for j in range(x.shape[0]):
+        x[j] -= s.rest[j]
+
+
+@kernel
+def _set_stiffness(tree, work, K, ends):
+    """Fill the upper triangle of K (NS, NS) and the ends of its rows for placed frames."""
+    K.fill(0.0)
+    for i in range(ends.shape[0]):
+        ends[i] = i + 1
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        for m in range(body["first"], body["first"] + body["count"]):
+            ends[m] = body["first"] + tree.reach[m, 1]
+        _add_block(1.0, tree.stiffness, body["stiffness"], body, tree.reach, K)
+        if body["stiffening"] >= 0:
+            turning, weight = pulls(tree, work, body)
+            start = body["stiffening"]
+            _add_block(turning, tree.stiffening, start, body, tree.reach, K)
+            _add_block(weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, K)
+    for i in range(tree.springs.shape[0]):
+        m = tree.springs[i]["coordinate"]
+        if not tree.given[m]:
+            K[m, m] += tree.springs[i]["stiffness"]
+
+
+@kernel
+def _add_damping(tree, factor, A):
+    """A += factor D."""
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        if body["damping"] >= 0:
+            _add_block(factor, tree.damping, body["damping"], body, tree.reach, A)
+    for i in range(tree.springs.shape[0]):
+        m = tree.springs[i]["coordinate"]
+        if not tree.given[m]:
+            A[m, m] += factor * tree.springs[i]["damping"]
+
+
+@kernel
+def _add_block(factor, matrices, start, body, reach, A):
+    first, count = body["first"], body["count"]
+    for i in range(count):
+        for j in range(i, reach[first + i, 1]):
+            A[first + i, first + j] += factor * matrices[start + i * count + j]

@@ -1,0 +1,83 @@
+"""Forces along the coordinates: elastic bodies, springs and dampers, motors; prescribed motion.
+
+Geometric stiffening acts on the elastic coordinates only; its reaction on the body is of second
+order in the displacements and left out, as are pulls by the acceleration of the body's origin.
+
+`tree` is a `model.arrays.tree.TreeArrays`.
+"""
+
+from .._jit import part
+from ..linalg.row_products import product
+from ..linalg.vec3 import dot, outward, triple
+
+
+@part
+def coordinate_efforts(tree, work, t, q, y, coordinates):
+    """Set the effort along each coordinate, frames being placed: -K u - D u', springs, dampers, motors."""
+    for m in range(coordinates.shape[0]):
+        coordinates[m]["effort"] = 0.0
+    for b in range(tree.elastic_bodies.shape[0]):
+        body = tree.elastic_bodies[b]
+        _subtract_product(1.0, tree.stiffness, body["stiffness"], body, tree.reach, q, coordinates)
+        if body["damping"] >= 0:
+            _subtract_product(1.0, tree.damping, body["damping"], body, tree.reach, y, coordinates)
+        if body["stiffening"] >= 0:
+            turning, weight = pulls(tree, work, body)
+            start = body["stiffening"]
+            _subtract_product(turning, tree.stiffening, start, body, tree.reach, q, coordinates)
+            _subtract_product(
+                weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, q, coordinates
+            )
+    for i in range(tree.springs.shape[0]):
+        s = tree.springs[i]
+        m = s["coordinate"]
+        coordinates[m]["effort"] -= s["stiffness"] * (q[m] - s["rest"]) + s["damping"] * y[m]
+    for i in range(tree.laws.shape[0]):
+        law = tree.laws[i]
+        if law["coordinate"] >= 0:
+            coordinates[law["coordinate"]]["effort"] += law["c0"] + law["c1"] * t
+
+
+@part
+def pulls(tree, work, body):
+    """What pulls along a beam: square of the angular velocity across it, and gravity along it."""
+    s = work[body["frame"]]
+    along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
+    return dot(w, w) - dot(w, along) ** 2, dot(triple(tree.gravity, 0), along)
+
+
+@part
+def _subtract_product(factor, matrices, start, body, reach, x, coordinates):
+    """effort -= factor A x over one body's coordinates, A beginning at `start`."""
+    for i in range(body["count"]):
+        product = elastic_row_times(matrices, start, body, reach, i, x)
+        coordinates[body["first"] + i]["effort"] -= factor * product
+
+
+@part
+def elastic_row_times(matrices, start, body, reach, i, x):
+    """Row i of one body's matrix, which begins at `start`, times the body's part of x (NS,)."""
+    first = body["first"]
+    begin, end = reach[first + i, 0], reach[first + i, 1]
+    row = start + i * body["count"]
+    return product(matrices[row + begin : row + end], x[first + begin : first + end])
+
+
+@part
+def set_prescribed(tree, t, q, y, coordinates):
+    """Put the prescribed coordinates C + B t + A t²/2, their speeds and accelerations in place."""
+    for i in range(tree.prescribed.shape[0]):
+        p = tree.prescribed[i]
+        m = p["coordinate"]
+        q[m] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
+        y[m] = p["B"] + p["A"] * t
+        coordinates[m]["rate"] = p["A"]
+
+
+@part
+def add_body_torques(tree, t, work):
+    """Take the torque laws on bodies off p_n of their frames."""
+    for i in range(tree.laws.shape[0]):
+        law = tree.laws[i]
+        if law["frame"] > 0:
+            work[law["frame"]]["bias"][law["axis"]] -= law["c0"] + law["c1"] * t

@@ -1,0 +1,210 @@
+"""Closed loops of a tree: gaps of the closures, their rates, and the forces that keep them closed.
+
+A closure keeps p_a - p_b at zero along axes of body b.  Where point a may move along a free direction
+of b, its velocity is compared with that of the point of body b just there.
+
+DAFMS thesis (1992), section 3.4, reduces the equations to independent speeds, y = A y_i + B, which
+makes the closure forces drop out since J A = 0 (3.17-3.25).  Here the same equations are solved for
+the forces first: (J b^-1 Jᵀ) force = -(remainder of the closures' accelerations), with b^-1 Jᵀ from
+the recursion.  The accelerations are those of the reduction; no choice of independent speeds is
+needed that could turn singular on the way, and the forces come with it.  The matrix is eliminated
+with diagonal pivots: rows that repeat others leave none and get no force.
+"""
+
+from .._jit import kernel
+from ..linalg.vec3 import (
+    accumulate,
+    centripetal,
+    column,
+    cross,
+    dot,
+    minus,
+    outward,
+    plus,
+    scaled,
+    store,
+    triple,
+)
+from .unit_forces import forget_pushes, push, respond
+
+# A pivot below this part of the row's own response means that other rows close this direction too;
+# a response below the second part of the largest one that nothing moves in this direction.
+REPEATED, IMMOBILE = 1e-9, 1e-12
+
+
+@kernel
+def forget_closing_forces(closures):
+    """Leave all loops open."""
+    for i in range(closures.shape[0]):
+        closures[i]["force"] = 0.0
+
+
+@kernel
+def measure_closures(closures, work):
+    """Set direction, place, gap and rate of every row for placed frames."""
+    for i in range(closures.shape[0]):
+        row = closures[i]
+        a, b = work[row["frame_a"]], work[row["frame_b"]]
+        direction = column(b["axes"], row["axis"])
+        place = plus(triple(a["position"], 0), outward(a["axes"], triple(row["point_a"], 0)))
+        other = plus(triple(b["position"], 0), outward(b["axes"], triple(row["point_b"], 0)))
+        store(direction, row["direction"], 0)
+        store(place, row["place"], 0)
+        row["gap"] = dot(direction, minus(place, other))
+        row["rate"] = dot(direction, _relative_velocity(a, b, place))
+
+
+@kernel
+def _relative_velocity(a, b, place):
+    """Velocity of frame a at a place against that of frame b at the same place."""
+    return minus(_velocity(a, place), _velocity(b, place))
+
+
+@kernel
+def _velocity(s, place):
+    arm = minus(place, triple(s["position"], 0))
+    return plus(triple(s["velocity"], 0), cross(triple(s["angular"], 0), arm))
+
+
+@kernel
+def _carried(s, motion, place):
+    """Linear part of `motion` (al, a) at a place of the frame."""
+    arm = minus(place, triple(s["position"], 0))
+    return plus(triple(motion, 3), cross(triple(motion, 0), arm))
+
+
+@kernel
+def _gap_acceleration(row, a, b):
+    """Second derivative of the gap at the present accelerations."""
+    place = triple(row["place"], 0)
+    wa, wb = triple(a["angular"], 0), triple(b["angular"], 0)
+    of_a = plus(
+        _carried(a, a["acceleration"], place), centripetal(wa, minus(place, triple(a["position"], 0)))
+    )
+    of_b = plus(
+        _carried(b, b["acceleration"], place), centripetal(wb, minus(place, triple(b["position"], 0)))
+    )
+    turning = scaled(2.0, cross(wb, _relative_velocity(a, b, place)))
+    return dot(triple(row["direction"], 0), minus(minus(of_a, of_b), turning))
+
+
+@kernel
+def add_closure_forces(closures, work):
+    """Take the closing forces off the bias of the two frames of each row."""
+    if closures.shape[0] == 0:
+        return
+    measure_closures(closures, work)
+    for i in range(closures.shape[0]):
+        row = closures[i]
+        force = scaled(row["force"], triple(row["direction"], 0))
+        place = triple(row["place"], 0)
+        _load(work[row["frame_a"]], place, force)
+        if row["frame_b"] > 0:
+            _load(work[row["frame_b"]], place, scaled(-1.0, force))
+
+
+@kernel
+def _load(s, place, force):
+    arm = minus(place, triple(s["position"], 0))
+    accumulate(scaled(-1.0, cross(arm, force)), s["bias"], 0)
+    accumulate(scaled(-1.0, force), s["bias"], 3)
+
+
+@kernel
+def closing_forces(tree, work, coordinates):
+    """Set the forces that take the closures' accelerations away, from the solution with open loops."""
+    closures = tree.closures
+    _set_response_matrix(tree, work, coordinates)
+    for i in range(closures.shape[0]):
+        row = closures[i]
+        row["force"] = -_gap_acceleration(row, work[row["frame_a"]], work[row["frame_b"]])
+    solve_rows(closures, tree.closure_matrix)
+
+
+@kernel
+def push_rows(closures, work):
+    """Push with the forces of all rows."""
+    forget_pushes(work)
+    for i in range(closures.shape[0]):
+        row = closures[i]
+        force = scaled(row["force"], triple(row["direction"], 0))
+        push(work[row["frame_a"]], triple(row["place"], 0), force)
+        push(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
+
+
+@kernel
+def _set_response_matrix(tree, work, coordinates):
+    """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree, without forces."""
+    closures, matrix = tree.closures, tree.closure_matrix
+    for j in range(closures.shape[0]):
+        closures[j]["force"] = 1.0
+        push_rows(closures, work)
+        closures[j]["force"] = 0.0
+        respond(tree, work, coordinates)
+        for i in range(closures.shape[0]):
+            row = closures[i]
+            a, b = work[row["frame_a"]], work[row["frame_b"]]
+            place = triple(row["place"], 0)
+            apart = minus(_carried(a, a["response"], place), _carried(b, b["response"], place))
+            matrix[i, j] = dot(triple(row["direction"], 0), apart)
+    eliminate_rows(closures, matrix)
+
+
+@kernel
+def eliminate_rows(closures, matrix):
+    """L D Lᵀ of a symmetric matrix with diagonal pivots; dependent rows get the pivot 0."""
+    n = matrix.shape[0]
+    largest = 0.0
+    for i in range(n):
+        closures[i]["own"] = matrix[i, i]
+        closures[i]["order"] = i
+        largest = max(largest, matrix[i, i])
+    for k in range(n):
+        _bring_best_pivot(closures, matrix, k)
+        p = closures[k]["order"]
+        if not matrix[p, p] > max(REPEATED * closures[p]["own"], IMMOBILE * largest):
+            matrix[p, p] = 0.0
+            continue
+        for i in range(k + 1, n):
+            r = closures[i]["order"]
+            factor = matrix[r, p] / matrix[p, p]
+            for j in range(k + 1, n):
+                c = closures[j]["order"]
+                matrix[r, c] -= factor * matrix[p, c]
+            matrix[r, p] = factor
+
+
+@kernel
+def _bring_best_pivot(closures, matrix, k):
+    """Exchange places in the order so that the row with the largest share of its own pivot is next."""
+    best, share = k, -1.0
+    for i in range(k, matrix.shape[0]):
+        r = closures[i]["order"]
+        left = matrix[r, r] / closures[r]["own"] if closures[r]["own"] > 0.0 else 0.0
+        if left > share:
+            best, share = i, left
+    row = closures[best]["order"]
+    closures[best]["order"] = closures[k]["order"]
+    closures[k]["order"] = row
+
+
+@kernel
+def solve_rows(closures, matrix):
+    """Replace the forces, which hold a right-hand side, by the solution; 0 for dependent rows."""
+    n = matrix.shape[0]
+    for k in range(n):
+        p = closures[k]["order"]
+        if matrix[p, p] == 0.0:
+            continue
+        for i in range(k + 1, n):
+            r = closures[i]["order"]
+            closures[r]["force"] -= matrix[r, p] * closures[p]["force"]
+    for k in range(n - 1, -1, -1):
+        p = closures[k]["order"]
+        if matrix[p, p] == 0.0:
+            closures[p]["force"] = 0.0
+            continue
+        closures[p]["force"] /= matrix[p, p]
+        for i in range(k + 1, n):
+            r = closures[i]["order"]
+            closures[p]["force"] -= matrix[r, p] * closures[r]["force"]

@@ -1,0 +1,56 @@
+"""The motion of a tree as a first-order system z' = f(t, z).
+
+z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge with three rotations,
+and last the work that has been applied, whose error does not count.
+"""
+
+from .._jit import kernel, plain
+from .energy import applied_power
+from .kane import SOLVED, accelerations
+from .kinematics import attitude_rates
+from .loads import set_prescribed
+
+
+@plain
+def parts(tree, z):
+    """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
+    n = tree.given.shape[0]
+    balls = (z.shape[0] - 2 * n) // 4
+    return z[:n], z[n : 2 * n], z[2 * n : 2 * n + 4 * balls].reshape((balls, 4))
+
+
+@kernel
+def derivative(tree, work, coordinates, t, z, dz):
+    """Fill dz; puts prescribed coordinates in their place in z.  Returns as `accelerations`."""
+    y, q, attitudes = parts(tree, z)
+    yd, qd, rates = parts(tree, dz)
+    set_prescribed(tree, t, q, y, coordinates)
+    fault = accelerations(tree, work, coordinates, t, q, y, attitudes)
+    if fault != SOLVED:
+        return fault
+    for m in range(y.shape[0]):
+        yd[m] = coordinates[m]["rate"]
+        qd[m] = y[m]
+    turn_attitudes(tree, y, attitudes, rates)
+    dz[dz.shape[0] - 1] = applied_power(tree, work, coordinates, t, q, y)
+    return SOLVED
+
+
+@kernel
+def turn_attitudes(tree, y, attitudes, rates):
+    """Fill the rates (balls, 4) of Euler parameters for the speeds y."""
+    for k in range(1, tree.frames.shape[0]):
+        if tree.frames[k]["ball"] >= 0:
+            attitude_rates(tree.frames[k], y, attitudes, rates)
+
+
+@kernel
+def normalise_attitudes(tree, z):
+    """Bring all Euler parameters back to length one."""
+    _y, _q, attitudes = parts(tree, z)
+    for b in range(attitudes.shape[0]):
+        square = 0.0
+        for i in range(4):
+            square += attitudes[b, i] ** 2
+        for i in range(4):
+            attitudes[b, i] /= square**0.5

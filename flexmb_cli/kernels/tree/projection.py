@@ -1,0 +1,134 @@
+"""Bringing the coordinates and speeds of a tree onto its closures.
+
+A correction is the motion that forces in the closures would give the tree, b^-1 Jᵀ times what closes
+the gaps: the least one in the measure of the mass matrix, which leaves alone whatever the loops do
+not involve.
+"""
+
+import numpy as np
+
+from .._jit import kernel
+from .kinematics import attitude_rates, place_frames
+from .loop_closures import measure_closures, push_rows, solve_rows
+from .motion import normalise_attitudes, parts
+from .unit_forces import respond, respond_lumps
+
+CLOSED = 1e-13  # m and m/s: as good as closed
+MOST_CORRECTIONS = 5
+LONGEST = 0.5  # correction of one coordinate, rad or m
+MOST_MOVED = 10.0  # tolerances by which closing the loops may move the end of a step
+ROUND_OFF = 1e-10  # share of a state that closing may move whatever the tolerance: that of CLOSED, and more
+
+
+@kernel
+def largest_gap(closures):
+    """Largest |gap|, m."""
+    largest = 0.0
+    for i in range(closures.shape[0]):
+        largest = max(largest, abs(closures[i]["gap"]))
+    return largest
+
+
+@kernel
+def largest_rate(closures):
+    """Largest |rate| of a gap, m/s."""
+    largest = 0.0
+    for i in range(closures.shape[0]):
+        largest = max(largest, abs(closures[i]["rate"]))
+    return largest
+
+
+@kernel
+def project(tree, work, coordinates, z):
+    """Close gaps and rates of z, near the state for which the equations have just been solved."""
+    for _ in range(MOST_CORRECTIONS):
+        measure(tree, work, coordinates, z)
+        if largest_gap(tree.closures) <= CLOSED:
+            break
+        _close_gaps(tree, work, coordinates, z)
+    measure(tree, work, coordinates, z)
+    _close_rates(tree, work, coordinates, z)
+
+
+@kernel
+def strayed(open_end, closed_end, clock):
+    """Place in z that closing the loops moved too far at the end of a step, or -1.
+
+    A step that was good left the loops but for its error.  One across a singular position may land on
+    the other motion that begins there: then closing is what moves the tree, not the equations.
+    """
+    worst, place = 1.0, -1
+    for i in range(open_end.shape[0] - 1):
+        size = abs(closed_end[i])
+        most = MOST_MOVED * (clock["atol"] + clock["rtol"] * size) + ROUND_OFF * (1.0 + size)
+        share = abs(closed_end[i] - open_end[i]) / most
+        # `not <=` lets a nan through as the worst place.
+        if not share <= worst:
+            worst, place = share, i
+    return place
+
+
+@kernel
+def measure(tree, work, coordinates, z):
+    """Place the frames and measure the closures at the state z."""
+    y, q, attitudes = parts(tree, z)
+    place_frames(tree, work, coordinates, q, y, attitudes)
+    measure_closures(tree.closures, work)
+
+
+@kernel
+def _respond_to_rows(tree, work, coordinates, z):
+    """Responses of all coordinates to forces that take away what the rows hold as forces."""
+    _y, q, _attitudes = parts(tree, z)
+    solve_rows(tree.closures, tree.closure_matrix)
+    push_rows(tree.closures, work)
+    respond(tree, work, coordinates)
+    respond_lumps(tree, work, coordinates, q)
+
+
+@kernel
+def _close_gaps(tree, work, coordinates, z):
+    """Move the coordinates by one Newton correction."""
+    for i in range(tree.closures.shape[0]):
+        tree.closures[i]["force"] = -tree.closures[i]["gap"]
+    _respond_to_rows(tree, work, coordinates, z)
+    move_coordinates(tree, coordinates, z)
+
+
+@kernel
+def move_coordinates(tree, coordinates, z):
+    """Move the coordinates by their responses, none further than LONGEST."""
+    largest = 0.0
+    for m in range(coordinates.shape[0]):
+        largest = max(largest, abs(coordinates[m]["response"]))
+    share = min(1.0, LONGEST / largest) if largest > 0.0 else 1.0
+    _y, q, attitudes = parts(tree, z)
+    move = np.zeros(q.shape[0])
+    for m in range(q.shape[0]):
+        move[m] = share * coordinates[m]["response"]
+        q[m] += move[m]
+    turn = np.zeros(attitudes.shape)
+    for k in range(1, tree.frames.shape[0]):
+        if tree.frames[k]["ball"] >= 0:
+            attitude_rates(tree.frames[k], move, attitudes, turn)
+    for ball in range(attitudes.shape[0]):
+        for i in range(4):
+            attitudes[ball, i] += turn[ball, i]
+    normalise_attitudes(tree, z)
+
+
+@kernel
+def _close_rates(tree, work, coordinates, z):
+    """Change the speeds by the correction that is exact but for round-off."""
+    for i in range(tree.closures.shape[0]):
+        tree.closures[i]["force"] = -tree.closures[i]["rate"]
+    _respond_to_rows(tree, work, coordinates, z)
+    change_speeds(tree, coordinates, z)
+
+
+@kernel
+def change_speeds(tree, coordinates, z):
+    """Change the speeds by their responses."""
+    y, _q, _attitudes = parts(tree, z)
+    for m in range(y.shape[0]):
+        y[m] += coordinates[m]["response"]

@@ -1,0 +1,113 @@
+"""What forces on frames alone do to a tree: the accelerations b^-1 Jᵀ, without velocities or loads.
+
+Uses the inertias, couplings and pivots that the last solution of the tree left behind, so that a
+force costs a fraction of a solution.
+"""
+
+from .._jit import part
+from ..linalg.vec3 import accumulate, cross, dot, inward, minus, plus, scaled, store, triple
+from .kinematics import lump_place
+from .node_frames import absorb_pushes, follow_riders, rider_share
+
+
+@part
+def forget_pushes(work):
+    """No force on any frame."""
+    for k in range(work.shape[0]):
+        for i in range(6):
+            work[k]["push"][i] = 0.0
+
+
+@part
+def push(s, place, force):
+    """Add a force at a place, both in inertial axes, to the pushes of a frame."""
+    arm = minus(place, triple(s["position"], 0))
+    accumulate(scaled(-1.0, cross(arm, force)), s["push"], 0)
+    accumulate(scaled(-1.0, force), s["push"], 3)
+
+
+@part
+def respond(tree, work, coordinates):
+    """Set the responses of frames and hinge coordinates to the pushes; locked coordinates do not move."""
+    frames = tree.frames
+    for k in range(frames.shape[0] - 1, 0, -1):
+        if frames[k]["rider"] >= 0:
+            continue
+        if frames[k]["ridden"] >= 0:
+            absorb_pushes(tree, tree.riders.bodies[frames[k]["ridden"]], work)
+        _take_up(frames[k], work[k], coordinates)
+        _pass_on(work[k], work[frames[k]["parent"]])
+    for k in range(1, frames.shape[0]):
+        if frames[k]["rider"] >= 0:
+            continue
+        _follow(frames[k], work[frames[k]["parent"]], work[k], coordinates)
+        if frames[k]["ridden"] >= 0:
+            follow_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work)
+
+
+@part
+def _take_up(frame, s, coordinates):
+    for i in range(frame["rotations"]):
+        _yield_to(s["push"], coordinates[frame["first_rotation"] + i], 0)
+    for i in range(frame["translations"]):
+        _yield_to(s["push"], coordinates[frame["first_translation"] + i], 3)
+
+
+@part
+def _yield_to(pushes, c, part):
+    """Take out of the pushes what a free coordinate does not transmit."""
+    if c["locked"] != 0:
+        return
+    c["response"] = -dot(triple(c["direction"], 0), triple(pushes, part))
+    gain = c["response"] / c["pivot"]
+    for i in range(6):
+        pushes[i] += gain * c["coupling"][i]
+
+
+@part
+def _pass_on(s, parent):
+    n, f = triple(s["push"], 0), triple(s["push"], 3)
+    accumulate(plus(n, cross(triple(s["offset"], 0), f)), parent["push"], 0)
+    accumulate(f, parent["push"], 3)
+
+
+@part
+def _follow(frame, parent, s, coordinates):
+    """Response of a frame and its hinge coordinates from that of the parent."""
+    al = triple(parent["response"], 0)
+    a = plus(triple(parent["response"], 3), cross(al, triple(s["offset"], 0)))
+    for i in range(frame["translations"] - 1, -1, -1):
+        c = coordinates[frame["first_translation"] + i]
+        a = plus(a, scaled(_own_response(c, al, a), triple(c["direction"], 0)))
+    for i in range(frame["rotations"] - 1, -1, -1):
+        c = coordinates[frame["first_rotation"] + i]
+        al = plus(al, scaled(_own_response(c, al, a), triple(c["direction"], 0)))
+    store(al, s["response"], 0)
+    store(a, s["response"], 3)
+
+
+@part
+def _own_response(c, al, a):
+    if c["locked"] != 0:
+        c["response"] = 0.0
+    else:
+        carried = dot(triple(c["coupling"], 0), al) + dot(triple(c["coupling"], 3), a)
+        c["response"] = (c["response"] - carried) / c["pivot"]
+    return c["response"]
+
+
+@part
+def respond_lumps(tree, work, coordinates, q):
+    """Set the responses of the lumps' coordinates, those of the frames being known."""
+    for k in range(1, tree.frames.shape[0]):
+        frame, s = tree.frames[k], work[k]
+        al, a = inward(s["axes"], triple(s["response"], 0)), inward(s["axes"], triple(s["response"], 3))
+        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
+            lump = tree.lumps[i]
+            carried = plus(a, cross(al, lump_place(lump, q)))
+            for axis in range(3):
+                m = lump["coordinate"][axis]
+                if m >= 0:
+                    passed_on = rider_share(tree, frame, m) / lump["mass"]
+                    free = coordinates[m]["locked"] == 0
+                    coordinates[m]["response"] = -carried[axis] - passed_on if free else 0.0

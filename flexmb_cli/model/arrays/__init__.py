@@ -1,0 +1,1 @@
+"""Structured arrays that the kernels read, made from models."""

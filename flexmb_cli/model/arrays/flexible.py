@@ -1,0 +1,116 @@
+"""FlexibleMechanism → the arrays that the kernels of constrained dynamics read."""
+
+import math
+
+import numpy as np
+
+from ..flexible_mechanism import FlexibleMechanism, FloatingBody
+from .constraint_table import MeasureTable
+from .kinematic import CONSTRAINT
+from .node_joints import add_joints, add_motions, spring_measure
+from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_measure
+from .system import SystemArrays
+
+
+def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
+    """Arrays of a mechanism of rigid and flexible bodies, which is at its start undeformed.
+
+    Raises ModelError where a body is to be turned about two axes.
+    """
+    bodies = mechanism.bodies
+    length = length_scale(mechanism)
+    table = MeasureTable(bodies, length)
+    add_joints(table, mechanism)
+    add_motions(table, mechanism)
+    loads = _loads(table, mechanism)
+    flexible, modal = _flexible(bodies)
+    modes = np.concatenate([np.zeros(0), *(_mode_scale(body, length) for body in bodies)])
+    return SystemArrays(
+        body_names=tuple(body.name for body in bodies),
+        q=np.concatenate([*(np.concatenate([body.r, body.p]) for body in bodies), 0.0 * modes]),
+        coordinate_scale=np.concatenate([np.tile([length] * 3 + [1.0] * 4, len(bodies)), modes]),
+        speed_scale=np.concatenate([np.tile([length] * 3 + [1.0] * 3, len(bodies)), modes]),
+        constraints=np.zeros(0, CONSTRAINT),
+        bodies_of=np.zeros((0, 2), np.int64),
+        masses=_masses(bodies),
+        flexible=flexible,
+        modal=modal,
+        loads=loads,
+        gravity=np.array(mechanism.gravity, dtype=float),
+        **table.arrays(),
+    )
+
+
+def length_scale(mechanism: FlexibleMechanism) -> float:
+    """A power of two near the largest length of the mechanism."""
+    sizes = [np.abs(body.r).max() for body in mechanism.bodies]
+    sizes += [np.abs(body.flexible.r0).max() for body in mechanism.bodies if body.flexible]
+    sizes += [np.abs(p.r0).max() for joint in mechanism.joints for p in (*joint.a, *joint.b)]
+    largest = max(sizes)
+    return 2.0 ** round(math.log2(largest)) if largest > 0.0 else 1.0
+
+
+def _mode_scale(body: FloatingBody, length):
+    """The modal coordinates whose largest displacement is `length`."""
+    if body.flexible is None:
+        return np.zeros(0)
+    return length / np.abs(body.flexible.Phi).max(axis=0)
+
+
+def _masses(bodies):
+    masses = np.zeros(len(bodies), MASS)
+    flexible = 0
+    for k, body in enumerate(bodies):
+        masses[k] = body.m, body.s0, body.J0, flexible if body.modes else NONE
+        flexible += bool(body.modes)
+    return masses
+
+
+def _flexible(bodies):
+    """FLEXIBLE records, and the invariants in their order."""
+    records, parts, first, at, places = [], [np.zeros(0)], 0, 0, 0
+    for k, body in enumerate(bodies):
+        found, N = body.flexible, body.modes
+        if not N:
+            continue
+        stiffened = body.stiffened and found.KG.size > 0
+        records.append((k, N, first, at, places, stiffened))
+        own = [found.S1, found.J1, found.J2, found.C0, found.C1, found.Mff, found.Kr, found.Dr]
+        parts += [np.ravel(array) for array in (*own, *([found.KG] if stiffened else []))]
+        first += N
+        at = sum(map(len, parts))
+        places += 12 + 12 * N + (6 + N) ** 2 + 6 + N
+    return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
+
+
+def _loads(table: MeasureTable, mechanism: FlexibleMechanism):
+    records = [_force(table, item) for item in mechanism.forces]
+    records += [_torque(table, item) for item in mechanism.torques]
+    records += [_spring(table, item) for item in mechanism.springs]
+    for item in mechanism.joint_springs:
+        record = blank_load(RELATIVE)
+        record["measure"] = table.spring(spring_measure(table, mechanism.joints[item.joint]))
+        record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
+        records.append(record)
+    return np.array(records, dtype=LOAD).reshape(-1)
+
+
+def _force(table, item):
+    record = blank_load(FORCE)
+    record["arm"], record["vector"] = table.point(item.point), item.force
+    record["following"], record["law"] = item.follows, table.law(item.factor) if item.factor else NONE
+    return record
+
+
+def _torque(table, item):
+    record = blank_load(TORQUE)
+    record["arm"], record["vector"] = table.arm(item.body, np.zeros(3)), item.torque
+    record["following"], record["law"] = item.follows, table.law(item.factor) if item.factor else NONE
+    return record
+
+
+def _spring(table, item):
+    record = blank_load(LINE)
+    record["measure"] = table.spring(line_measure(table.point(item.b), table.point(item.a)))
+    record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.length
+    return record

@@ -1,0 +1,58 @@
+"""What the kernels of constrained dynamics need to know of a mechanism, and the names that go with it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..equations import Equation
+
+SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
+
+
+@dataclass(frozen=True)
+class SystemArrays:
+    """A mechanism of b bodies with m equations, E modal coordinates and n = 6 b + E speeds.
+
+    Records are those of `system_records`; the rows of `constraints` come before those of `measures`.
+    """
+
+    body_names: tuple[str, ...]
+    equations: tuple[Equation, ...]  # (m,)
+    q: np.ndarray  # (n + b,) estimates at the start
+    turns: np.ndarray  # (angles,) estimates of the angles that count turns, rad
+    coordinate_scale: np.ndarray  # (n + b,) units
+    speed_scale: np.ndarray  # (n,)
+    row_scale: np.ndarray  # (m,)
+    constraints: np.ndarray  # CONSTRAINT
+    bodies_of: np.ndarray  # (rows of constraints, 2)
+    groups: np.ndarray  # GROUP
+    masses: np.ndarray  # (b,) MASS
+    flexible: np.ndarray  # FLEXIBLE
+    modal: np.ndarray  # their invariants
+    arms: np.ndarray  # ARM
+    shapes: np.ndarray
+    measures: np.ndarray  # MEASURE: first of the rows behind those of `constraints`, then of springs
+    loads: np.ndarray  # LOAD
+    laws: np.ndarray  # LAW
+    knots: np.ndarray  # (k, 3)
+    gravity: np.ndarray  # (3,) global axes, m/s²
+
+    @property
+    def bodies(self) -> int:
+        """Number of bodies."""
+        return len(self.masses)
+
+    @property
+    def speeds(self) -> int:
+        """Number of speeds."""
+        return self.speed_scale.size
+
+    def speed_name(self, k: int) -> str:
+        """Readable name of a speed, such as "body 2 vx" or "body 1 mode 3"."""
+        if k < 6 * self.bodies:
+            return f"{self.body_names[k // 6]} {SPEEDS_OF_BODY[k % 6]}"
+        for f in self.flexible:
+            mode = k - 6 * self.bodies - f["first"]
+            if 0 <= mode < f["modes"]:
+                return f"{self.body_names[f['body']]} mode {mode + 1}"
+        raise IndexError(k)

@@ -1,0 +1,223 @@
+"""Tree → structured arrays: what the kernels of tree dynamics read."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometric_stiffness import across, beam_direction, geometric_stiffness
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from .bandwidth import row_reach
+from .node_frames import Riders, empty_riders
+from .tree_frames import LUMP, tree_frames
+
+ELASTIC_BODY = np.dtype(
+    [
+        ("first", np.int64),  # its first elastic coordinate
+        ("count", np.int64),  # NM
+        ("stiffness", np.int64),  # where its NM x NM matrix begins in `stiffness`
+        ("damping", np.int64),  # where it begins in `damping`; -1 for none
+        ("frame", np.int64),
+        ("stiffening", np.int64),  # where its two matrices begin in `stiffening`; -1 for none
+        ("beam", np.float64, 3),  # unit vector along a stiffened beam, own axes
+    ]
+)
+
+SPRING = np.dtype(
+    [("coordinate", np.int64), ("stiffness", np.float64), ("damping", np.float64), ("rest", np.float64)]
+)
+
+PRESCRIBED = np.dtype([("coordinate", np.int64), ("C", np.float64), ("B", np.float64), ("A", np.float64)])
+
+# A law has the value c0 + c1 t between two breakpoints of its table; `solve` fills it in for each interval.
+LAW = np.dtype(
+    [
+        ("frame", np.int64),  # body torque on this frame, or 0
+        ("axis", np.int64),  # 0, 1, 2, inertial
+        ("coordinate", np.int64),  # effort on this hinge coordinate, or -1
+        ("c0", np.float64),
+        ("c1", np.float64),
+    ]
+)
+
+# One closed direction of a closure: what it is, then what the kernels found for it last.
+CLOSURE_ROW = np.dtype(
+    [
+        ("frame_a", np.int64),
+        ("frame_b", np.int64),
+        ("point_a", np.float64, 3),  # axes of frame a, m
+        ("point_b", np.float64, 3),
+        ("axis", np.int64),  # 0, 1, 2 of frame b
+        ("direction", np.float64, 3),  # of that axis, inertial axes
+        ("place", np.float64, 3),  # of point a, inertial axes, m
+        ("gap", np.float64),  # (p_a - p_b) . direction, m
+        ("rate", np.float64),  # its rate, m/s
+        ("force", np.float64),  # along the direction on body a, and opposite on body b, N
+        ("own", np.float64),  # acceleration per unit force, 1/kg, before elimination
+        ("order", np.int64),  # the row that is eliminated in this place
+    ]
+)
+
+
+class TreeArrays(NamedTuple):
+    """A tree in numbers.  NS coordinates; `elastic`, `given` (NS,) mark elastic and prescribed ones."""
+
+    frames: np.ndarray
+    lumps: np.ndarray
+    elastic_bodies: np.ndarray
+    stiffness: np.ndarray  # all matrices, flat
+    damping: np.ndarray  # all matrices, flat
+    stiffening: np.ndarray  # by turning, N/m per rad²/s², then by weight, N/m per m/s², flat
+    reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
+    springs: np.ndarray
+    prescribed: np.ndarray
+    laws: np.ndarray
+    closures: np.ndarray  # one record a closed direction
+    closure_matrix: np.ndarray  # (rows, rows), scratch
+    gravity: np.ndarray  # (3,)
+    elastic: np.ndarray  # (NS,) bool
+    given: np.ndarray  # (NS,) bool
+    inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix counts as zero
+    riders: Riders
+    one_way: bool
+
+
+def tree_arrays(tree: Tree) -> TreeArrays:
+    """The arrays of a tree; laws get their values later, interval by interval."""
+    index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
+    parts = tree_frames(tree, index)
+    closures = _closure_rows(tree, parts.of_body, parts.of_node)
+    elastic_bodies, reach, *matrices = _elastic_bodies(tree, index, parts.of_body)
+    stiffness, damping, stiffening = matrices
+    prescribed = [(_rigid(index, p), p.C, p.B, p.A) for p in tree.prescribed]
+    given = np.zeros(len(index), bool)
+    given[[row[0] for row in prescribed]] = True
+    return TreeArrays(
+        frames=np.concatenate(parts.frames),
+        lumps=_records(LUMP, parts.lumps),
+        elastic_bodies=elastic_bodies,
+        stiffness=stiffness,
+        damping=damping,
+        stiffening=stiffening,
+        reach=reach,
+        springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
+        prescribed=_records(PRESCRIBED, prescribed),
+        laws=_laws(tree, index, parts.of_body),
+        closures=closures,
+        closure_matrix=np.zeros((closures.size, closures.size)),
+        gravity=np.array(tree.gravity, float),
+        elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),
+        given=given,
+        inertia_scale=_inertia_scale(tree),
+        riders=empty_riders(parts.riders, parts.ridden, parts.slopes),
+        one_way=tree.one_way,
+    )
+
+
+def body_frames(arrays: TreeArrays) -> np.ndarray:
+    """Frame of every body (N,): the first of those that belong to it."""
+    return 1 + np.unique(arrays.frames["body"][1:], return_index=True)[1]
+
+
+def initial_attitudes(tree: Tree) -> np.ndarray:
+    """Euler parameters (balls, 4) of the hinges with three rotations, in the order of their bodies."""
+    balls = [hinge.attitude for hinge in tree.hinges if len(hinge.rotations) == 3]
+    attitudes = np.array(balls, float).reshape(-1, 4)
+    return attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
+
+
+def _records(dtype, rows):
+    return np.array(rows, dtype) if rows else np.zeros(0, dtype)
+
+
+def _rigid(index, item):
+    return index[item.body, item.motion, item.axis, None]
+
+
+def _elastic_bodies(tree, index, of_body):
+    """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
+    reach = np.zeros((len(index), 2), np.int64)
+    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}
+    for k, body in enumerate(tree.bodies):
+        elastic = body.elastic
+        if elastic is None:
+            continue
+        record = np.zeros(1, ELASTIC_BODY)
+        record["first"], record["count"] = index[k, ELASTIC, elastic.axes[0], 0], elastic.coordinates
+        record["frame"] = of_body[k]
+        stiffening = None
+        if elastic.stiffened_from is not None:
+            record["beam"] = beam_direction(elastic.positions, elastic.stiffened_from)
+            stiffening = _stiffening(tree, k)
+        own = (elastic.stiffness, elastic.damping, stiffening)
+        for (name, flat), matrix in zip(matrices.items(), own, strict=True):
+            record[name] = -1 if matrix is None else sum(map(np.size, flat))
+            flat.extend([] if matrix is None else [np.ravel(matrix)])
+        places = slice(record["first"][0], record["first"][0] + elastic.coordinates)
+        reach[places] = row_reach(own)
+        records.append(record)
+    flat = [np.concatenate([np.zeros(0), *parts]) for parts in matrices.values()]
+    return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
+
+
+def _stiffening(tree, k):
+    """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
+    elastic = tree.bodies[k].elastic
+    masses = elastic.masses + hanging_masses(tree, k)
+    direction = beam_direction(elastic.positions, elastic.stiffened_from)
+    return np.array(
+        [
+            across(
+                geometric_stiffness(elastic.positions, elastic.stiffened_from, pulls), direction, elastic.axes
+            )
+            for pulls in (masses * (elastic.positions @ direction), masses)
+        ]
+    )
+
+
+def hanging_masses(tree, k):
+    """Mass of all bodies beyond each node of body k (NP,), kg."""
+    carried = np.array([body.mass for body in tree.bodies])
+    hanging = np.zeros(len(tree.bodies[k].elastic.masses))
+    for child in range(len(tree.bodies) - 1, k, -1):
+        hinge = tree.hinges[child]
+        if hinge.parent == k and hinge.node is not None:
+            hanging[hinge.node] += carried[child]
+        elif hinge.parent != INERTIAL:
+            carried[hinge.parent] += carried[child]
+    return hanging
+
+
+def _laws(tree, index, of_body):
+    laws = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
+    laws += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
+    return _records(LAW, laws)
+
+
+def _closure_rows(tree, of_body, of_node):
+    rows = []
+    for c in tree.closures:
+        a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
+        b = 0 if c.b == INERTIAL else of_body[c.b] if c.b_node is None else of_node[c.b, c.b_node, None]
+        # A node's own frame has its origin at the node.
+        point_a = c.a_point if c.a_node is None else (0.0, 0.0, 0.0)
+        point_b = c.b_point if c.b_node is None else (0.0, 0.0, 0.0)
+        for axis in c.directions:
+            row = np.zeros(1, CLOSURE_ROW)
+            row["frame_a"], row["frame_b"], row["axis"] = a, b, axis - 1
+            row["point_a"], row["point_b"] = point_a, point_b
+            rows.append(row)
+    return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)
+
+
+def _inertia_scale(tree):
+    """Inertia of the own body about (or along) each coordinate, before anything is eliminated."""
+    scale = []
+    for c in tree.coordinates:
+        body = tree.bodies[c.body]
+        if c.motion == ROTATION:
+            scale.append(np.trace(body.inertia))
+        elif c.motion == TRANSLATION:
+            scale.append(body.mass)
+        else:
+            scale.append(body.elastic.masses[c.node])
+    return np.array(scale, float)

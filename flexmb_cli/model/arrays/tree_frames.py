@@ -1,0 +1,217 @@
+"""Tree → records of frames, lumps and riders.
+
+A *frame* is a body or a node that carries a hinge or closure: such a node is a point mass on
+translational hinges along the axes of its body, so that one recursion serves both.  The other nodes
+are *lumps*, which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's
+carrying nodes right behind it: a parent always comes before its children.  Frame 0 is the inertial
+frame.  Hinges that turn with the slope of their node hang on *riders* instead, see `tree_riders`.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED
+
+FRAME = np.dtype(
+    [
+        ("parent", np.int64),  # frame
+        ("body", np.int64),  # number of the body it is, or belongs to
+        ("rotations", np.int64),  # free rotations, 0-3
+        ("rotation_axes", np.int64, 3),  # 0, 1, 2 in the P_k frame; the first `rotations` count
+        ("first_rotation", np.int64),  # coordinate of the first rotation, the others follow
+        ("ball", np.int64),  # number among the hinges with three rotations, -1 otherwise
+        ("translations", np.int64),
+        ("translation_axes", np.int64, 3),
+        ("first_translation", np.int64),
+        ("point", np.float64, 3),  # P_k from the parent's origin, parent's axes, m
+        ("framed", np.int64),  # whether `frame` turns anything
+        ("frame", np.float64, 9),  # P_k axes -> parent's axes, row by row
+        ("turned", np.int64),  # whether `attitude` turns anything
+        ("attitude", np.float64, 9),  # O_k axes -> P_k axes when no rotation is free
+        ("mass", np.float64),  # without lumps and carrying nodes, kg
+        ("moment", np.float64, 3),  # mass times centre of mass, own axes, kg m
+        ("inertia", np.float64, 6),  # xx xy xz yy yz zz about the origin, without lumps, own axes
+        ("force", np.float64, 3),  # at the origin, inertial axes, N
+        ("torque", np.float64, 3),  # inertial axes, N m
+        ("first_lump", np.int64),
+        ("lumps", np.int64),
+        ("rider", np.int64),  # number among the riders, -1 otherwise
+        ("ridden", np.int64),  # number among the ridden bodies, -1 otherwise
+    ]
+)
+
+LUMP = np.dtype(
+    [
+        ("position", np.float64, 3),  # undeformed, in the axes of its body, m
+        ("mass", np.float64),  # kg
+        ("force", np.float64, 3),  # constant, inertial axes, N
+        ("coordinate", np.int64, 3),  # of the displacement along axis 1, 2, 3; -1 where held
+    ]
+)
+
+
+def rotation_matrix(attitude) -> np.ndarray:
+    """Rotation matrix (3, 3) of Euler parameters e0..e3, which need not be normalised."""
+    e0, *e = np.array(attitude, float) / math.hypot(*attitude)
+    e = np.array(e)
+    cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
+    return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross
+
+
+@dataclass(frozen=True, eq=False)
+class FrameParts:
+    """Records on their way into arrays, and which frame is whose."""
+
+    frames: list
+    lumps: list = field(default_factory=list)
+    of_body: list = field(default_factory=list)
+    of_node: dict = field(default_factory=dict)  # (body, node, hinge that turns with the slope or None)
+    riders: list = field(default_factory=list)
+    ridden: list = field(default_factory=list)
+    slopes: list = field(default_factory=list)
+
+
+def tree_frames(tree, index) -> FrameParts:
+    """Frames, lumps and riders of all bodies; `index` finds a coordinate by (body, motion, axis, node)."""
+    parts = FrameParts([_blank_frame(0, INERTIAL)])
+    carriers = _carriers(tree)
+    balls = 0
+    for k, body in enumerate(tree.bodies):
+        frame = _body_frame(tree, k, index, parts)
+        if frame["rotations"] == 3:
+            frame["ball"] = balls
+            balls += 1
+        parts.of_body.append(len(parts.frames))
+        parts.frames.append(frame)
+        own = [carrier for carrier in carriers if carrier[0] == k]
+        if any(hinge is not None for _, _, hinge in own):
+            _add_riders(tree, k, own, index, parts)
+            own = []
+        for _, node, _ in own:
+            parts.of_node[k, node, None] = len(parts.frames)
+            parts.frames.append(_node_frame(body, k, node, parts.of_body[k], index))
+        _add_lumps(body, k, {node for _, node, _ in own}, index, parts)
+    return parts
+
+
+def _add_riders(tree, k, carriers, index, parts):
+    """Riders at all carrying nodes of a body; they have no slope where nothing turns."""
+    elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
+    first, count = index[k, ELASTIC, elastic.axes[0], 0], elastic.coordinates
+    parts.frames[frame]["ridden"] = len(parts.ridden)
+    parts.ridden.append((frame, len(parts.riders), len(carriers), first, count))
+    for _, node, hinge in carriers:
+        rider = _blank_frame(frame, k)
+        rider["point"], rider["rider"] = elastic.positions[node], len(parts.riders)
+        parts.of_node[k, node, hinge] = len(parts.frames)
+        own = tuple(_node_coordinates(tree.bodies[k], k, node, index))
+        parts.riders.append((len(parts.frames), own, first, count, sum(map(np.size, parts.slopes))))
+        parts.frames.append(rider)
+        still = np.zeros((3, count))
+        parts.slopes.append(still if hinge is None else tree.hinges[hinge].elastic_rotation)
+
+
+def _add_lumps(body, k, carrying, index, parts):
+    """Lumps for the nodes that have no frame of their own."""
+    nodes = range(len(body.elastic.masses) if body.elastic else 0)
+    frame = parts.frames[parts.of_body[k]]
+    frame["first_lump"] = len(parts.lumps)
+    parts.lumps.extend(_lump(body, k, node, index) for node in nodes if node not in carrying)
+    frame["lumps"] = len(parts.lumps) - frame["first_lump"]
+
+
+def _carriers(tree):
+    """(body, node, hinge) of all nodes that carry something, the hinge when it turns with the slope."""
+    carriers = {
+        (hinge.parent, hinge.node, k if hinge.elastic_rotation is not None else None)
+        for k, hinge in enumerate(tree.hinges)
+        if hinge.node is not None
+    }
+    for c in tree.closures:
+        carriers |= {
+            (body, node, None) for body, node in ((c.a, c.a_node), (c.b, c.b_node)) if node is not None
+        }
+    return sorted(carriers, key=lambda carrier: (*carrier[:2], -1 if carrier[2] is None else carrier[2]))
+
+
+def _blank_frame(parent, body):
+    frame = np.zeros(1, FRAME)
+    frame["parent"], frame["body"] = parent, body
+    for number in ("ball", "rider", "ridden"):
+        frame[number] = -1
+    return frame
+
+
+def _body_frame(tree, k, index, parts):
+    body, hinge = tree.bodies[k], tree.hinges[k]
+    parent, point = _attachment(tree, k, parts)
+    frame = _blank_frame(parent, k)
+    frame["point"] = point
+    _set_axes(frame, "rotation", hinge.rotations, index, k, ROTATION)
+    _set_axes(frame, "translation", hinge.translations, index, k, TRANSLATION)
+    frame["framed"] = tuple(hinge.frame) != UNTURNED
+    frame["frame"] = rotation_matrix(hinge.frame).ravel()
+    frame["turned"] = not hinge.rotations and tuple(hinge.attitude) != UNTURNED
+    frame["attitude"] = rotation_matrix(hinge.attitude).ravel()
+    frame["force"], frame["torque"] = body.force, body.torque
+    _set_mass(frame, body)
+    return frame
+
+
+def _attachment(tree, k, parts):
+    """Parent frame of hinge k, and P_k in it: a carrying node has its origin at P_k."""
+    hinge = tree.hinges[k]
+    if hinge.parent == INERTIAL:
+        return 0, hinge.point
+    if hinge.node is None:
+        return parts.of_body[hinge.parent], hinge.point
+    node = tree.bodies[hinge.parent].elastic.positions[hinge.node]
+    turning = k if hinge.elastic_rotation is not None else None
+    return parts.of_node[hinge.parent, hinge.node, turning], np.subtract(hinge.point, node)
+
+
+def _set_axes(frame, kind, axes, index, body, motion):
+    frame[f"{kind}s"] = len(axes)
+    frame[f"{kind}_axes"][0, : len(axes)] = np.array(axes, int) - 1
+    frame[f"first_{kind}"] = index[body, motion, axes[0], None] if axes else 0
+
+
+def _set_mass(frame, body):
+    """Own mass and inertia: what the nodes leave of the body's."""
+    inertia, mass = np.array(body.inertia, float), body.mass
+    if body.elastic is not None:
+        mass -= float(np.sum(body.elastic.masses))
+        for m, x in zip(body.elastic.masses, body.elastic.positions, strict=True):
+            inertia -= m * (x @ x * np.eye(3) - np.outer(x, x))
+    else:
+        frame["moment"] = body.mass * np.array(body.centre)
+    frame["mass"] = mass
+    frame["inertia"] = inertia[np.triu_indices(3)]
+
+
+def _node_coordinates(body, k, node, index):
+    return [index.get((k, ELASTIC, axis, node), -1) for axis in (1, 2, 3)]
+
+
+def _node_frame(body, k, node, parent, index):
+    frame = _blank_frame(parent, k)
+    elastic = body.elastic
+    frame["point"] = elastic.positions[node]
+    frame["translations"] = len(elastic.axes)
+    frame["translation_axes"][0, : len(elastic.axes)] = np.array(elastic.axes) - 1
+    frame["first_translation"] = index[k, ELASTIC, elastic.axes[0], node]
+    frame["mass"] = elastic.masses[node]
+    frame["force"] = elastic.forces[node]
+    return frame
+
+
+def _lump(body, k, node, index):
+    elastic = body.elastic
+    return (
+        tuple(elastic.positions[node]),
+        elastic.masses[node],
+        tuple(elastic.forces[node]),
+        tuple(_node_coordinates(body, k, node, index)),
+    )

@@ -1,0 +1,187 @@
+"""What a VSDF deck describes before its matrices are reduced: bodies, and what acts at their nodes.
+
+Bodies are numbered from 0, the ground is -1.  A node is named by its number in the body's node table, or
+by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import Place
+from .flexible_body import FlexibleInput
+from .mechanism import TimeGrid, Vector
+from .time_functions import Motion, MotionLaw
+
+GROUND = -1
+
+
+@dataclass(frozen=True)
+class RigidMass:
+    """Mass, kg; centre of mass (3,), m; inertia (3, 3) about it, kg m²; body axes."""
+
+    mass: float
+    centre: Vector
+    inertia: np.ndarray
+
+
+@dataclass(frozen=True)
+class VsdfBody:
+    """A body: pose of its node table's axes at t = 0, velocity of its origin, angular velocity (body axes).
+
+    `nodes`: positions by number; `sets`: members of the node sets by number.  Either `rigid` or
+    `flexible` is given; `stiffened` asks for centrifugal stiffening.  `place` and `velocity_place`: of the
+    cards BODY and VELO.
+    """
+
+    name: str
+    r: Vector
+    p: tuple[float, float, float, float]
+    velocity: Vector = (0.0, 0.0, 0.0)
+    omega: Vector = (0.0, 0.0, 0.0)
+    rigid: RigidMass | None = None
+    flexible: FlexibleInput | None = None
+    nodes: dict[int, np.ndarray] = field(default_factory=dict)
+    sets: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    stiffened: bool = False
+    place: Place | None = None
+    velocity_place: Place | None = None
+
+    def members(self, node: int) -> tuple[int, ...]:
+        """The nodes that a node's or set's number stands for; () when there is none."""
+        return self.sets.get(node, (node,) if node in self.nodes else ())
+
+    def position(self, node: int) -> np.ndarray:
+        """Position (3,) of a node, or the mean of a set's, in the axes of the node table."""
+        return np.mean([self.nodes[member] for member in self.members(node)], axis=0)
+
+    @property
+    def A(self) -> np.ndarray:
+        """Rotation matrix of the node table's axes at t = 0."""
+        e0, e1, e2, e3 = self.p
+        e = np.array([e1, e2, e3])
+        tilde = np.array([[0, -e3, e2], [e3, 0, -e1], [-e2, e1, 0]])
+        return (2 * e0 * e0 - 1) * np.eye(3) + 2 * (np.outer(e, e) + e0 * tilde)
+
+    def global_position(self, node: int) -> np.ndarray:
+        """Where a node is at t = 0, undeformed, global axes (3,)."""
+        return np.array(self.r) + self.A @ self.position(node)
+
+
+@dataclass(frozen=True)
+class End:
+    """A place on a body: a node (or set), or for the ground the global `point` (3,)."""
+
+    body: int
+    node: int
+    point: Vector | None = None
+
+
+@dataclass(frozen=True)
+class NodeJoint:
+    """A joint of `kind` between ends P (points), Q (on the axes or arms), H (across the axes), as it needs.
+
+    `size`: pitch, m/rad, or distance, m; nan: as at t = 0.
+    """
+
+    name: str
+    kind: str
+    a: tuple[End, ...]
+    b: tuple[End, ...]
+    size: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Pin:
+    """Global directions of a node held at `point`; None: where the node is at t = 0."""
+
+    name: str
+    end: End
+    directions: tuple[bool, bool, bool]
+    point: Vector | None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class NodeForce:
+    """A force at a node, N, in global axes, or in body axes when it follows; times `factor` of time."""
+
+    name: str
+    end: End
+    force: Vector
+    follows: bool
+    factor: MotionLaw | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class BodyTorque:
+    """A torque on a rigid body, N m, in global axes, or in body axes when it follows."""
+
+    name: str
+    body: int
+    torque: Vector
+    follows: bool
+    factor: MotionLaw | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class NodeSpring:
+    """A spring, N/m, with a damper, N s/m, between two nodes; `length` at rest, m, nan: as at t = 0."""
+
+    name: str
+    a: End
+    b: End
+    k: float
+    c: float
+    length: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class JointSpring:
+    """A spring with damper in the angle or stroke of joint number `joint`, counted from 0."""
+
+    name: str
+    joint: int
+    k: float
+    c: float
+    q0: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """Method, step (0: chosen), and its parameter: spectral radius of GALF, tolerance of RK45 and RAD5."""
+
+    method: str
+    step: float
+    parameter: float
+
+
+@dataclass(frozen=True)
+class VsdfModel:
+    """Everything the deck says, in its order."""
+
+    bodies: tuple[VsdfBody, ...]
+    time: TimeGrid
+    integrator: Integrator
+    ground: VsdfBody
+    joints: tuple[NodeJoint, ...] = ()
+    pins: tuple[Pin, ...] = ()
+    motions: tuple[Motion, ...] = ()
+    forces: tuple[NodeForce, ...] = ()
+    torques: tuple[BodyTorque, ...] = ()
+    springs: tuple[NodeSpring, ...] = ()
+    joint_springs: tuple[JointSpring, ...] = ()
+    gravity: Vector = (0.0, 0.0, 0.0)
+    outputs: tuple[End, ...] = ()
+
+    def global_position(self, end: End) -> np.ndarray:
+        """Where an end is at t = 0 (3,)."""
+        if end.point is not None:
+            return np.array(end.point)
+        body = self.ground if end.body == GROUND else self.bodies[end.body]
+        return body.global_position(end.node)

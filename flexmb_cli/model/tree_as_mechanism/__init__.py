@@ -1,0 +1,1 @@
+"""A tree in absolute coordinates, for `verify` and `--formulation absolute`."""

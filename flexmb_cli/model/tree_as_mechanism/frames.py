@@ -1,0 +1,80 @@
+"""What the hinges of a tree hang on when every body has coordinates of its own.
+
+A hinge sits on a *base*: a point P_k of a body, moving with a node where it has one, and the axes of
+P_k.  Where P_k turns with the slope of its node (DAFMS thesis, 1992, eqs. 2.7 and 2.24), massless
+*riders* stand between the body and the base, one for each axis it turns about.  Bodies are numbered
+as in the tree, riders behind them; -1 is the inertial frame.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..tree import INERTIAL, Tree
+from ..vectors import rotation_matrix
+
+RIGID = np.zeros((3, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """A point `place + shape @ eta` (3,) of a body, and `axes` (3, 3) in its columns, all in body axes."""
+
+    body: int
+    place: np.ndarray
+    shape: np.ndarray
+    axes: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Rider:
+    """A massless body at the point of `base`, turned about its `axis` (0, 1, 2) by `slope @ eta`.
+
+    `slope` (NM,): of the elastic coordinates of body `owner`.
+    """
+
+    name: str
+    base: Base
+    axis: int
+    owner: int
+    slope: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The bases of all hinges, and the riders that some stand on."""
+
+    bases: tuple[Base, ...]
+    riders: tuple[Rider, ...]
+
+
+def hinge_frames(tree: Tree) -> Frames:
+    """Bases and riders of a tree."""
+    bases, riders = [], []
+    for k, hinge in enumerate(tree.hinges):
+        base = Base(hinge.parent, np.array(hinge.point, float), node_shape(tree, hinge), np.eye(3))
+        for axis in range(3):
+            slope = RIGID[0] if hinge.elastic_rotation is None else hinge.elastic_rotation[axis]
+            if np.any(slope):
+                name = f"slope {axis + 1} at the hinge of {tree.bodies[k].name}"
+                riders.append(Rider(name, base, axis, hinge.parent, np.array(slope, float)))
+                base = Base(len(tree.bodies) + len(riders) - 1, np.zeros(3), RIGID, np.eye(3))
+        bases.append(Base(base.body, base.place, base.shape, rotation_matrix(hinge.frame)))
+    return Frames(tuple(bases), tuple(riders))
+
+
+def node_shape(tree: Tree, hinge) -> np.ndarray:
+    """Displacement (3, NM) of P_k per unit of each elastic coordinate of the parent."""
+    if hinge.parent == INERTIAL:
+        return RIGID
+    elastic = tree.bodies[hinge.parent].elastic
+    return RIGID if elastic is None else shape_of(elastic, hinge.node)
+
+
+def shape_of(elastic, node: int | None) -> np.ndarray:
+    """Displacement (3, NM) of a node per unit of each elastic coordinate; zeros for None."""
+    shape = np.zeros((3, elastic.coordinates))
+    if node is not None:
+        for i, axis in enumerate(elastic.axes):
+            shape[axis - 1, node * len(elastic.axes) + i] = 1.0
+    return shape

@@ -1,0 +1,66 @@
+"""What of a tree the formulation in absolute coordinates does not carry over."""
+
+from ...errors import Fault, ModelError
+from ..tree import INERTIAL, ROTATION, Hinge, Tree
+
+
+def refuse_foreign(tree: Tree) -> None:
+    """Raise ModelError with every item of the tree that only Kane's equations can treat here."""
+    faults = [fault for find in (_one_way, _weights, _dampers, _motors) for fault in find(tree)]
+    if faults:
+        raise ModelError(faults)
+
+
+def _one_way(tree):
+    if tree.one_way:
+        message = (
+            "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
+            "share; run the deck by --formulation kane, or without UNCO"
+        )
+        yield Fault("error", message)
+
+
+def _weights(tree):
+    """Geometric stiffening by gravity: the floating frame knows that by turning only."""
+    for body in tree.bodies:
+        stiffened = body.elastic is not None and body.elastic.stiffened_from is not None
+        if stiffened and any(tree.gravity):
+            message = (
+                "GSTF with gravity: in absolute coordinates a beam is stiffened by turning only; set GRAV "
+                "to zero, or run the deck by --formulation kane"
+            )
+            yield Fault("error", message, body.place, body.name)
+
+
+def _dampers(tree):
+    for spring in tree.springs:
+        if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
+            yield _foreign_hinge(tree, spring, "damper", "three free rotations")
+
+
+def _motors(tree):
+    """The angular velocities of three free rotations are no rates of coordinates."""
+    for motor in tree.motors:
+        hinge = tree.hinges[motor.body]
+        if hinge.parent != INERTIAL and motor.motion == ROTATION and len(hinge.rotations) == 3:
+            yield _foreign_hinge(tree, motor, "motor", "a moving parent and three free rotations")
+
+
+def has_fixed_axis(tree: Tree, motor) -> bool:
+    """Whether a motor acts along an axis that rests, or that both bodies of its hinge share at all times."""
+    hinge = tree.hinges[motor.body]
+    alone = motor.motion == ROTATION or len(hinge.translations) == 1
+    return hinge.parent == INERTIAL or (alone and has_shared_axis(hinge, motor.axis))
+
+
+def has_shared_axis(hinge: Hinge, axis: int) -> bool:
+    """Whether an axis of P_k is fixed in the body, too: nothing turns, or only about that axis."""
+    return hinge.rotations in ((), (axis,))
+
+
+def _foreign_hinge(tree, item, kind, what):
+    message = (
+        f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; run the deck by "
+        "--formulation kane"
+    )
+    return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}")

@@ -1,0 +1,112 @@
+"""Loads of a tree on bodies with coordinates of their own: records of `records.LOAD`."""
+
+import numpy as np
+
+from ..arrays.constraint_table import MeasureTable
+from ..arrays.records import FORCE, LOAD, NONE, RELATIVE, TORQUE, blank_load, law_record
+from ..time_functions import HELD_TABLE, POLYNOMIAL, MotionLaw
+from ..tree import ROTATION, Table, Tree
+from ..vectors import rotation_matrix
+from .frames import Frames, shape_of
+from .hinges import coordinate_measure
+from .limits import has_fixed_axis, has_shared_axis
+
+
+def tree_loads(table: MeasureTable, tree: Tree, frames: Frames) -> np.ndarray:
+    """All loads but gravity and elasticity."""
+    return _Loads(table, tree, frames).records()
+
+
+class _Loads:
+    """Collects the records."""
+
+    def __init__(self, table, tree, frames):
+        self.table, self.tree, self.frames = table, tree, frames
+        self.found = []
+
+    def records(self):
+        for k, body in enumerate(self.tree.bodies):
+            self._add(FORCE, self.table.arm(k, np.zeros(3)), body.force)
+            self._add(TORQUE, self.table.arm(k, np.zeros(3)), body.torque)
+            self._add_nodal(k, body.elastic)
+        for torque in self.tree.torques:
+            arm = self.table.arm(torque.body, np.zeros(3))
+            self._add(TORQUE, arm, np.eye(3)[torque.axis - 1], law=self._law(torque.law))
+        for motor in self.tree.motors:
+            if has_fixed_axis(self.tree, motor):
+                self._add_motor(motor)
+            else:
+                self._add_along_coordinate(motor)
+        for spring in self.tree.springs:
+            self._add_spring(spring)
+        return np.array(self.found, dtype=LOAD).reshape(-1)
+
+    def _add(self, kind, arm, vector, law=NONE, following=False):
+        if not np.any(vector):
+            return
+        record = blank_load(kind)
+        record["arm"], record["vector"] = arm, vector
+        record["law"], record["following"] = law, following
+        self.found.append(record)
+
+    def _add_nodal(self, k, elastic):
+        for node in range(len(elastic.masses) if elastic else 0):
+            arm = self.table.arm(k, elastic.positions[node], shape_of(elastic, node))
+            self._add(FORCE, arm, elastic.forces[node])
+
+    def _add_motor(self, motor):
+        """Torque or force along an axis that rests or that both bodies share, and its opposite."""
+        base, law = self.frames.bases[motor.body], self._law(motor.law)
+        kind = TORQUE if motor.motion == ROTATION else FORCE
+        axis = base.axes[:, motor.axis - 1]
+        own = _axis_in_body(self.tree.hinges[motor.body], motor)
+        arm = self.table.arm(motor.body, np.zeros(3))
+        self._add(kind, arm, axis if own is None else own, law, own is not None)
+        if base.body >= 0:
+            place = self.table.arm(base.body, base.place, base.shape if base.shape.size else None)
+            self._add(kind, place, -axis, law, True)
+
+    def _add_along_coordinate(self, motor):
+        """Generalised force along the hinge coordinate, whose axes move against each other."""
+        record = self._relative(motor)
+        record["law"] = self._law(motor.law)
+        self.found.append(record)
+
+    def _add_spring(self, spring):
+        record = self._relative(spring)
+        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
+        record["free_length"] = spring.rest
+        self.found.append(record)
+
+    def _relative(self, item):
+        """A load that acts in the hinge coordinate of a spring or motor."""
+        where = item.body, item.motion, item.axis
+        near = next(
+            q
+            for c, q in zip(self.tree.coordinates, self.tree.q, strict=True)
+            if (c.body, c.motion, c.axis) == where
+        )
+        record = blank_load(RELATIVE)
+        measure = coordinate_measure(self.table, self.tree, self.frames, *where, near)
+        record["measure"] = self.table.spring(measure)
+        return record
+
+    def _law(self, law: Table) -> int:
+        if len(law.times) == 1:
+            return self.table.law(MotionLaw(POLYNOMIAL, (law.values[0], 0.0, 0.0, 0.0)))
+        first = sum(map(len, self.table.knots))
+        # Past a jump at its end a table goes on: the kernel divides by the length of the last piece.
+        times, values = (*law.times, law.times[-1] + 1.0), (*law.values, law.values[-1])
+        self.table.knots.append(np.column_stack([times, values, np.zeros(len(times))]))
+        self.table.laws.append(law_record(HELD_TABLE, first=first, last=first + len(times) - 1))
+        return len(self.table.laws) - 1
+
+
+def _axis_in_body(hinge, motor):
+    """Axis (3,) of a motor where it is fixed in the body, as that of a second rotation is; else None."""
+    axis = np.eye(3)[motor.axis - 1]
+    if motor.motion == ROTATION and hinge.rotations[1:] == (motor.axis,):
+        return axis
+    if not has_shared_axis(hinge, motor.axis):
+        return None
+    return axis if hinge.rotations else rotation_matrix(hinge.attitude).T @ axis

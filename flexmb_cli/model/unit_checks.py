@@ -1,0 +1,190 @@
+"""What makes one doubt that a deck is in SI units, and bodies that have no mass: notes of all commands.
+
+A deck drawn in millimetres with masses in kilograms runs without complaint and gives nonsense.  Its
+gravity, its lengths, the radii of gyration of its bodies and their densities tell.  Masses in tonnes with all
+else in SI units divide densities by a thousand.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import Fault, Place
+from .flexible_mechanism import FlexibleMechanism
+from .loads import DynamicModel
+from .tree import Tree
+
+IN_MILLIMETRES = (9.5e3, 10.1e3)  # gravity of the earth, mm/s²
+ON_EARTH = (9.5, 10.1)  # m/s²
+FASTEST_SOUND = 2e4  # m/s; 18,000 in diamond
+LARGE = 50.0  # m between the joints of one body, for a mechanism under gravity
+WIDE = 30.0  # radius of gyration over the distance of joints: inertia in kg mm² would be 1000
+NARROW = 1e-2  # the other way round: 1e-3
+THIN = 1e-3  # kg/m³ of the box around its nodes; air has 1.2, osmium in millimetres 2e-5
+FOAM = 20.0  # kg/m³ of that box; light foams have 20, tungsten in tonnes 19, steel in tonnes 7.9
+# kg/m³ of the ellipsoid with a rigid body's mass and inertia.  With a mass in tonnes it grows √1000 times in
+# every direction: osmium gets 7e-4, steel 2.5e-4.  1 kg with 1 kg m² about all axes has 6e-2.
+HOLLOW = 1e-3
+
+
+@dataclass(frozen=True)
+class Extent:
+    """A body: mass, kg; principal moments about the mass centre, kg m²; farthest joint from it, m."""
+
+    name: str
+    mass: float
+    moments: tuple[float, ...]
+    size: float
+    place: Place | None = None
+
+    @property
+    def inertia(self) -> float:
+        """Largest principal moment of inertia, kg m²."""
+        return max(self.moments)
+
+    @property
+    def density(self) -> float:
+        """Density of the homogeneous ellipsoid with this mass and these moments, kg/m³; inf of a thin one."""
+        squares = [2.5 * (sum(self.moments) - 2.0 * moment) for moment in self.moments]
+        if not self.mass > 0.0 or min(squares) <= 0.0:
+            return np.inf
+        axes = np.sqrt(np.array(squares) / self.mass)
+        return self.mass / (4.0 / 3.0 * np.pi * float(np.prod(axes)))
+
+    @property
+    def radius(self) -> float:
+        """Radius of gyration, m."""
+        return (max(self.inertia, 0.0) / self.mass) ** 0.5 if self.mass > 0 else 0.0
+
+
+def unit_doubts(model: DynamicModel | FlexibleMechanism | Tree) -> list[Fault]:
+    """Notes on the bodies and the gravity of any model with masses."""
+    extents, gravity = _EXTENTS[type(model)](model), float(np.linalg.norm(model.gravity))
+    notes = [Fault("note", note, body.place, body.name) for body in extents for note in _of_body(body)]
+    if isinstance(model, FlexibleMechanism):
+        notes += [*_of_frequencies(model), *_of_densities(model)]
+    longest = max(extents, key=lambda body: body.size, default=None)
+    if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
+        notes.append(Fault("note", f"gravity {gravity:.6g} looks like mm/s²; decks are in SI units, m/s²"))
+    elif longest and ON_EARTH[0] <= gravity <= ON_EARTH[1] and longest.size > LARGE:
+        message = f"a joint is {longest.size:.4g} m from the mass centre: are lengths in mm? Decks are in m"
+        notes.append(Fault("note", message, longest.place, longest.name))
+    return notes
+
+
+def _of_body(body):
+    if body.mass == 0.0 and body.inertia == 0.0:
+        yield "has neither mass nor inertia: only what it is joined to can carry it"
+    if body.radius and body.size and not NARROW <= body.radius / body.size <= WIDE:
+        yield (
+            f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² make a radius of gyration of "
+            f"{body.radius:.3g} m, joints are up to {body.size:.3g} m from the mass centre: "
+            "are all in SI units?"
+        )
+    elif body.density < HOLLOW:
+        yield (
+            f"mass {body.mass:.4g} kg and inertia {body.inertia:.4g} kg m² are those of an ellipsoid of "
+            f"{body.density:.2g} kg/m³, air has 1.2: is the mass in kg, and not in tonnes?"
+        )
+
+
+def _of_frequencies(mechanism: FlexibleMechanism):
+    """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
+    for body in mechanism.bodies:
+        if body.flexible is None or not body.modes:
+            continue
+        size = float(np.ptp(body.flexible.r0, axis=0).max())
+        lowest = float(body.flexible.frequencies[0])
+        if lowest * size > FASTEST_SOUND:
+            message = (
+                f"the lowest frequency is {lowest:.3g} Hz in a body of {size:.3g} m, as if sound went at "
+                f"{lowest * size:.1g} m/s or faster: are mass in kg, stiffness in N/m, nodes in m?"
+            )
+            yield Fault("note", message, body.place, body.name)
+
+
+def _of_densities(mechanism: FlexibleMechanism):
+    """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
+    for body in mechanism.bodies:
+        if body.flexible is None:
+            continue
+        sides = _sides(body.flexible.r0)
+        volume = float(np.prod(sides))
+        box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are"
+        if body.m < THIN * volume:
+            message = f"{box} less than a thousandth of air: are the nodes in m?"
+            yield Fault("note", message, body.place, body.name)
+        elif body.m < FOAM * volume:
+            message = (
+                f"{box} {body.m / volume:.2g} kg/m³, less than foam: is the mass in kg, and not in tonnes?"
+            )
+            yield Fault("note", message, body.place, body.name)
+
+
+def _sides(points):
+    """Lengths of the box around points (n, 3), along their principal axes: slender bodies may lie askew."""
+    centred = points - points.mean(axis=0)
+    return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
+
+
+def _farthest(points, centre) -> float:
+    return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
+
+
+def _moments(inertia) -> tuple[float, ...]:
+    return tuple(np.linalg.eigvalsh(np.asarray(inertia, dtype=float)).tolist())
+
+
+def _about_centre(inertia, mass, centre):
+    c = np.asarray(centre, dtype=float)
+    return inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
+
+
+def _of_young(model: DynamicModel) -> Iterable[Extent]:
+    """Bodies that something moves: those held by ground constraints need no mass."""
+    mechanism = model.mechanism
+    held = {item.body for item in mechanism.grounds}
+    masses = {item.body: item for item in model.masses}
+    found = []
+    for k, body in enumerate(mechanism.bodies):
+        if k in held:
+            continue
+        points = [j.P_i for j in mechanism.joints if j.i == k] + [j.P_j for j in mechanism.joints if j.j == k]
+        given = masses.get(k)
+        if given is None:
+            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))
+            continue
+        xx, yy, zz, xy, yz, zx = given.inertia
+        moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))
+    return found
+
+
+def _of_mechanism(mechanism: FlexibleMechanism) -> Iterable[Extent]:
+    """Rigid bodies; those of finite elements have what their files say."""
+    found = []
+    for k, body in enumerate(mechanism.bodies):
+        if body.flexible is not None:
+            continue
+        ends = [end for joint in mechanism.joints for end in (*joint.a, *joint.b) if end.body == k]
+        centre = body.s0 / body.m if body.m else np.zeros(3)
+        moments = _moments(_about_centre(body.J0, body.m, centre))
+        found.append(Extent(body.name, body.m, moments, _farthest([e.r0 for e in ends], centre), body.place))
+    return found
+
+
+def _of_tree(tree: Tree) -> Iterable[Extent]:
+    """Rigid bodies; the root of each is its own hinge."""
+    found = []
+    for k, body in enumerate(tree.bodies):
+        if body.elastic is not None:
+            continue
+        points = [(0.0, 0.0, 0.0), *(hinge.point for hinge in tree.hinges if hinge.parent == k)]
+        moments = _moments(_about_centre(body.inertia, body.mass, body.centre))
+        size = _farthest(points, body.centre)
+        found.append(Extent(body.name, body.mass, moments, size, body.place))
+    return found
+
+
+_EXTENTS = {DynamicModel: _of_young, FlexibleMechanism: _of_mechanism, Tree: _of_tree}

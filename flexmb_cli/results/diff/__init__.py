@@ -1,0 +1,1 @@
+"""Comparison of listings, series and HDF5 results."""

@@ -1,0 +1,101 @@
+"""Compare the echoes of the input in two listings."""
+
+from itertools import groupby
+
+import numpy as np
+
+from ...deck.fortran_words import overflows
+from ...deck.listing import DAFMS_ECHO, YOUNG_TABLE, EchoLine, Listing
+from ...dialects.young.errata import SINGLE_PRECISION, single_precision
+from .report import Found, Report
+from .tolerances import Tolerances
+from .words import compare_words
+
+
+def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
+    """Compare what two listings of the same form print of their decks."""
+    if not tolerances.of("echo").ignores:
+        report.words += compare_words(a, b)
+    if a.form == DAFMS_ECHO:
+        _compare_tags(report, a, b, tolerances)
+    else:
+        for kind in dict.fromkeys(line.kind for line in (*a.echo, *b.echo)):
+            if not tolerances.of(kind).ignores:
+                _compare_head(report, kind, a, b, tolerances)
+
+
+def as_stars(a: np.ndarray, b: np.ndarray, edit_of) -> tuple[np.ndarray, np.ndarray]:
+    """Both with inf wherever one is stars (inf) and the other would be stars too; `edit_of(position)`."""
+    a, b = a.copy(), b.copy()
+    for one, other in ((a, b), (b, a)):
+        for place in map(tuple, np.argwhere(np.isinf(one) & np.isfinite(other))):
+            if overflows(float(other[place]), edit_of(place)):
+                other[place] = one[place]
+    return a, b
+
+
+def _compare_head(report, kind, a, b, tolerances):
+    """Number by number, when both have as many on every line."""
+    lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
+    counts = [[len(line.values) for line in part] for part in lines]
+    if counts[0] == counts[1]:
+        _compare_lines(report, *lines, tolerances, a.form == YOUNG_TABLE)
+        return
+    title = "echo of the input" if kind == "echo" else kind
+    sums = [sum(part) for part in counts]
+    if sums[0] != sums[1]:
+        report.missing.append(f"{title}: {sums[0]} numbers in {a.name}, {sums[1]} in {b.name}")
+    else:
+        report.missing.append(f"{title}: the numbers of {a.name} and {b.name} stand on different lines")
+
+
+def _compare_tags(report, a, b, tolerances):
+    """Tag by tag, since each of them may be spread over its lines in another way."""
+    tags_a, tags_b = _by_title(a.echo), _by_title(b.echo)
+    for title in dict.fromkeys([*tags_a, *tags_b]):
+        lines = tags_a.get(title, []), tags_b.get(title, [])
+        if tolerances.of((lines[0] or lines[1])[0].kind).ignores:
+            continue
+        counts = [sum(len(line.values) for line in part) for part in lines]
+        if counts[0] == counts[1]:
+            _compare_lines(report, *lines, tolerances)
+        else:
+            report.missing.append(f"{title}: {counts[0]} numbers in {a.name}, {counts[1]} in {b.name}")
+
+
+def _by_title(echo):
+    tags: dict[str, list[EchoLine]] = {}
+    for line in echo:
+        tags.setdefault(line.title, []).append(line)
+    return tags
+
+
+def _compare_lines(report, lines_a, lines_b, tolerances, rounded=False):
+    """Lines with as many numbers, kind by kind; `rounded`: older programs chose fewer decimals."""
+    flat = _flattened(lines_a), _flattened(lines_b)
+    order = sorted(range(len(flat[0])), key=lambda k: flat[0][k][0].kind)
+    for kind, group in groupby(order, key=lambda k: flat[0][k][0].kind):
+        _compare_kind(report, kind, list(group), flat, tolerances.of(kind), rounded)
+
+
+def _flattened(lines):
+    """(line, place in the line) of every number."""
+    return [(line, place) for line in lines for place in range(len(line.values))]
+
+
+def _compare_kind(report, kind, chosen, flat, tolerance, rounded):
+    places, others = ([part[k] for k in chosen] for part in flat)
+    a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
+    units = [np.array([line.units[n] for line, n in part]) for part in (places, others)]
+    unit = np.maximum(*units)
+    slack, known = np.where((units[0] != units[1]) & rounded, 0.5 * unit, 0.0), ()
+    if places[0][0].edits:
+        a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
+        if report.explaining:
+            known = ((SINGLE_PRECISION, single_precision(a, b, unit)),)
+
+    def describe(position, distance):
+        line, number = places[position[0]]
+        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)
+
+    report.compare(kind, a, b, tolerance, describe, unit, slack, known)

@@ -1,0 +1,249 @@
+"""Compare two HDF5 results dataset by dataset, a part of the rows at a time."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+
+import h5py
+import numpy as np
+
+from ...deck.listing import TableError
+from ...errors import Fault, visible
+from ..hdf5.stored_result import (
+    Damaged,
+    attribute,
+    check_shapes,
+    check_structure,
+    datasets,
+    is_number,
+    scale_of,
+    texts,
+    understood,
+)
+from .report import Found, Report
+from .tolerances import Tolerances
+from .words import WORDS_OF_RESULTS, compare_names
+
+DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
+# So many numbers are compared at once: results may be larger than the memory.
+NUMBERS_AT_ONCE = 2**21
+
+KIND_OF = {
+    "time": "time",
+    "body/position": "position",
+    "body/euler_parameters": "euler",
+    "body/velocity": "velocity",
+    "body/euler_parameter_rates": "euler_rate",
+    "body/angular_velocity": "omega",
+    "body/acceleration": "acceleration",
+    "body/euler_parameter_accelerations": "euler_acceleration",
+    "body/angular_acceleration": "alpha",
+    "point/position": "point_position",
+    "point/velocity": "point_velocity",
+    "point/acceleration": "point_acceleration",
+    "coordinate/q": "coordinate",
+    "coordinate/u": "speed",
+    "reaction/force": "force",
+    "reaction/torque": "torque",
+    "held/force": "force",
+    "held/torque": "torque",
+    "driver/effort": "effort",
+}
+KIND_OF_GROUP = {"audit": "audit", "energy": "energy", "elastic": "elastic", "modal": "modal"}
+SIGNED = ("body/euler_parameters", "body/euler_parameter_rates", "body/euler_parameter_accelerations")
+# The text of decks and studies may differ where the results do not: a comment, the order of the spaces.
+NOT_COMPARED = ("deck", "study")
+COMPARED_ATTRIBUTES = ("analysis", "status")
+# What the attribute Conventions begins with, and the dataset that has a number for every row.
+KIND_OF_FILE = {"flexmb-study": "the table of a study", "flexmb": "a result"}
+TOLD_BY = {"flexmb-study": "case", "flexmb": "time"}
+
+
+def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False) -> Report:
+    """Compare two HDF5 results; see `diff.compare`."""
+    tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
+    report = Report(path_a, path_b)
+    with open_sound(path_a) as a, open_sound(path_b) as b:
+        kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
+        if kinds[0] != kinds[1]:
+            message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of a kind"
+            raise TableError(path_b, [Fault("error", message)])
+        with _understood_in(f"{path_a} or {path_b}"):
+            _compare_files(report, a, b, tolerances, same_attitude)
+    return report
+
+
+@contextmanager
+def open_sound(path: str) -> Iterator[h5py.File]:
+    """The HDF5 file at `path`; raises TableError when it is not built as flexmb builds files."""
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {error}")]) from error
+    with file:
+        with _understood_in(path):
+            check_structure(file)
+        yield file
+
+
+def _kind_of_file(path, file):
+    """What the file is, in words; raises TableError when it is nothing that flexmb writes."""
+    with _understood_in(path):
+        conventions = attribute(file, "Conventions")
+    for begins, what in KIND_OF_FILE.items():
+        if conventions.startswith(begins) and TOLD_BY[begins] in file:
+            return what
+    message = "this HDF5 file is no result of flexmb: it lacks the attribute Conventions of one, or its rows"
+    raise TableError(path, [Fault("error", message)])
+
+
+@contextmanager
+def _understood_in(path):
+    try:
+        with understood():
+            yield
+    except Damaged as fault:
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {fault}")]) from fault
+
+
+def _compare_files(report, a, b, tolerances, same_attitude):
+    for name in COMPARED_ATTRIBUTES:
+        first, second = (attribute(file, name) for file in (a, b))
+        if first != second:
+            report.missing.append(f"{name}: {first} against {second}")
+    for name in WORDS_OF_RESULTS:
+        first, second = (attribute(file, name) for file in (a, b))
+        if first != second:
+            report.words.append(f"{name}: {first!r} against {second!r}")
+    flips = same_attitude and _have_attitudes(a, b)
+    found = _compared_datasets(a), _compared_datasets(b)
+    if attribute(a, "Conventions") != attribute(b, "Conventions"):
+        # Versions of the format have scales of the same numbers at other places.
+        _leave_out_lone_scales(*found)
+    for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
+        tolerance = tolerances.of(kind_of(name))
+        if tolerance.ignores:
+            continue
+        if name in found[0] and name in found[1]:
+            signs = partial(_signs, a, b) if flips and name in SIGNED else None
+            # Not kept open: HDF5 has a store of megabytes for each that was read.
+            pair = found[0].pop(name), found[1].pop(name)
+            _compare_dataset(report, name, pair, tolerance, signs)
+        else:
+            report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
+
+
+def kind_of(name: str) -> str:
+    """Kind of a dataset, as tolerances name it."""
+    return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
+
+
+def _compared_datasets(file):
+    return {name: dataset for name, dataset in datasets(file).items() if name not in NOT_COMPARED}
+
+
+def _leave_out_lone_scales(one, other):
+    """Take the dimension scales that only one of two files has out of its datasets."""
+    lone = [
+        (item, name) for item, beside in ((one, other), (other, one)) for name in item.keys() - beside.keys()
+    ]
+    for found, name in lone:
+        if h5py.h5ds.is_scale(found[name].id):
+            del found[name]
+
+
+def _compare_dataset(report, name, pair, tolerance, signs):
+    """Compare two datasets; `signs`, where there are any, turn part by part of the second one's rows."""
+    first, second = pair
+    if is_number(first) != is_number(second):
+        report.missing.append(f"/{name}: numbers in one file, text in the other")
+        return
+    rows = _common_rows(report, name, first, second)
+    if rows is None:
+        return
+    if not is_number(first):
+        _compare_text(report, name, first[()], second[()])
+    elif first.ndim == 0:
+        _compare_part(report, name, first, slice(0, 0), (first[()], second[()]), tolerance)
+    else:
+        block = max(1, NUMBERS_AT_ONCE // max(1, math.prod(first.shape[1:])))
+        for start in range(0, rows, block):
+            part = slice(start, min(start + block, rows))
+            values = first[part], second[part]
+            if signs:
+                values = values[0], values[1] * signs(part)
+            _compare_part(report, name, first, part, values, tolerance)
+
+
+def _common_rows(report, name, first, second):
+    """Rows that both datasets have; None when their shapes cannot be compared."""
+    if first.shape == second.shape:
+        return first.shape[0] if first.shape else 0
+    report.missing.append(f"/{name}: shape {_shape(first)} against {_shape(second)}")
+    alike = first.ndim == second.ndim and first.shape[1:] == second.shape[1:] and is_number(first)
+    return min(first.shape[0], second.shape[0]) if alike and first.ndim else None
+
+
+def _compare_text(report, name, first, second):
+    if name.endswith("/name") and np.shape(first) == np.shape(second):
+        report.words += compare_names(name, first, second)
+    elif not np.array_equal(first, second):
+        report.missing.append(f"/{name}: the text differs")
+
+
+def _compare_part(report, name, dataset, part, values, tolerance):
+    first, second = (np.atleast_1d(np.asarray(block, dtype=float)) for block in values)
+
+    def describe(position, distance):
+        row = part.start + int(position[0])
+        timed = _has_time(dataset, name)
+        time = float(dataset.file["time"][row]) if timed else None
+        item, column = _labels(dataset, (row, *position[1:]), timed)
+        return Found(
+            f"/{name}", item, column, time, float(first[position]), float(second[position]), distance
+        )
+
+    report.compare(kind_of(name), first, second, tolerance, describe)
+
+
+def _has_time(dataset, name):
+    scale = scale_of(dataset, 0) if dataset.ndim else None
+    return scale is not None and scale == dataset.file.get("time") and is_number(scale) and name != "time"
+
+
+def _labels(dataset, position, timed):
+    """Readable item and column of an element, from the scales of its axes but time."""
+    words = []
+    for axis, number in list(enumerate(position[: dataset.ndim]))[timed:]:
+        scale = scale_of(dataset, axis)
+        bare = f"{'' if axis else 'row '}{int(number) + 1}"
+        words.append(_label(scale, int(number)) if scale is not None else bare)
+    return (" ".join(words[:-1]), words[-1]) if words else ("", "")
+
+
+def _label(scale, number):
+    if not is_number(scale):
+        return texts(scale)[number]
+    return f"{scale.name.rpartition('/')[2]} {scale[number]:g}"
+
+
+def _have_attitudes(a, b):
+    name = SIGNED[0]
+    if name not in a or name not in b:
+        return False
+    # Rates and accelerations are turned by the signs of the parameters, row by row.
+    for file in (a, b):
+        check_shapes(file, dict.fromkeys(SIGNED, "tb4"), {})
+    return a[name].shape[1:] == b[name].shape[1:]
+
+
+def _signs(a, b, part):
+    """Signs (rows, bodies, 1) that turn b's Euler parameters towards a's."""
+    with np.errstate(invalid="ignore"):
+        against = (a[SIGNED[0]][part] * b[SIGNED[0]][part]).sum(axis=2, keepdims=True) < 0
+    return np.where(against, -1.0, 1.0)
+
+
+def _shape(dataset):
+    return "(" + ", ".join(map(str, dataset.shape)) + ")"

@@ -1,0 +1,302 @@
+"""Compare two OUT tables, or two HDF5 results, number by number."""
+
+import numpy as np
+
+from ...deck.listing import (
+    DAFMS_ECHO,
+    DAFMS_SERIES,
+    LARGEST_INDEX,
+    VSDF_LISTING,
+    YOUNG_TABLE,
+    Listing,
+    Section,
+    TableError,
+    plain_text,
+    read_bytes,
+)
+from ...dialects.dafms.listing_reader import parse_echo, parse_series
+from ...dialects.vsdf.listing_reader import parse_vsdf
+from ...dialects.young.errata import young_errors
+from ...dialects.young.listing_reader import parse_listing
+from ...errors import Fault
+from .echo import as_stars, compare_echo
+from .report import Found, Report
+from .tolerances import ToleranceError, Tolerances
+
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+MARK_OF_FAILURE = {
+    YOUNG_TABLE: "CONVERGENCE FAILED or RUN STOPPED",
+    DAFMS_ECHO: "a note of failure",
+    DAFMS_SERIES: "the note of a stop",
+    VSDF_LISTING: "THE RUN ENDED BEFORE THE LAST TIME",
+}
+# The parts of the sections that change sign with the Euler parameters.
+SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
+
+
+def compare(
+    path_a,
+    path_b,
+    tolerances: Tolerances | None = None,
+    same_attitude: bool = False,
+    explain: bool = False,
+    words: bool = False,
+) -> Report:
+    """Compare two results of the same format.
+
+    `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
+    that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
+    cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
+    """
+    report = _compared(path_a, path_b, tolerances or Tolerances(), same_attitude, explain)
+    report.words_count = words
+    return report
+
+
+def _compared(path_a, path_b, tolerances: Tolerances, same_attitude: bool, explain: bool) -> Report:
+    kinds = [is_hdf5(path) for path in (path_a, path_b)]
+    if all(kinds):
+        from .hdf5 import compare_hdf5
+
+        if tolerances.last_digit:
+            message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
+            raise ToleranceError(message)
+        return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
+    if any(kinds):
+        other = path_b if kinds[0] else path_a
+        if None in kinds:
+            read_listing(other)  # it words why the file cannot be opened
+        message = "this is no HDF5 result, the other file is; compare two tables, or two HDF5 results"
+        raise TableError(str(other), [Fault("error", message)])
+    a, b = (read_listing(path) for path in (path_a, path_b))
+    if a.form != b.form:
+        raise TableError(
+            b.name, [Fault("error", f"it is of another kind ({b.form}) than {a.name} ({a.form})")]
+        )
+    return compare_listings(a, b, tolerances, same_attitude, explain)
+
+
+def compare_listings(
+    a: Listing, b: Listing, tolerances: Tolerances, same_attitude: bool = False, explain: bool = False
+) -> Report:
+    """Compare two listings of the same form that were read; see `compare`."""
+    report = Report(a.name, b.name, explaining=explain)
+    compare_echo(report, a, b, tolerances)
+    rows_a, rows_b = _matching_rows(report, a, b)
+    _compare_times(report, a, b, rows_a, rows_b, tolerances)
+    flips = _flips((a, b), (rows_a, rows_b)) if same_attitude else None
+    for name in [*a.sections, *(name for name in b.sections if name not in a.sections)]:
+        if name in a.sections and name in b.sections:
+            _compare_section(report, name, (a, b), (rows_a, rows_b), tolerances, flips)
+        else:
+            report.missing.append(
+                f"{name}: there is no such section in {(b if name in a.sections else a).name}"
+            )
+    if a.failed != b.failed:
+        report.missing.append(f"only {(a if a.failed else b).name} ends with {MARK_OF_FAILURE[a.form]}")
+    return report
+
+
+def is_hdf5(path) -> bool | None:
+    """Whether the file at `path` is HDF5; None when it cannot be opened."""
+    if str(path) == "-":
+        return False
+    try:
+        with open(path, "rb") as file:
+            return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
+    except OSError:
+        # The reader that opens it again words the fault.
+        return None
+
+
+def read_listing(path) -> Listing:
+    """The listing or series at `path`; raises `TableError` when it is none."""
+    name = str(path)
+    content = read_bytes(path)
+    text = plain_text(content)
+    listing = parse_echo(name, text) or parse_vsdf(name, text) or parse_listing(name, content)
+    listing = listing or parse_series(name, text)
+    if listing is None:
+        message = (
+            "no OUT table is found in it: there is neither a line TIME= nor an echo of a YOUNG deck, "
+            "no echo of a DAFMS deck (==N==NDM==) and no time series of one, no listing of a VSDF deck"
+        )
+        raise TableError(name, [Fault("error", message)])
+    return listing
+
+
+def _matching_rows(report, a, b):
+    """Row numbers of `a` and `b` that belong together: all in order, or by time when their numbers differ."""
+    if len(a.time) == len(b.time):
+        rows = np.arange(len(a.time))
+        return rows, rows
+    rows_a, rows_b = _common(_occurrences(a.time), _occurrences(b.time))
+    for listing, other, rows in ((a, b, rows_a), (b, a, rows_b)):
+        alone = np.setdiff1d(np.arange(len(listing.time)), rows)
+        if alone.size:
+            times = _few([f"{listing.time[row]:.10g}" for row in alone])
+            report.missing.append(f"{alone.size} rows of {listing.name} are not in {other.name}: t = {times}")
+    return rows_a, rows_b
+
+
+def _occurrences(time):
+    """Pairs (time, how often it came before), since three decimals print several rows alike."""
+    seen: dict[float, int] = {}
+    pairs = []
+    for value in time.tolist():
+        seen[value] = seen.get(value, -1) + 1
+        pairs.append((value, seen[value]))
+    return pairs
+
+
+def _common(keys_a, keys_b):
+    """Positions of the keys that both lists have, in the order of the first."""
+    place = {key: row for row, key in enumerate(keys_b)}
+    rows = [(row, place[key]) for row, key in enumerate(keys_a) if key in place]
+    return tuple(
+        np.array(column, dtype=np.int64) for column in (zip(*rows, strict=True) if rows else ((), ()))
+    )
+
+
+def _compare_times(report, a, b, rows_a, rows_b, tolerances):
+    if not len(a.time) and not len(b.time):
+        return
+    time_a, time_b = a.time[rows_a], b.time[rows_b]
+
+    def describe(position, distance):
+        row = position[0]
+        return Found("time", f"row {row + 1}", "", None, float(time_a[row]), float(time_b[row]), distance)
+
+    report.compare("time", time_a, time_b, tolerances.of("time"), describe, max(a.time_unit, b.time_unit))
+
+
+def _compare_section(report, name, listings, rows, tolerances, flips):
+    sections = [listing.sections[name] for listing in listings]
+    picks = _matching_lines(name, listings, rows)
+    first = sections[0]
+    _report_lines(report, name, listings, rows, picks)
+    shared = [column for column in first.columns if column in sections[1].columns]
+    _report_columns(report, name, listings, sections)
+    values, units = zip(*map(_shared_block, sections, picks, (shared, shared)), strict=True)
+    kinds = np.array([first.kinds[first.columns.index(column)] for column in shared])
+    if first.edits:
+        edits = [first.edits[first.columns.index(column)] for column in shared]
+        values = as_stars(*values, lambda position: edits[position[1]])
+    if flips is not None:
+        signs = np.where(np.isin(_keys(first, picks[0]), flips), -1.0, 1.0)
+        values = values[0], np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])
+    unit = np.maximum(*units)
+    # Where one file prints fewer decimals, the other can agree no better than to half a unit; numbers with
+    # exponents all have the same number of digits.
+    slack = np.where((units[0] == units[1]) | bool(first.edits), 0.0, 0.5 * unit)
+    known = _known_errors(report, name, listings[0], picks[0], shared)
+    for kind in dict.fromkeys(kinds.tolist()):
+        columns = np.flatnonzero(kinds == kind)
+        describe = _describer(name, listings[0], picks[0], columns, shared, values)
+        a, b, unit_here, slack_here = (block[:, columns] for block in (*values, unit, slack))
+        marked = [(cause, mask[:, columns]) for cause, mask in known]
+        report.compare(kind, a, b, tolerances.of(kind), describe, unit_here, slack_here, marked)
+
+
+def _shared_block(section, pick, shared):
+    """Values and units of the last digits, both (lines, columns), of the lines `pick`."""
+    columns = [section.columns.index(column) for column in shared]
+    units = np.broadcast_to(section.units, section.values.shape)
+    return section.values[pick][:, columns], units[pick][:, columns]
+
+
+def _known_errors(report, name, listing, pick, shared):
+    """Causes, each with the mask (lines, columns) of the cells that it spoils."""
+    if not report.explaining or listing.form != YOUNG_TABLE:
+        return []
+    section = listing.sections[name]
+    columns = np.array([section.columns.index(column) + 1 for column in shared])
+    index, step = section.index[pick, None], section.step[pick, None]
+    errors = [error for error in young_errors(report.a, report.b) if error.section == name]
+    places = [f"{error.deck}, {name}, {section.item} {error.index}" for error in errors]
+    return [
+        (f"{place}: {error.cause}", error.holds(index, columns, step))
+        for place, error in zip(places, errors, strict=True)
+    ]
+
+
+def _describer(name, listing, pick, columns, shared, values):
+    section: Section = listing.sections[name]
+
+    def describe(position, distance):
+        row, column = position[0], columns[position[1]]
+        line = pick[row]
+        time = float(listing.time[section.step[line]])
+        a, b = (float(block[row, column]) for block in values)
+        return Found(name, section.name_of(line), shared[column], time, a, b, distance)
+
+    return describe
+
+
+def _matching_lines(name, listings, rows):
+    """Line numbers of the section in both tables that belong to the same row and item."""
+    keys = [_ranked(listing, name, chosen) for listing, chosen in zip(listings, rows, strict=True)]
+    if (
+        all(np.array_equal(left, right) for left, right in zip(*keys, strict=True))
+        and (keys[0][0] >= 0).all()
+    ):
+        everything = np.arange(len(keys[0][0]))
+        return everything, everything
+    pairs = [list(zip(rank.tolist(), index.tolist(), strict=True)) for rank, index in keys]
+    return _common(*[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)])
+
+
+def _ranked(listing, name, chosen):
+    """For every line of the section: its row among the rows that both tables have (else -1), and its item."""
+    section = listing.sections[name]
+    rank = np.full(len(listing.time), -1)
+    rank[chosen] = np.arange(len(chosen))
+    return rank[section.step], section.index
+
+
+def _report_lines(report, name, listings, rows, picks):
+    """Lines of rows that both tables have, but of a body or point that one of them lacks."""
+    for k, (listing, other) in enumerate((listings, listings[::-1])):
+        section = listing.sections[name]
+        rank, _ = _ranked(listing, name, rows[k])
+        alone = np.setdiff1d(np.flatnonzero(rank >= 0), picks[k])
+        if alone.size:
+            times = [f"t = {listing.time[section.step[n]]:.10g}" for n in alone]
+            names = [section.name_of(n) for n in alone]
+            places = [f"{name} at {t}" if name else t for name, t in zip(names, times, strict=True)]
+            lines = f"{name}: {alone.size} lines of {listing.name} are not in {other.name}"
+            report.missing.append(f"{lines}: {_few(places)}")
+
+
+def _report_columns(report, name, listings, sections):
+    for k in (0, 1):
+        alone = [column for column in sections[k].columns if column not in sections[1 - k].columns]
+        if alone:
+            report.missing.append(f"{name}: {listings[1 - k].name} has no column {', '.join(alone)}")
+
+
+def _flips(listings, rows):
+    """The lines of `a` whose Euler parameters point against b's, as keys of row and body."""
+    if any("position" not in listing.sections for listing in listings):
+        return np.array([], dtype=np.int64)
+    pick_a, pick_b = _matching_lines("position", listings, rows)
+    section = listings[0].sections["position"]
+    p_a, p_b = (
+        _attitudes(x.sections["position"])[pick] for x, pick in zip(listings, (pick_a, pick_b), strict=True)
+    )
+    with np.errstate(invalid="ignore"):
+        against = (p_a * p_b).sum(axis=1) < 0
+    return _keys(section, pick_a)[against]
+
+
+def _attitudes(section):
+    columns = [k for k, kind in enumerate(section.kinds) if kind == "euler"]
+    return section.values[:, columns] if len(columns) == 4 else np.zeros((len(section.values), 4))
+
+
+def _keys(section, lines):
+    return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
+
+
+def _few(words, most=3):
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")

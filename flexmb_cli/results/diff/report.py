@@ -1,0 +1,222 @@
+"""What a comparison found: counts for every kind of column, the worst place, what is missing."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import visible
+from .tolerances import KINDS, Tolerance
+
+SHOWN_MISSING = 20
+SHOWN_WORDS = 5
+
+
+@dataclass(frozen=True)
+class Found:
+    """One place at which two results are compared; `time` and `line` are None where there is none."""
+
+    section: str
+    item: str
+    column: str
+    time: float | None
+    a: float
+    b: float
+    distance: float
+
+    @property
+    def sentence(self) -> str:
+        """The place and both values in one line."""
+        words = [word for word in (self.section, self.item, self.column) if word]
+        where = ", ".join(words) + ("" if self.time is None else f" at t = {self.time:.10g}")
+        return f"{where}: {self.a!r} against {self.b!r}"
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`; numbers that JSON does not know are given as text."""
+        return {
+            "section": self.section,
+            "item": self.item,
+            "column": self.column,
+            "time": _json_number(self.time),
+            "a": _json_number(self.a),
+            "b": _json_number(self.b),
+            "distance": _json_number(self.distance),
+        }
+
+
+@dataclass
+class Tally:
+    """Numbers of one kind: how many were compared and differ, and the largest distances.
+
+    `explained` of the differing ones are known errors; `worst` is the worst of the others.
+    """
+
+    compared: int = 0
+    differing: int = 0
+    explained: int = 0
+    largest: float = 0.0
+    worst: Found | None = None
+
+    def add(self, differs: np.ndarray, distance: np.ndarray, known: np.ndarray, describe) -> None:
+        """Count a block; `describe(position)` gives the `Found` at an index of the block."""
+        self.compared += distance.size
+        if not distance.size:
+            return
+        self.largest = max(self.largest, float(distance.max()))
+        count = int(np.count_nonzero(differs))
+        if not count:
+            return
+        self.differing += count
+        self.explained += int(np.count_nonzero(differs & known))
+        unknown = differs & ~known
+        if not unknown.any():
+            return
+        position = np.unravel_index(int(np.argmax(np.where(unknown, distance, -1.0))), distance.shape)
+        if self.worst is None or float(distance[position]) > self.worst.distance:
+            self.worst = describe(position)
+
+
+@dataclass
+class Report:
+    """Result of `compare`: `a` and `b` are the names of the files.
+
+    `words` tells of lines of text that differ; they count as a difference only with `words_count`.
+    """
+
+    a: str
+    b: str
+    missing: list[str] = field(default_factory=list)
+    tallies: dict[str, Tally] = field(default_factory=dict)
+    words: list[str] = field(default_factory=list)
+    words_count: bool = False
+    explaining: bool = False
+    causes: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def equal(self) -> bool:
+        """Whether nothing differs beyond tolerance, nothing is missing, and no words that count differ."""
+        return not self.missing and not self.differing and not (self.words_count and self.words)
+
+    @property
+    def compared(self) -> int:
+        """How many numbers were compared."""
+        return sum(tally.compared for tally in self.tallies.values())
+
+    @property
+    def differing(self) -> int:
+        """How many numbers differ beyond tolerance."""
+        return sum(tally.differing for tally in self.tallies.values())
+
+    @property
+    def explained(self) -> int:
+        """How many of these are known errors of the historic programs."""
+        return sum(tally.explained for tally in self.tallies.values())
+
+    @property
+    def exit_code(self) -> int:
+        """0: no difference; 1: they differ."""
+        return 0 if self.equal else 1
+
+    @property
+    def worst(self) -> Found | None:
+        """The place of the largest distance among the numbers that differ and are not explained."""
+        places = [tally.worst for tally in self.tallies.values() if tally.worst is not None]
+        return max(places, key=lambda place: place.distance, default=None)
+
+    def compare(
+        self, kind: str, a, b, tolerance: Tolerance, describe, unit=None, slack=0.0, known=()
+    ) -> None:
+        """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there.
+
+        `unit` and `slack` as in `Tolerance.exceeded`; `known` are pairs (cause, mask of the block).
+        """
+        if tolerance.ignores:
+            return
+        differs, distance = tolerance.exceeded(a, b, unit, slack)
+        marked = np.zeros(distance.shape, dtype=bool)
+        for cause, mask in known:
+            count = int(np.count_nonzero(differs & mask))
+            if count:
+                self.causes[cause] = self.causes.get(cause, 0) + count
+            marked |= mask
+        tally = self.tallies.setdefault(kind, Tally())
+        tally.add(differs, distance, marked, lambda position: describe(position, float(distance[position])))
+
+    def text(self) -> str:
+        """Summary for a reader: what is missing, a table of kinds, the worst place."""
+        lines = list(self.missing[:SHOWN_MISSING])
+        if len(self.missing) > SHOWN_MISSING:
+            lines.append(f"… and {len(self.missing) - SHOWN_MISSING} more of this sort")
+        lines += [f"words: {sentence}" for sentence in self.words[:SHOWN_WORDS]]
+        if len(self.words) > SHOWN_WORDS:
+            lines.append(f"words: … and {len(self.words) - SHOWN_WORDS} more")
+        if self.differing:
+            lines += self._table()
+            lines += [f"known: {cause}: {count} numbers" for cause, count in self.causes.items()]
+            if self.worst:
+                lines.append(f"worst: {self.worst.sentence}")
+        lines.append(self._verdict())
+        return "\n".join(lines) + "\n"
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`."""
+        return {
+            "a": self.a,
+            "b": self.b,
+            "equal": self.equal,
+            "compared": self.compared,
+            "differing": self.differing,
+            "explained": self.explained,
+            "known_errors": [{"cause": cause, "count": count} for cause, count in self.causes.items()],
+            "missing": self.missing,
+            "words": self.words,
+            "worst": self.worst and self.worst.as_dict(),
+            "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
+        }
+
+    def _kinds(self):
+        return [kind for kind in KINDS if kind in self.tallies]
+
+    def _table(self):
+        known = self.explaining
+        rows = [("kind", "compared", "differ", *known * ("known",), "largest", "worst place")]
+        for kind in self._kinds():
+            tally = self.tallies[kind]
+            counts = (tally.compared, tally.differing, *known * (tally.explained,))
+            place = tally.worst.sentence if tally.worst else ""
+            rows.append((kind, *map(str, counts), f"{tally.largest:.3g}", place))
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return [_aligned(row, widths) for row in rows]
+
+    def _verdict(self):
+        words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""
+        files = f"{visible(self.a)}, {visible(self.b)}"
+        if not self.missing and not self.differing:
+            return f"{files}: no difference in {self.compared} numbers{words}"
+        known = f", {self.explained} of them by known errors" if self.explaining else ""
+        counts = f"{self.differing} of {self.compared} numbers differ{known}"
+        return f"{files}: {counts}, {len(self.missing)} things are missing{words}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def _aligned(row, widths):
+    """The kind to the left, figures to the right, the place as it is."""
+    figures = [cell.rjust(width) for cell, width in zip(row[1:-1], widths[1:-1], strict=True)]
+    return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
+
+
+def _tally_record(tally):
+    return {
+        "compared": tally.compared,
+        "differing": tally.differing,
+        "explained": tally.explained,
+        "largest": _json_number(tally.largest),
+        "worst": tally.worst and tally.worst.as_dict(),
+    }
+
+
+def _json_number(value):
+    return value if value is None or math.isfinite(value) else str(value)

@@ -1,0 +1,133 @@
+"""What counts as a difference between two results, for every kind of column."""
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...errors import Fault, FlexmbError
+
+KINDS = (
+    "time",
+    "position",
+    "euler",
+    "velocity",
+    "euler_rate",
+    "omega",
+    "acceleration",
+    "euler_acceleration",
+    "alpha",
+    "point_position",
+    "point_velocity",
+    "point_acceleration",
+    "speed",
+    "coordinate",
+    "state",
+    "count",
+    "length",
+    "mass",
+    "inertia",
+    "stiffness",
+    "force",
+    "torque",
+    "effort",
+    "energy",
+    "elastic",
+    "modal",
+    "echo",
+    "audit",
+    "other",
+)
+
+
+class ToleranceError(FlexmbError):
+    """A `--tol` that cannot be understood (exit 2)."""
+
+    exit_code = 2
+    of_the_call = True
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Values differ when they exceed `atol`, `rtol` (of the larger) and `last_digit` printed units alike."""
+
+    atol: float = 0.0
+    rtol: float = 0.0
+    last_digit: int = 0
+
+    @property
+    def ignores(self) -> bool:
+        """Whether nothing of this kind counts, not even that it is missing."""
+        return math.isinf(self.atol)
+
+    def exceeded(self, a: np.ndarray, b: np.ndarray, unit=None, slack=0.0) -> tuple[np.ndarray, np.ndarray]:
+        """(differs, distance) for values of equal shape; NaN equals NaN only.
+
+        `unit` is one unit of the last printed digit, broadcast to `a`; None for values that were not
+        printed.  `slack` is allowed in any case: half a unit where one was printed with fewer decimals.
+        """
+        with np.errstate(invalid="ignore", over="ignore"):
+            distance = np.abs(a - b)
+            size = np.maximum(np.abs(a), np.abs(b))
+            allowed = np.maximum(self.atol, self.rtol * size)
+        same = (a == b) | (np.isnan(a) & np.isnan(b))
+        distance = np.where(same, 0.0, np.where(np.isnan(distance), np.inf, distance))
+        if unit is not None:
+            with np.errstate(invalid="ignore", over="ignore"):
+                allowed = np.maximum(np.maximum(allowed, slack), self.last_digit * unit)
+                # 0.003 - 0.002 is a little more than 0.001: round-off of printed numbers is no difference.
+                allowed = np.where(allowed > 0, allowed + 4 * np.finfo(float).eps * size, allowed)
+        # An infinite value has an infinite relative allowance, but equals only itself.
+        finite = np.isfinite(distance) | self.ignores
+        return ~same & ~((distance <= allowed) & finite), distance
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """`atol`, `rtol` None: what the format asks for; `kinds` overrules single kinds of columns."""
+
+    atol: float | None = None
+    rtol: float | None = None
+    last_digit: int = 0
+    kinds: dict[str, Tolerance] = field(default_factory=dict)
+
+    def with_defaults(self, atol: float, rtol: float) -> "Tolerances":
+        """The same with `atol` and `rtol` where none were given."""
+        return replace(
+            self,
+            atol=atol if self.atol is None else self.atol,
+            rtol=rtol if self.rtol is None else self.rtol,
+        )
+
+    def of(self, kind: str) -> Tolerance:
+        """Tolerance of one kind of column."""
+        return self.kinds.get(kind) or Tolerance(self.atol or 0.0, self.rtol or 0.0, self.last_digit)
+
+
+def parse_kinds(settings) -> dict[str, Tolerance]:
+    """Tolerances of single kinds from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the kind out.
+
+    Raises `ToleranceError` with one fault for every setting that cannot be understood.
+    """
+    kinds, faults = {}, []
+    for setting in settings:
+        kind, _, figures = setting.partition("=")
+        numbers = [_figure(text) for text in figures.split(",")]
+        if kind not in KINDS:
+            faults.append(f"{setting}: there is no kind {kind!r}; the kinds are {', '.join(KINDS)}")
+        elif None in numbers or len(numbers) > 2:
+            faults.append(f"{setting}: write {kind}=ATOL or {kind}=ATOL,RTOL with numbers not below zero")
+        else:
+            kinds[kind] = Tolerance(*numbers)
+    if faults:
+        raise ToleranceError(faults[0], tuple(Fault("error", message) for message in faults))
+    return kinds
+
+
+def _figure(text):
+    if not re.fullmatch(r"\s*\+?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf)\s*", text, re.IGNORECASE | re.ASCII):
+        return None
+    figure = float(text)
+    # 1e999 is too large for a number, and no way of writing inf.
+    return None if math.isinf(figure) and "inf" not in text.lower() else figure

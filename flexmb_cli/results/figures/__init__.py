@@ -1,0 +1,1 @@
+"""Plots, the report page and scenes."""

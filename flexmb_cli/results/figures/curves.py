@@ -1,0 +1,138 @@
+"""Which curves of a result are drawn, and in which panels: one for each unit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from ..hdf5.stored_result import attribute
+from ..quantities.quantities import Quantity, names, read
+
+# What tells most of a result, most telling first; the rest is asked for by name.
+TELLING = {
+    "young": ("point/position", "body/position", "driver/effort"),
+    "dafms": ("coordinate/q",),
+    "vsdf": ("point/position", "body/position"),
+}
+ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
+TOTAL = "energy/total"
+# More curves than these in a panel cannot be told apart.
+MOST_CURVES = 12
+# A coordinate that moves less than this part of the farthest moving one tells nothing.
+STILL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line: its label and values (T,) over those of the other axis.
+
+    Curves of the same `quantity` number are the same quantity of different results, by `result` number.
+    """
+
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+    quantity: int = 0
+    result: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Curves of one `unit` on common axes over what `x_label` says.
+
+    `same_unit`: x has the unit, too; `of_changes`: the curves are changes since their first values.
+    """
+
+    x_label: str
+    unit: str
+    curves: tuple[Curve, ...]
+    same_unit: bool = False
+    of_changes: bool = False
+
+    @property
+    def y_label(self) -> str:
+        """The one quantity with its unit, or just the unit of many."""
+        names = {curve.label for curve in self.curves}
+        if len(names) > 1:
+            return f"{'change ' if self.of_changes else ''}[{self.unit}]"
+        return f"{'change of ' if self.of_changes else ''}{self.curves[0].label} [{self.unit}]"
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """An open `result` with its `label` ("" when it is the only one) and `rows`, and what to draw of it.
+
+    `energies_change`: energies are drawn as their changes since the first row, that of their sum by itself:
+    the zero of the potential, which means nothing, would flatten what moves.
+    """
+
+    label: str
+    result: h5py.File
+    rows: slice
+    abscissa: Quantity
+    quantities: Sequence[Quantity]
+    energies_change: bool = False
+
+
+def default_quantities(result: h5py.File) -> list[Quantity]:
+    """What to draw when nothing is named: the telling quantities of the dialect that move, and energies.
+
+    Of these those that change, and their sum; `still_energies` are the others.
+    """
+    known = names(result)
+    chosen = []
+    for dataset in TELLING.get(attribute(result, "dialect"), TELLING["young"]):
+        wanted = [quantity for quantity in known if quantity.dataset == dataset]
+        moving = _moving(result, wanted)
+        # Bodies are drawn where there are no points that tell the motion.
+        if moving and not (dataset == "body/position" and chosen):
+            chosen += _crowd(moving)
+    return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
+
+
+def still_energies(result: h5py.File) -> list[str]:
+    """Names of the energies that `default_quantities` leaves out, for a line at zero tells nothing."""
+    drawn = _energies(result)
+    return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
+
+
+def _energies(result):
+    return _moving(result, [quantity for quantity in names(result) if quantity.dataset in ENERGIES])
+
+
+def panels(sources: Sequence[Source]) -> list[Panel]:
+    """One panel for every unit, in the order in which the units come first, and more for energies."""
+    found: dict[tuple[str, bool, bool], list[Curve]] = {}
+    for number, source in enumerate(sources):
+        values = read(source.result, [source.abscissa, *source.quantities], source.rows)
+        count: dict[tuple[str, bool, bool], int] = {}
+        for column, quantity in enumerate(source.quantities, start=1):
+            changes = source.energies_change and quantity.dataset in (*ENERGIES, TOTAL)
+            key = quantity.unit, changes, changes and quantity.dataset == TOTAL
+            rank = count[key] = count.get(key, -1) + 1
+            name = f"{source.label}: {quantity.name}" if source.label else quantity.name
+            y = values[:, column] - (values[0, column] if changes else 0.0)
+            found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number))
+    x = sources[0].abscissa
+    return [
+        Panel(x.header, unit, tuple(curves), unit == x.unit, changes)
+        for (unit, changes, _), curves in found.items()
+    ]
+
+
+def _moving(result, quantities):
+    if not quantities or not len(result["time"]):
+        return []
+    ranges = np.ptp(read(result, quantities), axis=0)
+    return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
+
+
+def _crowd(quantities):
+    """At most `MOST_CURVES` of a unit, the first ones."""
+    kept, count = [], {}
+    for quantity in quantities:
+        count[quantity.unit] = count.get(quantity.unit, 0) + 1
+        if count[quantity.unit] <= MOST_CURVES:
+            kept.append(quantity)
+    return kept

@@ -1,0 +1,1 @@
+"""File names, atomic replacement, foreign formats."""

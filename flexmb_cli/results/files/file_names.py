@@ -1,0 +1,127 @@
+"""Where the results of a deck go, and the refusal of two results at one place."""
+
+import os
+from dataclasses import dataclass
+
+from ...errors import OutputError
+
+STANDARD_INPUT = STANDARD_OUTPUT = "-"
+
+
+@dataclass(frozen=True)
+class ResultPaths:
+    """Paths of one deck's results; None: not written; `out` "-": standard output.
+
+    `series` are the time series of DAFMS units 2 and 3.
+    """
+
+    out: str | None
+    h5: str | None
+    series: tuple[str, ...] = ()
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files that will be written, in the order OUT, HDF5, series."""
+        wanted = (self.out, self.h5, *self.series)
+        return tuple(path for path in wanted if path is not None and path != STANDARD_OUTPUT)
+
+    @property
+    def resume(self) -> str | None:
+        """<stem>.resume beside the results, for what a stopped run leaves; None when no result is a file."""
+        beside = self.h5 or next(iter(self.series), None)
+        return None if beside is None else _stem(beside) + ".resume"
+
+
+def out_name(deck_name: str, dialect: str, model: int = 0) -> str:
+    """OUT<rest> for a YOUNG deck IN<rest>, else <stem>.OUT; `deck_name` has no folder.
+
+    Of several models the k-th gets <stem>-k.OUT, `model` 0 is the only one.
+    """
+    if deck_name == STANDARD_INPUT:
+        return "flexmb.OUT"
+    if dialect == "young" and deck_name.startswith("IN"):
+        return "OUT" + deck_name[2:]
+    return _stem(deck_name) + _suffix(model) + ".OUT"
+
+
+def _suffix(model):
+    return f"-{model}" if model else ""
+
+
+def h5_name(deck_name: str, dialect: str, model: int = 0) -> str:
+    """The OUT file's stem with `.h5`."""
+    return _stem(out_name(deck_name, dialect, model)) + ".h5"
+
+
+def series_names(deck_name: str, model: int = 0) -> tuple[str, str]:
+    """<stem>.T2 and <stem>.T3, the series of a DAFMS deck."""
+    stem = "flexmb" if deck_name == STANDARD_INPUT else _stem(deck_name) + _suffix(model)
+    return stem + ".T2", stem + ".T3"
+
+
+def result_paths(
+    deck_name, dialect, folder=".", out=None, h5=None, no_out=False, no_h5=False, model: int = 0
+) -> ResultPaths:
+    """Paths of a deck's results from the options of `flexmb run`."""
+    series = series_names(deck_name, model) if dialect == "dafms" and not no_out else ()
+    return ResultPaths(
+        out=None if no_out else out or _within(folder, out_name(deck_name, dialect, model)),
+        h5=None if no_h5 else h5 or _within(folder, h5_name(deck_name, dialect, model)),
+        series=tuple(_within(folder, name) for name in series),
+    )
+
+
+def refuse_shared(results) -> None:
+    """Raise `OutputError` when two results, or a result and a deck, would be the same file.
+
+    `results` are pairs (deck's path as given, "-" for standard input; its `ResultPaths`).
+    """
+    decks = {_identity(deck): deck for deck, _ in results if deck != STANDARD_INPUT}
+    owners: dict[str, int] = {}
+    for number, (deck, paths) in enumerate(results):
+        for path in paths.files:
+            _refuse_overwriting(deck, path, decks)
+            _refuse_second(results, number, path, owners)
+    tables = [deck for deck, paths in results if paths.out == STANDARD_OUTPUT]
+    if len(tables) > 1:
+        raise OutputError(
+            f"{tables[0]} and {tables[1]} would both write to standard output; run them one by one"
+        )
+
+
+def _refuse_overwriting(deck, path, decks):
+    victim = decks.get(_identity(path))
+    if victim is not None:
+        raise OutputError(
+            f"{deck}: its result {path} would overwrite the deck {victim}; choose another folder"
+        )
+
+
+def _refuse_second(results, number, path, owners):
+    if not _is_plain(path):
+        return
+    first = owners.get(_identity(path))
+    owners[_identity(path)] = number
+    if first is None:
+        return
+    deck, other = results[number][0], results[first][0]
+    if first == number:
+        raise OutputError(f"{deck}: two of its results would be the same file {path}")
+    raise OutputError(f"{other} and {deck} would both write {path}; run them with different output folders")
+
+
+def _is_plain(path):
+    """Whether two results at `path` would destroy each other; a device such as /dev/null takes any number."""
+    return os.path.isfile(path) or not os.path.exists(path)
+
+
+def _identity(path):
+    return os.path.normcase(os.path.realpath(path))
+
+
+def _stem(name):
+    return os.path.splitext(name)[0]
+
+
+def _within(folder, name):
+    return os.path.normpath(os.path.join(folder, name))

@@ -1,0 +1,108 @@
+"""What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
+
+import numpy as np
+
+from ...model.flexible_mechanism import FlexibleMechanism
+from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
+from .motion_series import BODY_MOTION, POINT_MOTION
+from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
+from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
+
+JOINT_VECTOR = ("joint/joint", "xyz")
+FORCES = {
+    "reaction_force": Series(
+        "reaction/force", JOINT_VECTOR, "N", "force on body b at the joint's first point, global axes"
+    ),
+    "reaction_torque": Series(
+        "reaction/torque", JOINT_VECTOR, "N m", "torque on body b at the joint's first point, global axes"
+    ),
+    "holding_force": Series("held/force", ("held/held", "xyz"), "N", "force of a pin on its node"),
+    "driver_effort": Series(PATH, (DRIVER,), "N or N m", "force or torque along the prescribed coordinate"),
+    "kinetic": Series("energy/kinetic", (), "J", "kinetic energy"),
+    "potential": Series("energy/potential", (), "J", "potential energy of gravity and springs"),
+    "strain": Series("energy/strain", (), "J", "strain energy of flexible bodies"),
+    "applied_work": Series(
+        "energy/applied_work", (), "J", "work of motions, forces, damping and stiffening since the start"
+    ),
+    "applied_power": Series("energy/applied_power", (), "W", "its rate"),
+    "total": Series(
+        "energy/total", (), "J", "kinetic + potential + strain - applied work: constant but for errors"
+    ),
+    "constraint_residual": Series(
+        "audit/constraint_residual", (), "1", "largest constraint equation, max-norm, scaled"
+    ),
+    "velocity_residual": Series(
+        "audit/velocity_residual", (), "1/s", "largest constraint rate, max-norm, scaled"
+    ),
+}
+
+
+def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
+    """Axes, series and constants for what the mechanism has."""
+    units = [TORQUE if motion.kind.startswith("ROT") or motion.kind == "ANGL" else FORCE
+             for motion in mechanism.motions]  # fmt: skip
+    axes = [XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else [])]
+    for kind, items in (
+        ("body", mechanism.bodies),
+        ("point", mechanism.outputs),
+        ("joint", mechanism.joints),
+        ("held", mechanism.pins),
+        ("driver", mechanism.motions),
+    ):
+        if items:
+            axes.append(driver_axis_with_units(numbered_axis(kind, [item.name for item in items]), units))
+    for body in _flexible(mechanism):
+        axes += [_mode_axis(body), _node_axis(body)]
+    present = {axis.path for axis in axes}
+    series = [
+        effort_series(item, units) if item.path == PATH else item
+        for item in _named().values() if present.issuperset(item.axes)
+    ]  # fmt: skip
+    for body in _flexible(mechanism):
+        axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
+        series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))
+    return Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
+
+
+def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
+    """The fields of report rows (`solve.flexible_rows.FlexibleRows`) by the paths of their datasets."""
+    values = {"time": rows.time}
+    values |= {series.path: getattr(rows, field) for field, series in _named().items()}
+    for body, amplitude in zip(_flexible(mechanism), rows.amplitude, strict=True):
+        values[_amplitude(body)] = amplitude
+    return values
+
+
+def _named():
+    return BODY_MOTION | POINT_MOTION | FORCES
+
+
+def _flexible(mechanism):
+    return [body for body in mechanism.bodies if body.modes]
+
+
+def _amplitude(body):
+    return f"modal/{body.name}/amplitude"
+
+
+def _mode_axis(body):
+    return Axis(f"modal/{body.name}/mode", tuple(range(1, body.modes + 1)), f"mode of {body.name}")
+
+
+def _node_axis(body):
+    numbers = tuple(map(int, body.flexible.numbers))
+    return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
+
+
+def _constants(mechanism):
+    yield from gravity(mechanism.gravity)
+    for body in _flexible(mechanism):
+        meaning = f"frequencies of the modes of {body.name}, held in its frame"
+        frequencies = np.array(body.flexible.frequencies)
+        yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
+        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)
+    if mechanism.outputs:
+        yield point_bodies([point.body for point in mechanism.outputs])
+    if mechanism.joints:
+        ends = [(joint.a[0], joint.b[0]) for joint in mechanism.joints]
+        yield from joint_geometry([(a.body, b.body) for a, b in ends], [(a.r0, b.r0) for a, b in ends])

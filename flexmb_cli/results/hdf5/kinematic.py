@@ -1,0 +1,61 @@
+"""What the HDF5 result of a mechanism's kinematics holds."""
+
+from ...model.mechanism import Mechanism
+from ...solvers.kinematics.rows import Rows
+from .motion_series import BODY_MOTION, POINT_MOTION
+from .result_file import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
+from .result_geometry import SIDE, mechanism_geometry
+
+AUDIT = {
+    "constraint_residual": Series(
+        "audit/constraint_residual", (), "1", "largest constraint equation, max-norm"
+    ),
+    "velocity_residual": Series("audit/velocity_residual", (), "1/s", "largest constraint rate, max-norm"),
+    "newton_iterations": Series("audit/newton_iterations", (), "1", "Newton iterations for the position"),
+}
+_PATHS = {
+    field: series.path for field, series in ({"time": TIME} | BODY_MOTION | POINT_MOTION | AUDIT).items()
+}
+
+
+def kinematic_layout(mechanism: Mechanism) -> Layout:
+    """Axes and series for the bodies, points, joints and drivers that the mechanism has."""
+    axes = [
+        numbered_axis(kind, readable_names(kind, items))
+        for kind, items in (
+            ("body", mechanism.bodies),
+            ("point", mechanism.points),
+            ("joint", mechanism.joints),
+            ("driver", mechanism.drivers),
+        )
+        if items
+    ]
+    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
+    present = {axis.path for axis in axes}
+    series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
+    return Layout(
+        "kinematic",
+        mechanism.time.rows,
+        axes,
+        tuple(item for item in series if present.issuperset(item.axes)),
+        mechanism_geometry(mechanism),
+    )
+
+
+def kinematic_values(rows: Rows) -> Values:
+    """The fields of report rows by the paths of their datasets."""
+    return {path: getattr(rows, field) for field, path in _PATHS.items()}
+
+
+def readable_names(kind: str, items) -> list[str]:
+    """Names as in the settings of the deck: "body 1", "point 2"; joints count by their type: "spherical 1".
+
+    Messages name the same items in words ("spherical joint 1"); scripts rely on the names here.
+    """
+    counts: dict[str, int] = {}
+    names = []
+    for item in items:
+        word = item.kind if kind == "joint" else kind
+        counts[word] = counts.get(word, 0) + 1
+        names.append(f"{word} {counts[word]}")
+    return names

@@ -1,0 +1,310 @@
+"""HDF5 result of any analysis: netCDF-4 compatible, every axis a dimension scale, SI units.
+
+What a file holds is its `Layout`; rows are gathered and written by whole chunks, so that the bytes of
+the file do not depend on the blocks in which the analysis delivers them.
+"""
+
+import os
+from collections.abc import Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from math import prod
+
+import h5py
+import numpy as np
+
+from ... import __version__
+from ...deck.record import Deck
+from ...errors import OutputError
+from ..files.full_disk_guard import ForgivingDisk
+from ..files.replaced_file import Replacement, located, put_in_place
+
+# 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
+# of the shapes of bodies lay beside it, which netCDF does not know.
+CONVENTIONS = "flexmb-2"
+COMPLETE, FAILED = "complete", "failed"
+CUT_SHORT = "the run was cut short"
+
+# HDF5 1.8 is what MATLAB releases of the last ten years and every netCDF-4 library can read.
+FILE_FORMAT = ("v108", "v108")
+CHUNK_ROWS = 1024
+CHUNK_BYTES = 2**20
+
+TEXT = h5py.string_dtype()
+
+Values = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A dimension scale at `path`; `labels`: further texts along it, by the path of their dataset."""
+
+    path: str
+    values: tuple
+    long_name: str
+    labels: tuple[tuple[str, tuple[str, ...], str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Series:
+    """A dataset along time: its path, the paths of its axes after time, unit and meaning."""
+
+    path: str
+    axes: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+@dataclass(frozen=True, eq=False)
+class Constant:
+    """A dataset that does not change with time: its path, the paths of its axes, values, unit, meaning."""
+
+    path: str
+    axes: tuple[str, ...]
+    values: np.ndarray
+    units: str
+    long_name: str
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a result holds besides the deck: `rows` is the number of report rows of a whole run."""
+
+    analysis: str
+    rows: int
+    axes: tuple[Axis, ...]
+    series: tuple[Series, ...]
+    constants: tuple[Constant, ...] = ()
+
+
+TIME = Series("time", (), "s", "time")
+XYZ = Axis("xyz", tuple("xyz"), "component along the axis")
+EULER_PARAMETER = Axis("euler_parameter", ("e0", "e1", "e2", "e3"), "Euler parameter")
+
+
+def numbered_axis(kind: str, names) -> Axis:
+    """The scale `/<kind>/<kind>`, numbers as in the deck, and `/<kind>/name` along it."""
+    numbers = tuple(range(1, len(names) + 1))
+    label = (f"{kind}/name", tuple(names), f"name of the {kind}")
+    return Axis(f"{kind}/{kind}", numbers, f"number of the {kind} in the deck", (label,))
+
+
+class ResultFile:
+    """The HDF5 file of one run, complete at `path` only after `close`.
+
+    Raises `OutputError` when the place cannot be written or the disk is full.
+    """
+
+    def __init__(self, path, deck: Deck, layout: Layout):
+        self._place = Replacement(path)
+        if self._place.direct:
+            raise OutputError(f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none")
+        self._written = 0
+        self._status, self._message, self._notes = COMPLETE, "", ()
+        self._waiting: list[Values] = []
+        self._chunk = chunk_rows(layout)
+        self._file = None
+        try:
+            with located(self._place.path):
+                self._disk = ForgivingDisk(self._place.duplicate())
+        except BaseException:
+            self._place.discard()
+            raise
+        with self._on_disk():
+            self._file = h5py.File(self._disk, "w", libver=FILE_FORMAT)
+            self._begin(deck, layout)
+
+    @property
+    def temporary(self) -> str:
+        """Where the file is until it is complete."""
+        return self._place.temporary
+
+    def rows(self, values: Values) -> None:
+        """Add report rows, every series by its path; whole chunks are written at once."""
+        self._waiting.append(values)
+        if self._rows_waiting >= self._chunk:
+            self._write(self._rows_waiting // self._chunk * self._chunk)
+
+    def mark(self, status: str, message: str) -> None:
+        """Say how the run ended; without a word it is complete."""
+        self._status, self._message = status, message
+
+    def note(self, notes: tuple[str, ...]) -> None:
+        """Sentences that the run is to be remembered for, such as singular positions that it passed."""
+        self._notes = notes
+
+    def finish(self) -> None:
+        """Write what waits and how the run ended; the file is whole, but not in its place."""
+        if self._rows_waiting:
+            self._write(self._rows_waiting)
+        with self._on_disk():
+            self._file.attrs["status"] = self._status
+            self._file.attrs["message"] = self._message
+            if self._notes:
+                self._file.attrs["notes"] = "\n".join(self._notes)
+            self._file.close()
+            self._disk.close()
+        self._place.finish()
+
+    def move(self) -> None:
+        """Put the finished file in its place."""
+        self._place.move()
+
+    @property
+    def path(self) -> str:
+        """Where the file will be."""
+        return self._place.path
+
+    @property
+    def folder(self) -> str:
+        """The folder whose names `move` changes."""
+        return self._place.folder
+
+    def close(self, status: str = COMPLETE, message: str = "", notes: tuple[str, ...] = ()) -> None:
+        """Mark the file, finish it and put it in its place."""
+        self.mark(status, message)
+        self.note(notes)
+        put_in_place([self])
+
+    def discard(self) -> None:
+        """Leave no file; one that stood at the path before stays."""
+        # HDF5 may trip over what the disk has refused; all of it is thrown away.
+        with suppress(Exception):
+            if self._file:
+                self._file.close()
+        with suppress(OSError):
+            self._disk.close()
+        self._place.discard()
+
+    @property
+    def _rows_waiting(self):
+        return sum(len(block["time"]) for block in self._waiting)
+
+    def _begin(self, deck, layout):
+        self._describe(deck, layout.analysis)
+        scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
+        for constant in layout.constants:
+            self._make_constant(constant, scales)
+        self._series = self._make_series(layout.series, scales)
+
+    def _describe(self, deck, analysis):
+        for name, value in (
+            ("Conventions", CONVENTIONS),
+            ("flexmb_version", __version__),
+            ("dialect", deck.dialect),
+            ("analysis", analysis),
+            ("deck_name", printable_name(deck.source.name)),
+            ("deck_sha256", deck.source.sha256),
+            ("status", FAILED),
+            ("message", CUT_SHORT),
+        ):
+            self._file.attrs[name] = value
+        for name, lines in (("settings", deck.settings), ("options", deck.options)):
+            if lines:
+                self._file.attrs[name] = "\n".join(lines)
+        _describe(
+            self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT), "1", "text of the deck"
+        )
+
+    def _make_axis(self, axis):
+        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
+        scale.make_scale(axis.path.rpartition("/")[2])
+        _describe(scale, "1", axis.long_name)
+        for path, texts, long_name in axis.labels:
+            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
+            dataset.dims[0].attach_scale(scale)
+            _describe(dataset, "1", long_name)
+        return scale
+
+    def _make_constant(self, constant, scales):
+        dataset = self._file.create_dataset(constant.path, data=constant.values)
+        for number, path in enumerate(constant.axes):
+            dataset.dims[number].attach_scale(self._scale_for(constant.path, path, scales))
+        _describe(dataset, constant.units, constant.long_name)
+
+    def _scale_for(self, dataset, axis, scales):
+        """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
+        folder, _, name = axis.rpartition("/")
+        if not folder or dataset.startswith(f"{folder}/"):
+            return scales[axis]
+        path = f"{dataset.rpartition('/')[0]}/{name}"
+        if path not in scales:
+            scales[path] = self._file.create_dataset(path, data=scales[axis][:])
+            scales[path].make_scale(name)
+            _describe(scales[path], "1", scales[axis].attrs["long_name"])
+        return scales[path]
+
+    def _make_series(self, series, scales):
+        time = self._growing(TIME, ())
+        time.make_scale("time")
+        datasets = {TIME.path: time}
+        for item in series:
+            axes = [self._scale_for(item.path, path, scales) for path in item.axes]
+            datasets[item.path] = self._growing(item, axes)
+            for number, scale in enumerate([time, *axes]):
+                datasets[item.path].dims[number].attach_scale(scale)
+        return datasets
+
+    def _growing(self, series, axes):
+        """A dataset without rows that grows along time."""
+        item = tuple(len(axis) for axis in axes)
+        dataset = self._file.create_dataset(
+            series.path,
+            shape=(0, *item),
+            maxshape=(None, *item),
+            chunks=(self._chunk, *item),
+            dtype="f8",
+        )
+        _describe(dataset, series.units, series.long_name)
+        return dataset
+
+    def _write(self, count):
+        """Write the first `count` waiting rows; the others go on waiting."""
+        gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
+        stop = self._written + count
+        with self._on_disk():
+            for path, dataset in self._series.items():
+                dataset.resize(stop, axis=0)
+                dataset[self._written : stop] = gathered[path][:count]
+        self._written = stop
+        rest = {path: values[count:] for path, values in gathered.items()}
+        self._waiting = [rest] if len(rest["time"]) else []
+
+    @contextmanager
+    def _on_disk(self):
+        """Leave no file when the disk, or anything else, ends the writing."""
+        try:
+            with located(self._place.path), self._disk.blamed():
+                yield
+        except BaseException:
+            self.discard()
+            raise
+
+
+def printable_name(name: str) -> str:
+    """A file name as UTF-8 can hold it: bytes that are none are written as \\xff."""
+    return os.fsencode(name).decode("utf-8", "backslashreplace")
+
+
+def chunk_rows(layout: Layout) -> int:
+    """Rows of a chunk: no more than the run has, and at most a megabyte for the largest dataset."""
+    length = {axis.path: len(axis.values) for axis in layout.axes}
+    widest = 8 * max((prod(length[path] for path in series.axes) for series in layout.series), default=1)
+    return max(1, min(layout.rows, CHUNK_ROWS, CHUNK_BYTES // widest))
+
+
+def _plain(values):
+    return list(values) if isinstance(values[0], str) else np.array(values, np.int32)
+
+
+def _kind(values):
+    return TEXT if isinstance(values[0], str) else None
+
+
+def _describe(dataset, units, long_name):
+    dataset.attrs["units"] = units
+    dataset.attrs["long_name"] = long_name
+
+
+def _joined(blocks):
+    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)

@@ -1,0 +1,246 @@
+"""HDF5 results as anybody may have made them: read only where they are built as flexmb builds them.
+
+A file can lead to other files by its links, declare sizes that no memory holds, and name scales that are not
+there, at which the HDF5 library ends the process.  So the structure is looked at before anything is read, and
+scales are found by their references here rather than by the library.
+"""
+
+import errno
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import h5py
+
+from ...errors import visible
+from .heap_bounds import fault_of_heaps
+from .text_sizes import UnknownSize, bytes_of_texts
+
+# Filters of the library itself; another one would have it load a plugin from the disk.
+FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
+FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)
+MOST_OBJECTS, DEEPEST = 100_000, 10
+# Errors of a stream or a file that is written while the result is open.
+_OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
+# A file may declare this, and beyond it so many times its own size: compressed results are smaller than told.
+FREE_BYTES, MOST_TIMES = 2**26, 100
+# Scales along one axis of a dataset: netCDF and flexmb attach one.
+MOST_SCALES = 64
+
+
+class Damaged(Exception):
+    """The file is no result that flexmb can have written; the text says where and why."""
+
+
+@contextmanager
+def understood() -> Iterator[None]:
+    """Turn into `Damaged` what h5py raises of a file whose parts are missing or cannot be read."""
+    try:
+        yield
+    except (KeyError, RuntimeError, MemoryError) as error:
+        raise Damaged(f"cannot be read: {visible(str(error))}") from error
+    except OSError as error:
+        if error.errno in _OF_OUTPUT:
+            raise
+        raise Damaged(f"cannot be read: {visible(str(error))}") from error
+
+
+def check_structure(file: h5py.File) -> None:
+    """Raise `Damaged` where the file has links, types or sizes that no result of flexmb has."""
+    try:
+        _look_through(file)
+    except (ValueError, TypeError, SystemError) as error:
+        # h5py, where a name is no text or a message of HDF5 quotes one.
+        raise Damaged(f"its structure cannot be read: {visible(str(error))}") from error
+
+
+def _look_through(file):
+    heaps = fault_of_heaps(file)
+    if heaps:
+        raise Damaged(heaps)
+    names: list[bytes] = []
+
+    def stop_at(name, link):
+        """What ends the search.
+
+        h5py cannot bear an exception in here, and its own visits of a file look links up, which may raise.
+        """
+        names.append(name)
+        if link.type != h5py.h5l.TYPE_HARD:
+            return f"/{_told(name)} is a link to elsewhere, which is not followed"
+        if name.count(b"/") > DEEPEST:
+            return f"it has groups in groups, more than {DEEPEST} deep"
+        return f"it has more than {MOST_OBJECTS} datasets" if len(names) > MOST_OBJECTS else None
+
+    fault = file.id.links.visit(stop_at, info=True)
+    if fault:
+        raise Damaged(fault)
+    size, declared = file.id.get_filesize(), 0
+    most = _most_bytes(file)
+    for name in names:
+        declared += _declared(name, file[name], most)
+        if declared > most:
+            raise Damaged(f"it declares {declared:.3g} bytes of numbers and text in a file of {size}")
+
+
+def _most_bytes(file):
+    """Bytes that a file may take when it is read."""
+    return max(FREE_BYTES, MOST_TIMES * file.id.get_filesize())
+
+
+def _declared(name, item, most):
+    """Bytes of memory that reading an object takes, or some number above `most`."""
+    if isinstance(item, h5py.Group):
+        return 0
+    if not isinstance(item, h5py.Dataset) or not _has_known_type(item):
+        raise Damaged(f"/{_told(name)} holds neither numbers nor text")
+    if item.shape is None:
+        raise Damaged(f"/{_told(name)} is empty")
+    created = item.id.get_create_plist()
+    if item.is_virtual or item.external:
+        raise Damaged(f"/{_told(name)} has its numbers in another file, which is not read")
+    if any(created.get_filter(k)[0] not in FILTERS for k in range(created.get_nfilters())):
+        raise Damaged(f"/{_told(name)} is packed by a filter that is not of HDF5 itself")
+    places = max(_product(item.shape), _product(item.chunks or (0,)))
+    size = places * item.dtype.itemsize
+    if size > most or not is_variable_text(item):
+        return size
+    try:
+        return max(size, bytes_of_texts(item, most))
+    except (UnknownSize, OSError, zlib.error) as error:
+        raise Damaged(f"the texts of /{_told(name)} cannot be read: {error}") from error
+
+
+def _has_known_type(dataset):
+    try:
+        return is_text(dataset) or is_number(dataset)
+    except (ValueError, TypeError):
+        # A number of more digits than numpy has, for one.
+        return False
+
+
+def _product(lengths):
+    # Of Python's integers: 2^40 times 2^40 must not be 0.
+    product = 1
+    for length in lengths:
+        product *= int(length)
+    return product
+
+
+def is_number(dataset: h5py.Dataset) -> bool:
+    """Whether it holds integers or real numbers."""
+    return dataset.dtype.kind in "iuf"
+
+
+def is_text(dataset: h5py.Dataset) -> bool:
+    """Whether it holds text."""
+    return h5py.check_string_dtype(dataset.dtype) is not None
+
+
+def is_variable_text(dataset: h5py.Dataset) -> bool:
+    """Whether it holds texts of any length, which are stored apart."""
+    return is_text(dataset) and h5py.check_string_dtype(dataset.dtype).length is None
+
+
+def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
+    """The first dimension scale along an axis, of its length; None where there is none.
+
+    Raises `Damaged` when the reference leads to nothing that can be one.
+    """
+    listed = _references(dataset, axis)
+    if listed is None or not len(listed[axis]):
+        return None
+    where = f"the scale of axis {axis + 1} of {_told(dataset.name or 'a dataset')}"
+    try:
+        scale = dataset.file[listed[axis][0]]
+    except (ValueError, TypeError) as error:
+        raise Damaged(f"{where} is missing") from error
+    good = isinstance(scale, h5py.Dataset) and _is_linked(scale) and scale.ndim == 1
+    # Of axis 0, the time, others tell the two lengths.
+    if not good or (axis and len(scale) != dataset.shape[axis]):
+        raise Damaged(f"{where} has another length")
+    return scale
+
+
+def _references(dataset, axis):
+    """The references to scales of all axes of a dataset, None where there are none."""
+    if not h5py.h5a.exists(dataset.id, b"DIMENSION_LIST"):
+        return None
+    # Looked at before it is read: it may be of any length, and lead to a megabyte from each of its places.
+    found = h5py.h5a.open(dataset.id, b"DIMENSION_LIST")
+    kind = h5py.check_vlen_dtype(found.dtype)
+    if found.shape != (dataset.ndim,) or kind is None or h5py.check_ref_dtype(kind) is not h5py.Reference:
+        return None
+    if h5py.h5ds.get_num_scales(dataset.id, axis) > MOST_SCALES:
+        raise Damaged(f"{_told(dataset.name or 'a dataset')} has more than {MOST_SCALES} scales for an axis")
+    return dataset.attrs["DIMENSION_LIST"]
+
+
+def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
+    """Every dataset by its path."""
+    found: dict[str, h5py.Dataset] = {}
+    # h5py cannot bear an exception in the midst of its visit.
+    file.visititems(lambda path, item: found.update({path: item}) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def place_of(dataset: h5py.Dataset) -> int:
+    """Where in its file a dataset begins."""
+    return h5py.h5o.get_info(dataset.id).addr
+
+
+def _is_linked(dataset):
+    return h5py.h5o.get_info(dataset.id).rc > 0
+
+
+def texts(dataset: h5py.Dataset) -> list[str]:
+    """The texts of a list of names, as they can be shown."""
+    if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.ndim != 1:
+        raise Damaged(f"{_told(dataset.name or 'a dataset')} is no list of names")
+    return [visible(text) for text in dataset.asstr(errors="replace")[:].tolist()]
+
+
+def attribute(owner, name: str, default: str = "") -> str:
+    """An attribute that is text, as it can be shown; "" for what is no text."""
+    return visible(_text(owner, name)) if name in owner.attrs else default
+
+
+def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
+    """What `--set` changed of the deck, "NAME=VALUE" each; with `name` "options" how it was to be solved."""
+    text = _text(result, name) if name in result.attrs else ""
+    return [visible(line) for line in text.splitlines()]
+
+
+def _text(owner, name):
+    found = h5py.h5a.open(owner.id, name.encode())
+    # An array may lead to the same text from each of its places; flexmb writes single texts.
+    if found.shape != () or found.dtype.itemsize > _most_bytes(owner.file):
+        return ""
+    value = owner.attrs[name]
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    return value if isinstance(value, str) else ""
+
+
+def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, int]) -> None:
+    """Raise `Damaged` where a dataset has another shape than told; what is not in the file is passed over.
+
+    A digit is a length, a letter that of `sizes`, where letters that it lacks are put in as they are found.
+    """
+    for path, letters in shapes.items():
+        if path not in result:
+            continue
+        dataset = result[path]
+        if not isinstance(dataset, h5py.Dataset) or dataset.ndim != len(letters):
+            raise Damaged(f"/{_told(path)} is no array of {len(letters)} axes")
+        if is_text(dataset) != path.endswith(("name", "message")):
+            raise Damaged(f"/{_told(path)} has numbers in place of text, or text in place of numbers")
+        for letter, length in zip(letters, dataset.shape, strict=True):
+            wanted = int(letter) if letter.isdigit() else sizes.setdefault(letter, length)
+            if length != wanted:
+                raise Damaged(f"/{_told(path)} has {length} places along an axis of {wanted}")
+
+
+def _told(name):
+    name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
+    return visible(name if len(name) < 100 else f"{name[:80]}…")

@@ -1,0 +1,120 @@
+"""What the HDF5 result of a tree's dynamics holds.
+
+Report rows come as values by the path of their dataset, so that a stopped run can keep them as they are.
+"""
+
+import numpy as np
+
+from ...model.tree import ELASTIC, ROTATION, Tree
+from .motion_series import BODY_MOTION, POINT_MOTION
+from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
+from .result_geometry import SIDE, tree_geometry
+
+COORDINATES = {
+    "q": ("coordinate/q", "rad or m", "generalized coordinate"),
+    "y": ("coordinate/u", "rad/s or m/s", "generalized speed"),
+    "y_rate": ("coordinate/u_rate", "rad/s2 or m/s2", "rate of the generalized speed"),
+}
+ENERGIES = {
+    "kinetic": "kinetic energy",
+    "potential": "potential energy of gravity and hinge springs",
+    "strain": "strain energy of elastic bodies",
+    "applied_work": "work of all other loads since the start",
+    "total": "kinetic + potential + strain - applied work: constant but for errors",
+}
+GAPS = {
+    "constraint_residual": ("audit/constraint_residual", "m", "largest gap of a closure"),
+    "velocity_residual": ("audit/velocity_residual", "m/s", "largest rate of a gap of a closure"),
+}
+REACTION = "reaction/force"
+
+
+def tree_layout(tree: Tree, points: list[str]) -> Layout:
+    """Axes and series of a tree; `points` are the names of its points."""
+    axes = [
+        XYZ,
+        EULER_PARAMETER,
+        numbered_axis("body", [body.name for body in tree.bodies]),
+        numbered_axis("point", points),
+        _coordinate_axis(tree),
+    ]
+    series = [*BODY_MOTION.values(), *POINT_MOTION.values()]
+    series += [Series(path, ("coordinate/coordinate",), *rest) for path, *rest in COORDINATES.values()]
+    series += [Series(f"energy/{name}", (), "J", meaning) for name, meaning in ENERGIES.items()]
+    for k, body in _flexible(tree):
+        axes.append(_node_axis(body))
+        long_name = f"elastic displacement of the nodes of {body.name}, axes of the body"
+        series.append(Series(_displacement(tree, k), (_node_axis(body).path, "xyz"), "m", long_name))
+    if tree.closures:
+        axes.append(SIDE)
+        axes.append(numbered_axis("joint", [f"closure {i}" for i in range(1, len(tree.closures) + 1)]))
+        series += [Series(path, (), *rest) for path, *rest in GAPS.values()]
+        long_name = "force of the closure on its second body (KB), opposite on the first, global axes"
+        series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
+    return Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
+
+
+def tree_values(tree: Tree, rows, points) -> Values:
+    """Report rows (`solve.tree_rows.TreeRows`) and the motion of points, three arrays, by path."""
+    values = {"time": rows.time}
+    derived = _euler_parameter_derivatives(rows)
+    for name, series in BODY_MOTION.items():
+        values[series.path] = derived[name] if name in derived else getattr(rows, name)
+    for series, motion in zip(POINT_MOTION.values(), points, strict=True):
+        values[series.path] = motion
+    for name, (path, *_) in COORDINATES.items():
+        values[path] = getattr(rows, name)
+    for name in ENERGIES:
+        values[f"energy/{name}"] = getattr(rows, name)
+    for (k, _), displacement in zip(_flexible(tree), rows.displacement, strict=True):
+        values[_displacement(tree, k)] = displacement
+    if tree.closures:
+        for name, (path, *_) in GAPS.items():
+            values[path] = getattr(rows, name)
+        # 0 - x, unlike -x, leaves no negative zeros.
+        values[REACTION] = 0.0 - rows.closure_force
+    return values
+
+
+def _flexible(tree):
+    return [(k, body) for k, body in enumerate(tree.bodies) if body.elastic is not None]
+
+
+def _displacement(tree, k):
+    return f"elastic/{tree.bodies[k].name}/displacement"
+
+
+def _node_axis(body):
+    numbers = tuple(range(1, len(body.elastic.masses) + 1))
+    return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}")
+
+
+def _coordinate_axis(tree):
+    axis = numbered_axis("coordinate", [c.name for c in tree.coordinates])
+    units = tuple("rad" if c.motion == ROTATION else "m" for c in tree.coordinates)
+    kinds = tuple("elastic" if c.motion == ELASTIC else c.motion for c in tree.coordinates)
+    more = (
+        ("coordinate/unit", units, "unit of the coordinate"),
+        ("coordinate/kind", kinds, "kind of motion"),
+    )
+    return Axis(axis.path, axis.values, "number of the coordinate", (*axis.labels, *more))
+
+
+def _euler_parameter_derivatives(rows):
+    """First and second derivative (T, N, 4) by angular velocity and acceleration in global axes.
+
+    With p' = G(omega) p / 2, where G is antisymmetric and G G p = -omega² p, the second derivative is
+    G(alpha) p / 2 - omega² p / 4.
+    """
+    p, omega = rows.euler_parameters, rows.angular_velocity
+    square = np.sum(omega * omega, axis=-1, keepdims=True)
+    return {
+        "euler_parameter_rates": 0.5 * _turned(omega, p),
+        "euler_parameter_accelerations": 0.5 * _turned(rows.angular_acceleration, p) - 0.25 * square * p,
+    }
+
+
+def _turned(omega, p):
+    """Product (..., 4) of the pure quaternion (0, omega) with p."""
+    scalar = -np.sum(omega * p[..., 1:], axis=-1, keepdims=True)
+    return np.concatenate([scalar, p[..., :1] * omega + np.cross(omega, p[..., 1:])], axis=-1)

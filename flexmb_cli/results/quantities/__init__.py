@@ -1,0 +1,1 @@
+"""Quantities of a result by name, and tables of them."""

@@ -1,0 +1,230 @@
+"""The quantities of an HDF5 result by readable names: `body.3.z`, `reaction.4.force`, `coordinate.theta2`.
+
+A name is a row of words parted by points: what (`body`), which (its number or its name), the quantity, the
+component.  What a file holds is told by its datasets and their dimension scales, so that a new dataset has
+names without a change here.  A pattern may hold `*`, `?` and `[...]`, which do not reach across a point, and
+may end early: `body.1.velocity` is all three components.
+"""
+
+import fnmatch
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from itertools import product
+
+import h5py
+import numpy as np
+
+from ...errors import Fault, FlexmbError
+from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
+from .nearest_names import nearest
+from .quantity_names import TIME, families, folded, time_family
+
+NOTHING = "an empty name"
+TIMES_AT_ONCE = 2**20
+SHOWS_ALL = "; --list shows all"
+
+
+class ResultError(FlexmbError):
+    """A result cannot be read, or has no quantity of a name (exit 2); a fault for every sentence."""
+
+    exit_code = 2
+
+    def __init__(self, file, *sentences: str):
+        first = f"{file}: {sentences[0]}" if file else sentences[0]
+        super().__init__(first, tuple(Fault("error", sentence) for sentence in sentences))
+        self.file = str(file)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of every report row, `file[dataset][:, *index]`, in `unit`."""
+
+    name: str
+    unit: str
+    long_name: str
+    dataset: str
+    index: tuple[int, ...]
+
+    @property
+    def header(self) -> str:
+        """Name and unit, as columns and axes are headed."""
+        return f"{self.name} [{self.unit}]"
+
+
+@contextmanager
+def open_result(path) -> Iterator[h5py.File]:
+    """The result at `path`, open for reading.
+
+    Raises `ResultError` when there is none, when it is another kind of file, or when it shows to be damaged
+    while it is open.
+    """
+    try:
+        file = h5py.File(path, "r")
+    except FileNotFoundError:
+        raise ResultError(path, "no such file") from None
+    except IsADirectoryError:
+        raise ResultError(path, "it is a folder") from None
+    except OSError as error:
+        raise ResultError(path, _other_kind(path, error)) from error
+    try:
+        with file, understood():
+            check_structure(file)
+            if attribute(file, "Conventions").startswith("flexmb-study"):
+                raise ResultError(path, "this is the table of a study, which flexmb table prints; no result")
+            if not isinstance(file.get(TIME), h5py.Dataset):
+                raise ResultError(path, "this HDF5 file is no result of flexmb: it has no dataset /time")
+            check_shapes(file, {TIME: "t"}, {})
+            _check_times(file[TIME])
+            yield file
+    except Damaged as fault:
+        raise ResultError(path, f"a damaged result: {fault}") from fault
+
+
+def _check_times(times):
+    """Rows are found by their times: `Damaged` where these do not ascend."""
+    for start in range(0, len(times), TIMES_AT_ONCE):
+        part = times[max(0, start - 1) : start + TIMES_AT_ONCE]
+        if not (np.isfinite(part).all() and (np.diff(part) > 0).all()):
+            raise Damaged("the times of its rows do not ascend, or are no numbers")
+
+
+def _other_kind(path, error):
+    """What the file is that HDF5 cannot open."""
+    begins = b""
+    with suppress(OSError), open(path, "rb") as file:
+        begins = file.read(4)
+    if begins == b"PAR1":
+        return "this is a Parquet table, which pandas and polars read; flexmb table prints those in HDF5"
+    return f"this is no HDF5 result that can be read: {error}"
+
+
+def names(result: h5py.File) -> list[Quantity]:
+    """Every quantity that the result has for every report row, the time first."""
+    return [
+        _quantity(family, index)
+        for family in families(result)
+        for index in product(*map(range, family.shape))
+    ]
+
+
+def resolve(result: h5py.File, patterns: Iterable[str], file="", where: str = "") -> list[Quantity]:
+    """The quantities that `patterns` name, in their order and each once.
+
+    A pattern that is the whole name of something means just that (`coordinate.2` is the coordinate, not
+    also its speed); else it means all whose names it begins: `*` is everything.  Capitals do not matter, and
+    a blank may be written as an underscore.  Raises `ResultError`, with near names for every pattern that
+    fits nothing; `where` ("--x ") begins its sentences, and `file` is the result's name in them.
+    """
+    known = families(result)
+    found: dict[Quantity, None] = {}
+    unknown = []
+    for pattern in patterns:
+        matched = _matched(known, pattern)
+        found.update(dict.fromkeys(matched))
+        if not matched:
+            unknown.append(f"{where}{_unknown(known, pattern)}")
+    if unknown:
+        raise ResultError(file, *unknown)
+    return list(found)
+
+
+def time_quantity(result: h5py.File) -> Quantity:
+    """The time of the rows."""
+    return _quantity(time_family(result), ())
+
+
+def read(result: h5py.File, quantities: Sequence[Quantity], rows: slice = slice(None)) -> np.ndarray:
+    """Values of `quantities` at `rows`, shape (rows, quantities), in the units of the quantities.
+
+    Only the datasets that are asked for are read, and of them the smallest box with all wanted elements.
+    Raises `ResultError` when the file is damaged.
+    """
+    columns: dict[str, list[int]] = {}
+    for column, quantity in enumerate(quantities):
+        columns.setdefault(quantity.dataset, []).append(column)
+    values = np.empty((len(range(*rows.indices(len(result[TIME])))), len(quantities)))
+    for path, wanted in columns.items():
+        index = np.array([quantities[column].index for column in wanted], dtype=int)
+        values[:, wanted] = _elements(result, path, rows, index)
+    return values
+
+
+def time_at(result: h5py.File, row: int) -> float:
+    """Time of a row, s; raises `ResultError` when the file is damaged."""
+    row %= len(result[TIME])
+    return float(_elements(result, TIME, slice(row, row + 1), np.empty((1, 0), dtype=int))[0, 0])
+
+
+def shortfall(result: h5py.File) -> str:
+    """A sentence on a run that is not complete: why, and up to which time there are rows; else empty."""
+    if attribute(result, "status", "complete") == "complete":
+        return ""
+    end = f"its rows end at t = {time_at(result, -1):.10g} s" if len(result[TIME]) else "it has no rows"
+    message = attribute(result, "message")
+    return f"the run is not complete, {end}" + (f": {message}" if message else "")
+
+
+def _elements(result, path, rows, index):
+    """Elements (rows, places) of a dataset at the places `index` (places, axes) behind time."""
+    low, high = index.min(axis=0), index.max(axis=0) + 1
+    try:
+        with understood():
+            box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
+    except Damaged as fault:
+        raise ResultError(result.filename, f"/{path} {fault}") from fault
+    _refuse_other_length(result, path)
+    return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
+
+
+def refuse_uneven(result: h5py.File) -> None:
+    """Raise `ResultError` when a series has not a row for every time; no run leaves such a file."""
+    for family in families(result):
+        _refuse_other_length(result, family.path)
+
+
+def _refuse_other_length(result, path):
+    if len(result[path]) != len(result[TIME]):
+        counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
+        raise ResultError(result.filename, f"a damaged result: /{path} has {counts}; run the deck again")
+
+
+def _quantity(family, index):
+    return Quantity(family.name(index), family.unit(index), family.meaning(index), family.path, tuple(index))
+
+
+def _matched(known, pattern):
+    words = [re.compile(fnmatch.translate(folded(word))) for word in pattern.split(".")]
+    if any(sign in pattern for sign in "*?["):
+        # The only name of one word is the time's, which nobody means by `*`.
+        return _among([family for family in known if family.path != TIME], words) or _among(known, words)
+    return _among(known, words)
+
+
+def _among(known, words):
+    whole, begun = [], []
+    for family in known:
+        for form in family.forms:
+            if len(form) >= len(words):
+                (whole if len(form) == len(words) else begun).extend(_matched_form(family, form, words))
+    return whole or begun
+
+
+def _matched_form(family, form, words):
+    """The quantities whose names in this form begin with `words`."""
+    along = [range(length) for length in family.shape]
+    for slot, word in zip(form, words, strict=False):
+        positions = slot.positions(word)
+        if not positions:
+            return []
+        if slot.axis is not None:
+            along[slot.axis] = positions
+    return [_quantity(family, index) for index in product(*along)]
+
+
+def _unknown(known, pattern):
+    forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
+    close = nearest(pattern.split("."), forms)
+    hint = f"; near it are {', '.join(close)}" if close else ""
+    return f"{pattern or NOTHING}: the result has no such quantity{hint}{SHOWS_ALL}"

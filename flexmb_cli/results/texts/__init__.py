@@ -1,0 +1,1 @@
+"""Texts that commands print of models and results."""

@@ -1,0 +1,41 @@
+"""Text of what `flexmb check` found of a VSDF deck (`run.check.CheckReport`)."""
+
+from ...errors import visible
+from .check_text import assembly_lines, few, redundant_lines
+
+
+def check_vsdf_text(report) -> str:
+    """Counts, bodies, assembly and rank of a deck that could be read, one fact a line."""
+    counts = report.counts
+    joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
+    lines = [
+        f"{visible(report.outcome.deck)}: VSDF deck",
+        f"  bodies {counts['bodies']}, of them flexible {counts['flexible']}, joints: {joints}",
+        f"  pins {counts['pins']}, motions {counts['motions']}, forces and torques {counts['loads']}, "
+        f"springs {counts['springs']}, output nodes {counts['outputs']}",
+        *(_body_line(body) for body in report.bodies),
+        f"  equations {counts['equations']}, speeds {counts['coordinates']}, modal {counts['modes']}, "
+        f"degrees of freedom without motions {counts['degrees_of_freedom']}, "
+        f"report times {counts['report_times']}",
+        *assembly_lines(report),
+        f"  rank {report.rank} of {counts['equations']}, smallest singular value {report.smallest:.1e}",
+        *redundant_lines(report),
+        *_free_line(report.free),
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _free_line(free):
+    """The motions left, each by the first of its coordinates."""
+    if free:
+        yield f"  free motions {len(free)}, such as those of: " + few([names[0] for names in free])
+
+
+def _body_line(body):
+    centre = " ".join(f"{value + 0.0:.6g}" for value in body["centre"])
+    line = f"  {body['name']}: {body['kind']}, mass {body['mass']:.6g} kg, centre of mass {centre} m"
+    if not body["modes"]:
+        return line
+    low, high = body["frequencies"][0], body["frequencies"][-1]
+    line += f", nodes {body['nodes']}, modes {body['modes']} from {low:.4g} to {high:.4g} Hz"
+    return f"{line}, precise to {max(body['frequency_errors']):.0e}"

@@ -1,0 +1,39 @@
+"""The echo of a deck: every number as it was understood, for `--echo`."""
+
+from ...deck.record import Deck
+from ...dialects.recognise import DIALECTS
+from ...errors import visible
+
+HEADINGS = ("line", "name", "value", "unit", "meaning")
+_ALIGN_RIGHT = (True, False, True, False, False)
+
+
+def echo(deck: Deck) -> str:
+    """A table of all numbers of `deck`, one a line, columns aligned, ending with a line end.
+
+    Line of the deck (`--set` for a number set there), readable name, value as typed, unit, meaning.  An
+    empty field has what the model took for it, once that is built, else its default.
+    """
+    rows = [HEADINGS, *(_row(record, number) for record in deck.records for number in record.numbers)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "".join(f"{line}\n" for line in (_title(deck), *(_aligned(row, widths) for row in rows)))
+
+
+def _title(deck):
+    begins = DIALECTS[deck.dialect].begins
+    return f"{visible(deck.source.name)}: read as a {deck.dialect.upper()} deck, which begins with {begins}"
+
+
+def _row(record, number):
+    line = str(number.place.line) if number.place else "--set"
+    value = number.text or str(record.made.get(number.key, number.value))
+    cells = f"{record.prefix}.{number.key}", value, number.unit or "-", number.meaning
+    return line, *map(visible, cells)
+
+
+def _aligned(row, widths):
+    cells = [
+        cell.rjust(width) if right else cell.ljust(width)
+        for cell, width, right in zip(row, widths, _ALIGN_RIGHT, strict=True)
+    ]
+    return "  ".join(cells).rstrip()

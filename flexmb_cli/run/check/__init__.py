@@ -1,0 +1,1 @@
+"""Diagnosis of a deck without solving it."""

@@ -1,0 +1,150 @@
+"""Diagnose a tree without integrating it: counts, coordinates, inertia, closures and energies at the start.
+
+Small trees are evaluated by the same kernels left uncompiled, so that `check` answers at once.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import AnalysisError
+from ...model.mechanism import TimeGrid
+from ...model.tree import ELASTIC, Tree
+from ...model.unit_checks import unit_doubts
+from ..dafms_tree import tree_of
+from ..outcome import RunOptions
+
+INTERPRETED_LIMIT = 400  # coordinates
+
+
+@dataclass(frozen=True)
+class TreeFindings:
+    """What `check` found of a tree; None where the start could not be evaluated.
+
+    `coordinates`: (name, unit, coordinate, speed) at the start, loops closed; `lightest`: the
+    coordinate with the least inertia left of its body's own, and that share; `gaps`: (closure, gap as
+    given, gap after assembly, m); `redundant`: closed directions that others close too; `energies`:
+    J by name; `elastic`: (body, nodes, coordinates, lowest and highest frequency with the root held, Hz).
+    """
+
+    coordinates: list[tuple[str, str, float, float]]
+    lightest: tuple[str, float] | None
+    gaps: list[tuple[str, float, float]]
+    redundant: list[str]
+    energies: dict[str, float]
+    elastic: list[tuple[str, int, int, float, float]]
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`."""
+        return {
+            "coordinates": _named(("name", "unit", "q", "u"), self.coordinates),
+            "least_inertia": None if self.lightest is None else list(self.lightest),
+            "assembly": _named(("closure", "given", "assembled"), self.gaps),
+            "redundant": self.redundant,
+            "energies": self.energies,
+            "elastic": _named(("body", "nodes", "coordinates", "lowest_hz", "highest_hz"), self.elastic),
+        }
+
+
+def check_tree(report, options: RunOptions) -> None:
+    """Fill `report` (`check.CheckReport`) for the tree of its deck.
+
+    Raises FlexmbError: the faults of the model, a loop that cannot be closed, a mass matrix that is
+    not positive definite.
+    """
+    tree = tree_of(report.deck, options, report.outcome)
+    report.outcome.faults += unit_doubts(tree)
+    report.counts = _counts(tree)
+    elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
+    report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
+    if len(tree.coordinates) <= INTERPRETED_LIMIT:
+        from ...kernels import _jit
+
+        _jit.interpret()
+    _evaluate_start(report, tree)
+
+
+def _counts(tree: Tree):
+    motions = [c.motion for c in tree.coordinates]
+    return {
+        "bodies": len(tree.bodies),
+        "flexible": sum(body.elastic is not None for body in tree.bodies),
+        "rotations": motions.count("rotation"),
+        "translations": motions.count("translation"),
+        "elastic": motions.count(ELASTIC),
+        "coordinates": len(motions),
+        "prescribed": len(tree.prescribed),
+        "closures": len(tree.closures),
+        "closed_directions": sum(len(closure.directions) for closure in tree.closures),
+        "report_times": tree.time.rows,
+        "one_way": tree.one_way,
+    }
+
+
+def _evaluate_start(report, tree):
+    from ...kernels.integrators import tree_dop853
+    from ...solvers.tree.analysis import TreeAnalysis
+
+    start = tree.time.start
+    analysis = TreeAnalysis(replace(tree, time=TimeGrid(start, start, tree.time.step)))
+    analysis.call(tree_dop853.GO_ON)
+    given = _gaps(tree, analysis.arrays.closures)
+    try:
+        row = next(analysis.rows())
+    except AnalysisError:
+        report.tree = replace(report.tree, gaps=[(name, gap, gap) for name, gap in given])
+        raise
+    assembled = _gaps(tree, analysis.arrays.closures)
+    gaps = [(*before, after[1]) for before, after in zip(given, assembled, strict=True)]
+    redundant = _redundant(tree, analysis.arrays)
+    report.tree = replace(
+        report.tree,
+        coordinates=_start(tree, row.q[0], row.y[0]),
+        lightest=_lightest(tree, analysis),
+        gaps=gaps,
+        redundant=redundant,
+        energies={name: float(getattr(row, name)[0]) for name in ("kinetic", "potential", "strain")},
+    )
+    closed = report.counts["closed_directions"] - len(redundant)
+    report.counts["degrees_of_freedom"] = len(tree.coordinates) - len(tree.prescribed) - closed
+
+
+def _start(tree, q, y):
+    return [
+        (c.name, "rad" if c.motion == "rotation" else "m", float(a), float(b))
+        for c, a, b in zip(tree.coordinates, q, y, strict=True)
+    ]
+
+
+def _gaps(tree, rows):
+    """Largest gap of each closure, m."""
+    gaps = iter(np.abs(rows["gap"]))
+    return [(closure.name, float(max(next(gaps) for _ in closure.directions))) for closure in tree.closures]
+
+
+def _redundant(tree, arrays):
+    """Directions whose pivots the elimination found to be zero."""
+    pivots = np.diag(arrays.closure_matrix)
+    names = [f"{closure.name} direction {axis}" for closure in tree.closures for axis in closure.directions]
+    return [name for name, pivot in zip(names, pivots, strict=True) if pivot == 0.0]
+
+
+def _lightest(tree, analysis):
+    """Coordinate with the least inertia left, all that hangs on it being free, as a share of its body's."""
+    pivots = analysis.coordinates["pivot"]
+    shares = np.where(pivots > 0, pivots / analysis.arrays.inertia_scale, np.inf)
+    least = int(np.argmin(shares))
+    return (tree.coordinates[least].name, float(shares[least])) if np.isfinite(shares[least]) else None
+
+
+def _spectrum(body):
+    """Frequencies of an elastic body with its root held: what the step length must follow."""
+    elastic = body.elastic
+    roots = np.sqrt(np.repeat(elastic.masses, len(elastic.axes)))
+    values = np.linalg.eigvalsh(elastic.stiffness / np.outer(roots, roots))
+    lowest, highest = (float(np.sqrt(abs(value))) / (2 * np.pi) for value in (values[0], values[-1]))
+    return body.name, len(elastic.masses), elastic.coordinates, lowest, highest
+
+
+def _named(keys, rows):
+    return [dict(zip(keys, row, strict=True)) for row in rows]

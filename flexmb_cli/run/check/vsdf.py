@@ -1,0 +1,91 @@
+"""Diagnose a VSDF deck: bodies, assembly, rank, repeated equations and what is free to move."""
+
+import numpy as np
+
+from ...model.unit_checks import unit_doubts
+from ..outcome import RunOptions, refuse_warnings
+from ..vsdf import mechanism_of
+from .parts import before_and_after, report_times
+
+ROUND_OFF = 1e-12
+
+
+def check_vsdf(report, options: RunOptions) -> None:
+    """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
+    mechanism = mechanism_of(report.deck, options, report.outcome)
+    report.outcome.faults += unit_doubts(mechanism)
+    from ...kernels import _jit
+
+    _jit.interpret()
+    from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
+
+    analysis = FlexibleDynamics(mechanism)
+    arrays = analysis.arrays
+    report.bodies = [_body(body) for body in mechanism.bodies]
+    report.time = mechanism.time.start
+    before = _gaps(analysis, arrays.q)
+    try:
+        found = analysis.start()
+    finally:
+        report.outcome.faults += analysis.warnings
+    report.counts = _parts(mechanism) | {
+        "equations": int(found.equations),
+        "coordinates": int(found.coordinates),
+        "degrees_of_freedom": int(found.coordinates - found.rank) + len(mechanism.motions),
+        **report_times(mechanism.time),
+    }
+    report.gaps = before_and_after(before, _gaps(analysis, analysis.march.z[: arrays.q.size]))
+    report.rank, report.smallest = int(found.rank), float(found.smallest)
+    report.redundant = [[equation.name for equation in group] for group in found.redundant]
+    report.free = [list(names) for names in found.free]
+    refuse_warnings(report.outcome, options)
+
+
+def _parts(mechanism):
+    kinds: dict[str, int] = {}
+    for joint in mechanism.joints:
+        kinds[joint.kind] = kinds.get(joint.kind, 0) + 1
+    return {
+        "bodies": len(mechanism.bodies),
+        "flexible": sum(body.modes > 0 for body in mechanism.bodies),
+        "modes": sum(body.modes for body in mechanism.bodies),
+        "joints": kinds,
+        "pins": len(mechanism.pins),
+        "motions": len(mechanism.motions),
+        "loads": len(mechanism.forces) + len(mechanism.torques),
+        "springs": len(mechanism.springs) + len(mechanism.joint_springs),
+        "outputs": len(mechanism.outputs),
+    }
+
+
+def _body(body):
+    """What is reported of a body; frequencies in Hz."""
+    record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
+    if body.flexible is None:
+        return record | {"kind": "rigid"}
+    found = body.flexible
+    return record | {
+        "kind": "flexible",
+        "nodes": len(found.numbers),
+        "frequencies": found.frequencies.tolist(),
+        "frequency_errors": found.frequency_errors[: found.modes - found.massless].tolist(),
+        "mass_deviation": found.mass_deviation,
+        "rigid_residual": found.rigid_residual,
+    }
+
+
+def _centre(body):
+    """Centre of mass, m, components that are round-off of the body's size as 0."""
+    centre = body.s0 / body.m
+    size = max(np.abs(centre).max(), np.sqrt(np.trace(body.J0) / body.m))
+    return np.where(np.abs(centre) > ROUND_OFF * size, centre, 0.0).tolist()
+
+
+def _gaps(analysis, q):
+    """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
+    arrays, gaps = analysis.arrays, {}
+    scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.turns)
+    for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
+        key = equation.owner, equation.unit
+        gaps[key] = max(gaps.get(key, 0.0), float(value))
+    return gaps

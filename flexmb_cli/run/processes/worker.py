@@ -1,0 +1,95 @@
+"""Processes of this machine, each with a line of its own.
+
+Whichever is killed takes no other along, and what it was at is known.  No executor: its threads, when one
+cannot be started, leave it waiting for ever, and write to closed lines while Python ends.
+"""
+
+import os
+import pickle
+import traceback
+from collections.abc import Callable, Collection
+from contextlib import suppress
+from multiprocessing import connection, get_context
+
+from .signal_mask import stops_blocked
+
+
+class Worker:
+    """A process that runs `serve(line, *given)`; what goes through its `line` is between the two.
+
+    It ends when its `line` is closed, at the latest where `serve` next turns to it.
+    `given` is pickled, and so is `serve` by its name.  Signals that stop are kept from the process until it
+    unblocks them.  Raises OSError when no process can be started.
+    """
+
+    def __init__(self, serve: Callable, *given):
+        spawn = get_context("spawn")
+        self.line, theirs = spawn.Pipe()
+        self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
+        with theirs, stops_blocked():
+            self.process.start()
+
+    def send(self, message) -> bool:
+        """Whether it was there to be told."""
+        with suppress(OSError):
+            self.line.send(message)
+            return True
+        return False
+
+    def answer(self):
+        """What the process has sent; None when it has ended, and nothing is left to be read."""
+        with suppress(EOFError, OSError):
+            if self.line.poll():
+                return self.line.recv()
+        self.kill()
+        return None
+
+    def signal(self, number: int) -> None:
+        """Pass a stop on.  Windows tells it every process of the console, and knows no other signals."""
+        if os.name != "nt" and self.process.is_alive():
+            os.kill(self.process.pid, number)
+
+    def end(self) -> None:
+        """Wait for a process that ends when nothing more can come."""
+        self.line.close()
+        self.process.join()
+
+    def kill(self) -> None:
+        """End the process, whatever it is at."""
+        self.process.kill()
+        self.end()
+
+
+def _served(serve, line, *given):
+    """What a process does."""
+    try:
+        serve(line, *given)
+    except (EOFError, OSError, MemoryError):
+        # The other side has ended, or too little memory is left to say so: the closed line does.
+        return
+
+
+def having_answers(workers: Collection[Worker]) -> list[Worker]:
+    """Wait until some of `workers` have sent something, or have ended; which ones."""
+    # Where a process ended before it took its line, only its end tells.
+    ready = set(connection.wait([thing for w in workers for thing in (w.line, w.process.sentinel)]))
+    return [worker for worker in workers if ready & {worker.line, worker.process.sentinel}]
+
+
+def end_all(workers: Collection[Worker]) -> None:
+    """Wait for processes that end when nothing more can come, for all at once."""
+    for worker in workers:
+        worker.line.close()
+    for worker in workers:
+        worker.process.join()
+
+
+def portable(fault: BaseException) -> BaseException:
+    """`fault` as it can be sent, with the place where it was raised."""
+    place = "".join(traceback.format_exception(fault))
+    with suppress(Exception):
+        fault.add_note(place)
+        # Exceptions may be made otherwise than they are told: tried here, where it can be helped.
+        pickle.loads(pickle.dumps(fault))
+        return fault
+    return RuntimeError(place)

@@ -1,0 +1,104 @@
+"""A YOUNG deck by two formulations: Euler parameters with YOUNG's equations, and natural coordinates.
+
+Both begin at the position that flexmb assembles.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...dialects.young.build import build_young
+from ...dialects.young.build_dynamics import build_young_dynamics
+from ...dialects.young.dynamic_cards import FORWARD, analysis_of
+from ..outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
+from .difference import Difference, largest_difference
+
+FORMULATIONS = "Euler parameters and natural coordinates"
+TOLERANCE = 1e-11  # of the explicit steps
+
+
+def young_differences(
+    deck: Deck, options: RunOptions, outcome: Outcome, listener: Listener
+) -> tuple[Difference, ...]:
+    """Run `deck` both ways and return what the motions differ in.  Raises FlexmbError."""
+    analysis, mechanism, model = _analysis(deck, options, outcome)
+    from ...solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
+
+    motion = NaturalMotion(mechanism, model)
+    blocks = []
+    for block in analysis.rows():
+        blocks.append(block)
+        Stop.heed()
+    outcome.rows = sum(block.time.size for block in blocks)
+    start = blocks[0]
+    X = coordinates_of(start.position[0], start.euler_parameters[0])
+    if model is None or model.analysis != FORWARD:
+        rows = motion.kinematic(X)
+    else:
+        rows = motion.forward(X, speeds_of(X, start.velocity[0], start.angular_velocity[0]))
+    return _differences(_joined(blocks), rows, motion)
+
+
+def _analysis(deck, options, outcome):
+    """Return flexmb's analysis, the mechanism, and the dynamic model or None."""
+    if analysis_of(deck) is None:
+        from ...solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
+
+        mechanism, warnings = build_young(deck)
+        outcome.faults += warnings
+        refuse_warnings(outcome, options)
+        return KinematicAnalysis(mechanism, KinematicSettings(**options.solver)), mechanism, None
+    from ...solvers.constrained.young_dynamics import ForwardDynamics
+    from ...solvers.kinematics.inverse_dynamics import InverseDynamics
+
+    model, warnings = build_young_dynamics(deck)
+    outcome.faults += warnings
+    refuse_warnings(outcome, options)
+    if model.analysis == FORWARD:
+        model = replace(model, tolerance=options.integration.get("rtol", TOLERANCE), alpha_steps=None)
+        return ForwardDynamics(model), model.mechanism, model
+    return InverseDynamics(model), model.mechanism, model
+
+
+def _joined(blocks):
+    names = vars(blocks[0])
+    return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
+
+
+def _differences(found, rows, motion):
+    """Return the differences of positions, attitudes and their derivatives, and of efforts."""
+    from ...solvers.natural_coordinates.equations import rotation_of
+
+    shape = len(rows.time), -1, 4, 3
+    speed, turning = (np.max(np.abs(found[name])) for name in ("velocity", "angular_velocity"))
+    X, V, A = (part.reshape(shape) for part in (rows.X, rows.V, rows.A))
+    turned = np.array([[rotation_of(p).T for p in row] for row in found["euler_parameters"]])
+    pairs = [
+        ("body position", "m", found["position"], X[:, :, 0]),
+        ("body attitude", "1", turned, X[:, :, 1:]),
+        ("body velocity", "m/s", found["velocity"], V[:, :, 0]),
+        ("body angular velocity", "rad/s", found["angular_velocity"], _omega(X, V)),
+        ("body acceleration", "m/s^2", found["acceleration"], A[:, :, 0], speed * turning),
+        ("body angular acceleration", "rad/s^2", found["angular_acceleration"], _omega(X, A), turning**2),
+    ]
+    if "kinetic" in found:
+        kinetic = 0.5 * np.einsum("ti,ij,tj->t", rows.V, motion.M, rows.V)
+        pairs.append(("kinetic energy", "J", found["kinetic"], kinetic))
+    if rows.effort.size:
+        efforts = found["driver_effort"]
+        known = np.isfinite(rows.effort)
+        pairs.append(
+            ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
+        )
+    return tuple(_difference(rows.time, *pair) for pair in pairs)
+
+
+def _difference(time, name, unit, one, other, least=0.0):
+    """Return a difference; what should be zero is measured by `least`, the size of what it is made of."""
+    return largest_difference(name, unit, time, one, other, max(least, float(np.max(np.abs(one)))))
+
+
+def _omega(X, rates):
+    """Return Σ d_a × (dd_a/dt) / 2: angular velocities of rates, angular accelerations of their rates."""
+    return 0.5 * np.cross(X[:, :, 1:], rates[:, :, 1:]).sum(axis=2)

@@ -1,0 +1,1 @@
+"""Forward dynamics in absolute coordinates."""

@@ -1,0 +1,256 @@
+"""Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+from ...kernels.constrained.angle_unwrapping import NEAR, NEW, OLD, fill_angles
+from ...kernels.constrained.system import NO_INERTIA
+from ...kernels.integrators import constrained_dop853
+from ...model.arrays.system import SystemArrays
+from ...model.mechanism import TimeGrid
+from ...model.time_functions import HELD_TABLE, TABLE
+from ..singular.dynamic_singularities import (
+    SINGULAR,
+    PassedPositions,
+    at_line,
+    has_gained_rank,
+    is_singular,
+    repeating_here_only,
+    weakest_of_speeds,
+)
+from ..singular.mobility import Gap, Mobility, about
+from .coinciding_ends import refuse_coinciding_ends
+from .integrators import ExplicitSteps
+from .start import inertia_failure, order_of_elimination
+from .start_speeds import start_speeds
+from .system import blank_report, constrained_system, new_work
+
+CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
+LARGEST_BLOCK = 256  # rows
+SAME = 1e-9  # of a run: times this near to each other are one
+SHOWN_OWNERS = 6
+GO_ON = (
+    "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
+    "times as large or as small, or GALF"
+)
+STIFF = "; try RAD5 or GALF, or a smaller one"
+
+
+class ConstrainedMotion:
+    """One run over the times of `grid`; `stepper`: one of `steppers`, by default the explicit one.
+
+    A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it,
+    `springs` in line, and `block(report)`, the rows it yields.  `warnings` fills while the run goes on;
+    `found` is what `start` found.
+    """
+
+    velocities = ()
+    springs = ()
+    turns_in_body_axes = False
+
+    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, stepper=None):
+        self.arrays = arrays
+        self.grid = grid
+        self.stepper = stepper or ExplicitSteps()
+        self.system = constrained_system(arrays)
+        self.work = new_work(arrays)
+        self.warnings: list[Fault] = []
+        self.found: Mobility | None = None
+        self._first = np.zeros(0)  # coordinates at the start
+        coordinates, n = arrays.coordinate_scale.size, arrays.speeds
+        self.march = self.stepper.new_march(self.work, arrays.turns.size)
+        self.march.units[:coordinates] = arrays.coordinate_scale
+        self.march.units[coordinates : coordinates + n] = arrays.speed_scale
+        self.clock = self.march.clock
+        self.clock["rtol"] = self.clock["atol"] = tolerance
+
+    def rows(self) -> Iterator:
+        """Yield the report rows in blocks.
+
+        Raises ModelError when the drivers contradict the joints, AnalysisError when the mechanism
+        cannot be assembled, reaches a singular position or has a motion without inertia; all rows
+        before have been yielded.
+        """
+        self.start()
+        times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
+        passed, end = PassedPositions(self), times[-1]
+        stops = self._breakpoints(end)
+        parts = np.split(times, np.searchsorted(times, stops, "right"))
+        for stop, due in zip([*stops, end], parts, strict=True):
+            self.clock["stop"] = stop
+            for report in self._reports(due):
+                passed.look(report.times, report.states)
+                yield self.block(report)
+            # To the very breakpoint, where there need not be a row.
+            for _ in self._reports(np.array([stop] if stop < end else [])):
+                pass
+        self.warnings += self.stepper.doubts(self.clock[0])
+
+    def _reports(self, times):
+        """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
+        while times.size:
+            report = blank_report(self.arrays, times[:LARGEST_BLOCK])
+            answer = self._call(constrained_dop853.MARCH, report)
+            filled = int(self.clock["row"][0])
+            times = times[filled:]
+            if filled:
+                yield report._replace(**_first(report, filled))
+            if answer == constrained_dop853.STEP_SHORT:
+                self._excuse_short_steps()
+            elif answer not in (constrained_dop853.ROWS_FULL, constrained_dop853.PAUSED):
+                raise self._failure(answer, times[0] if times.size else np.inf)
+
+    def _excuse_short_steps(self):
+        """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
+        if is_singular(self, self.march.z[: self._first.size], self._first):
+            raise self._failure(constrained_dop853.STEP_VANISHED)
+        self.clock["excused"] = 1
+
+    def _breakpoints(self, end) -> list[float]:
+        """Points of tables before `end`, s, at which steps end.
+
+        What a table does between two steps of any length would be stepped over, and no method keeps its
+        order across a bend.
+        """
+        if not self.stepper.chosen:
+            return []
+        start, found = self.grid.start, []
+        apart = SAME * max(abs(start), abs(end))
+        for t in sorted({t for law in self._tables for t in law.tolist()}):
+            # A step between two numbers for one time would be shorter than any can be.
+            if (found[-1] if found else start) + apart < t < end - apart:
+                found.append(t)
+        return found
+
+    @property
+    def _tables(self) -> list[np.ndarray]:
+        """The times of every table, s."""
+        system = self.system
+        laws = [law for law in system.laws if law["kind"] in (TABLE, HELD_TABLE)]
+        return [system.knots[law["first"] : law["last"] + 1, 0] for law in laws]
+
+    def _warn_of_fine_tables(self):
+        """Steps of given length end where they end, whatever a table does between."""
+        finest = min((float(np.diff(times).min()) for times in self._tables), default=np.inf)
+        if not self.stepper.chosen and finest < self.stepper.length:
+            message = (
+                f"a table has points {finest:.3g} s apart, and steps of {self.stepper.length:g} s may pass "
+                "over them: take a step below that, or 0 for steps that end at them"
+            )
+            self.warnings.append(Fault("warning", message))
+
+    def start(self) -> Mobility:
+        """Assemble positions and speeds at the first time and choose the first step.
+
+        Returns what the equations leave free, and which of them repeat others; raises as `rows`.
+        """
+        grid, march = self.grid, self.march
+        q = self.assembled(grid.start)
+        march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
+        self.work.turns[:] = march.turns[NEW]
+        found = self.found = order_of_elimination(self, q, grid.start)
+        march.z[: q.size] = self._first = q
+        # Rates that contradict others are refused here: what is left does repeat others.
+        march.z[q.size : -1] = start_speeds(self, q, grid.start)
+        refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
+        if found.redundant:
+            self.warnings.append(_repetition_warning(found))
+        self._warn_of_fine_tables()
+        self.clock["t"] = grid.start
+        self.clock["stop"] = grid.time(grid.rows - 1)
+        answer = self._call(constrained_dop853.BEGIN, blank_report(self.arrays, np.zeros(0)))
+        if answer != constrained_dop853.READY:
+            raise self._failure(answer)
+        return found
+
+    def _call(self, task, report):
+        return self.stepper.march_rows(task, self.system, self.work, self.march, report, CALL_EVALUATIONS)
+
+    def screw_angles(self, q):
+        """Angles that count turns at q, those nearest to the deck's estimates."""
+        angles = self.arrays.turns.copy()
+        fill_angles(self.system, self.work, q, self.arrays.turns, angles)
+        return angles
+
+    def _failure(self, answer, due: float = np.inf) -> AnalysisError:
+        """Why no step, or no row that was `due` at that time, could be made."""
+        clock = self.clock[0]
+        t, step = float(clock["t"]), float(clock["step"])
+        norms = {"reached": t, "step": step}
+        if answer == constrained_dop853.CONTRADICTION:
+            worst = self.arrays.equations[int(clock["worst"])]
+            gap = Gap(worst, float(clock["gap"]) * worst.scale)
+            reason = (
+                "they did so at the start only, which is a singular position (rods in line); begin elsewhere"
+                if has_gained_rank(self)
+                else "a driver or a joint asks for a motion that the others forbid"
+            )
+            message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
+            return AnalysisError(about("error", message, worst), t, norms)
+        if clock["fault"] == NO_INERTIA:
+            return inertia_failure(self, t)
+        if due <= t and (owners := self._weakest_at_row(norms)):
+            message = (
+                f"at t = {due:.6g} s a row stands on a singular position of {_names(owners)}, where "
+                "accelerations and reactions are not determined; choose other times"
+            )
+            return AnalysisError(about("error", message, owners[0]), t, norms)
+        reason, owners = self._why_steps_fall(norms)
+        message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
+        return AnalysisError(about("error", message, *owners[:1]), t, norms)
+
+    def _weakest_at_row(self, norms):
+        """The equations that are singular where a row could not be made; none where they are not."""
+        norms["condition"], owners = weakest_of_speeds(self, self.march.trial)
+        return owners if norms["condition"] > SINGULAR else []
+
+    def _why_steps_fall(self, norms):
+        """The reason in words, and the equations it lies in; the condition goes into `norms`."""
+        condition, owners = weakest_of_speeds(self, self.march.z)
+        norms["condition"] = condition
+        size = f"condition {condition:.0e}"
+        if condition > SINGULAR:
+            joints = _names(owners)
+            return (
+                f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",
+                owners,
+            )
+        if owners := repeating_here_only(self):
+            reason = (
+                f"this is a singular position of {_names(owners)} (rods in line), where equations repeat "
+                "others that they contradict beside it; begin elsewhere"
+            )
+            return reason, owners
+        return (
+            f"the joints are far from singular ({size}), so a load, stiffness or speed is too great{STIFF}",
+            [],
+        )
+
+
+def _names(equations):
+    return ", ".join(f"{one.owner}{at_line(one)}" for one in equations)
+
+
+def _repetition_warning(found):
+    """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
+    # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
+    repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
+    owners = list(dict.fromkeys(equation.owner for equation in repeated))
+    placed = [equation for equation in repeated if equation.place]
+    count = len(found.redundant)
+    shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
+    message = (
+        f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
+        "motion is unique, reactions are those of least norm"
+    )
+    return about("warning", message, *placed)
+
+
+def _in_deck(equation):
+    return equation.place or (0, 0), equation.owner, equation.part
+
+
+def _first(report, filled):
+    return {name: array[:filled] for name, array in report._asdict().items()}

@@ -1,0 +1,32 @@
+"""Springs in line whose ends coincide at the start: with a free length they have no direction to push in."""
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...kernels.constrained.body_vectors import ARM
+from ...model.arrays.records import LINE
+
+COINCIDING = 1e-9  # of the free length: what assembly leaves between points that joints bring together
+
+
+def refuse_coinciding_ends(system, work, springs, t: float) -> None:
+    """Raise ModelError for stretched springs without a direction at the position at hand.
+
+    `springs`: the springs in line of the model, in the order of their loads.
+    """
+    loads = system.loads[system.loads["kind"] == LINE]
+    faults = []
+    for load, spring in zip(loads, springs, strict=True):
+        length = float(np.linalg.norm(work.spans[ARM, load["measure"], 0]))
+        if load["stiffness"] * load["free_length"] and length <= COINCIDING * abs(load["free_length"]):
+            faults.append(_fault(spring, load["free_length"], t))
+    if faults:
+        raise ModelError(faults)
+
+
+def _fault(spring, free_length, t):
+    message = (
+        f"its ends coincide at t = {t:.6g} s, where its free length of {free_length:.6g} m gives it a force "
+        "without a direction; move an end, or give it the free length 0"
+    )
+    return Fault("error", message, spring.place, spring.name)

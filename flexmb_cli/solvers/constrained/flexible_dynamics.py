@@ -1,0 +1,103 @@
+"""Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...kernels.constrained.system import System
+from ...model.arrays.flexible import flexible_arrays
+from ...model.arrays.node_joints import TRANSLATIONS
+from ...model.arrays.records import LAW, law_record
+from ...model.fe_model import Integrator
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.loads import InitialVelocity
+from ...model.time_functions import POLYNOMIAL
+from ..linearisation.terms import Terms
+from .analysis import ConstrainedMotion
+from .flexible_rows import FlexibleRows, flexible_rows
+from .flexible_start import PositionGaps, assemble
+from .initial_gaps import parted_joints
+from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
+from .rows import global_axes
+from .start_speeds import given_speeds
+
+TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
+
+
+def stepper_of(integrator: Integrator):
+    """The stepper that a deck asks for, and its tolerance."""
+    if integrator.method == "RK45":
+        return ExplicitSteps(), integrator.parameter
+    if integrator.method == "RAD5":
+        return RadauSteps(), integrator.parameter
+    return GeneralisedAlpha(integrator.parameter, integrator.step), TOLERANCE
+
+
+class FlexibleDynamics(ConstrainedMotion):
+    """One run over the report times of a mechanism."""
+
+    turns_in_body_axes = True
+
+    def __init__(self, mechanism: FlexibleMechanism):
+        stepper, tolerance = stepper_of(mechanism.integrator)
+        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, stepper)
+        self.mechanism = mechanism
+        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
+
+    @property
+    def evaluator(self) -> PositionGaps:
+        """Residuals of the equations."""
+        return PositionGaps(self.arrays, self.system, self.work)
+
+    def assembled(self, t: float) -> np.ndarray:
+        """Coordinates near the deck's that meet all equations; raises AnalysisError."""
+        q = assemble(self.evaluator, t)
+        self.warnings += parted_joints(self.mechanism, self.evaluator, q, t)
+        return q
+
+    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+        """Which of the speeds are given, and their values: those of the deck, and no rate of deformation."""
+        bodies = self.arrays.bodies
+        given, wanted = given_speeds(self.velocities, bodies, q)
+        modes = self.arrays.speeds - 6 * bodies
+        return np.append(given, np.ones(modes, bool)), np.append(wanted, np.zeros(modes))
+
+    @property
+    def terms(self) -> Terms:
+        """Names of loads, drivers, joints and points."""
+        m = self.mechanism
+        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]
+        loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
+        return Terms(
+            tuple(loads),
+            tuple(
+                (motion.name, motion.kind == "STRK" or motion.kind in TRANSLATIONS) for motion in m.motions
+            ),
+            tuple((joint.name, joint.a[0], joint.b[0]) for joint in m.joints),
+            tuple((point.name, point.body) for point in m.outputs),
+        )
+
+    def driven_system(self, k: int, additions, t: float) -> System:
+        """Return the system with additions to the value, rate and second rate of motion k at t.
+
+        A polynomial takes the place of its law, which at t has the same value and rates.
+        """
+        value, rate, second = np.add(self.mechanism.motions[k].law.at(t), additions)
+        c = value - rate * t + 0.5 * second * t * t, rate - second * t, 0.5 * second, 0.0
+        group = self.arrays.groups[len(self.mechanism.joints) + len(self.mechanism.pins) + k]
+        measures = self.system.measures.copy()
+        measures["law"][group["first_row"]] = self.system.laws.size
+        laws = np.append(self.system.laws, np.array([law_record(POLYNOMIAL, c)], dtype=LAW))
+        return self.system._replace(laws=laws, measures=measures)
+
+    def block(self, report: Report) -> FlexibleRows:
+        """The rows of a report in the terms of the model."""
+        return flexible_rows(self.mechanism, self.arrays, report)
+
+
+def _velocities(mechanism):
+    """Velocities of the bodies that the deck moves; those at rest follow the others."""
+    for k, body in enumerate(mechanism.bodies):
+        if np.any(body.velocity) or np.any(body.omega):
+            angular = tuple(global_axes(body.p, body.omega))
+            name, place = f"VELO of {body.name}", body.velocity_place
+            yield InitialVelocity(name, k, tuple(body.velocity), angular, place)

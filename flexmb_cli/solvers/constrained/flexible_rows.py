@@ -1,0 +1,163 @@
+"""Report rows of a mechanism of rigid and flexible bodies."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...model.arrays.node_joints import reaction_point
+from ...model.arrays.system import SystemArrays
+from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
+from .rows import coordinate_accelerations, coordinate_rates, global_axes
+
+
+@dataclass(frozen=True)
+class FlexibleRows:
+    """A block of T rows; SI units, global axes.
+
+    Reactions act on body b of each joint at its first point there, those of pins on the body at its node.
+    Without errors total = kinetic + potential + strain - applied_work stays constant.
+    """
+
+    time: np.ndarray  # (T,)
+    position: np.ndarray  # (T, b, 3) origins of the body frames
+    euler_parameters: np.ndarray  # (T, b, 4)
+    velocity: np.ndarray  # (T, b, 3)
+    euler_parameter_rates: np.ndarray  # (T, b, 4)
+    acceleration: np.ndarray  # (T, b, 3)
+    euler_parameter_accelerations: np.ndarray  # (T, b, 4)
+    angular_velocity: np.ndarray  # (T, b, 3)
+    angular_acceleration: np.ndarray  # (T, b, 3)
+    amplitude: tuple[np.ndarray, ...]  # (T, N) of every flexible body
+    point_position: np.ndarray  # (T, outputs, 3)
+    point_velocity: np.ndarray  # (T, outputs, 3)
+    point_acceleration: np.ndarray  # (T, outputs, 3)
+    reaction_force: np.ndarray  # (T, joints, 3)
+    reaction_torque: np.ndarray  # (T, joints, 3)
+    holding_force: np.ndarray  # (T, pins, 3)
+    driver_effort: np.ndarray  # (T, motions) force or torque along the prescribed coordinate
+    kinetic: np.ndarray  # (T,) J
+    potential: np.ndarray  # (T,) of gravity and springs
+    strain: np.ndarray  # (T,)
+    applied_work: np.ndarray  # (T,) of motions, forces, damping and stiffening since the start
+    applied_power: np.ndarray  # (T,) its rate, W
+    constraint_residual: np.ndarray  # (T,) largest scaled gap
+    velocity_residual: np.ndarray  # (T,) and its rate
+
+    @property
+    def total(self) -> np.ndarray:
+        """Energy that nothing changes but errors (T,), J."""
+        return self.kinetic + self.potential + self.strain - self.applied_work
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """States of a report by bodies: q, u and rates of u; modal coordinates and their two derivatives."""
+
+    q: np.ndarray  # (T, b, 7)
+    u: np.ndarray  # (T, b, 6)
+    ud: np.ndarray  # (T, b, 6)
+    modal: tuple[np.ndarray, np.ndarray, np.ndarray]  # (T, E) each
+    first: np.ndarray  # (b + 1,)
+
+    def of(self, point: NodePoint):
+        """Arm of a point with its first two derivatives relative to the body (T, 3), body axes."""
+        part = slice(self.first[point.body], self.first[point.body] + point.shape.shape[1])
+        s, sd, sdd = (eta[:, part] @ point.shape.T for eta in self.modal)
+        return point.r0 + s, sd, sdd
+
+    def point(self, point: NodePoint):
+        """Position, velocity and acceleration (T, 3) of a point, global axes."""
+        if point.body < 0:
+            rest = np.zeros((len(self.q), 3))
+            return rest + point.r0, rest, rest
+        q, u, ud = self.q[:, point.body], self.u[:, point.body], self.ud[:, point.body]
+        s, sd, sdd = self.of(point)
+        p, w = q[:, 3:], u[:, 3:]
+        turned = np.cross(w, s)
+        rest = np.cross(w, turned + 2.0 * sd) + np.cross(ud[:, 3:], s) + sdd
+        return (
+            q[:, :3] + global_axes(p, s),
+            u[:, :3] + global_axes(p, turned + sd),
+            ud[:, :3] + global_axes(p, rest),
+        )
+
+
+def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report) -> FlexibleRows:
+    """The rows of a report in the terms of the model."""
+    motion = _motion(mechanism, arrays, report)
+    q, u, ud = motion.q, motion.u, motion.ud
+    rates, seconds = coordinate_rates(q, u), coordinate_accelerations(q, u, ud)
+    points = [motion.point(point) for point in mechanism.outputs]
+    points = [_stacked([point[k] for point in points], len(q)) for k in range(3)]
+    return FlexibleRows(
+        time=report.times,
+        position=q[..., :3],
+        euler_parameters=q[..., 3:],
+        velocity=u[..., :3],
+        euler_parameter_rates=rates[..., 3:],
+        acceleration=ud[..., :3],
+        euler_parameter_accelerations=seconds[..., 3:],
+        angular_velocity=global_axes(q[..., 3:], u[..., 3:]),
+        angular_acceleration=global_axes(q[..., 3:], ud[..., 3:]),
+        amplitude=_amplitudes(mechanism, motion),
+        point_position=points[0],
+        point_velocity=points[1],
+        point_acceleration=points[2],
+        **_forces(mechanism, arrays, motion, report),
+        kinetic=report.audit[:, 0].copy(),
+        potential=report.audit[:, 1].copy(),
+        strain=report.audit[:, 2].copy(),
+        applied_work=report.states[:, -1].copy(),
+        applied_power=report.powers.copy(),
+        constraint_residual=report.audit[:, 3].copy(),
+        velocity_residual=report.audit[:, 4].copy(),
+    )
+
+
+def _motion(mechanism, arrays, report) -> _Motion:
+    b, n, times = arrays.bodies, arrays.speeds, len(report.times)
+    states, end = report.states, n + arrays.bodies
+    modal = states[:, 7 * b : end], states[:, end + 6 * b : end + n], report.rates[:, 6 * b :]
+    return _Motion(
+        states[:, : 7 * b].reshape(times, b, 7),
+        states[:, end : end + 6 * b].reshape(times, b, 6),
+        report.rates[:, : 6 * b].reshape(times, b, 6),
+        modal,
+        np.cumsum([0, *(body.modes for body in mechanism.bodies)]),
+    )
+
+
+def _stacked(items, times):
+    return np.stack(items, axis=1) if items else np.zeros((times, 0, 3))
+
+
+def _amplitudes(mechanism, motion):
+    return tuple(
+        motion.modal[0][:, motion.first[k] : motion.first[k + 1]].copy()
+        for k, body in enumerate(mechanism.bodies)
+        if body.modes
+    )
+
+
+def _forces(mechanism, arrays, motion, report):
+    """Reactions of joints, forces of pins, efforts of motions."""
+    joints, pins = len(mechanism.joints), len(mechanism.pins)
+    reactions = [_reaction(motion, mechanism.joints[k], report.wrenches[:, k]) for k in range(joints)]
+    first_rows = arrays.groups["first_row"][joints + pins :]
+    return {
+        "reaction_force": _stacked([force for force, _ in reactions], len(motion.q)),
+        "reaction_torque": _stacked([torque for _, torque in reactions], len(motion.q)),
+        "holding_force": report.wrenches[:, joints : joints + pins, 1, :3].copy(),
+        "driver_effort": report.multipliers[:, first_rows].copy(),
+    }
+
+
+def _reaction(motion, joint, wrenches):
+    """Force and torque (T, 3) on body b at its first point: what its body bears, or the other's opposite."""
+    point = reaction_point(joint)
+    side, sign, body = (1, 1.0, point.body) if point.body >= 0 else (0, -1.0, joint.a[0].body)
+    q, wrench = motion.q[:, body], sign * wrenches[:, side]
+    force = wrench[:, :3].copy()
+    arm = motion.point(point)[0] - q[:, :3]
+    return force, global_axes(q[:, 3:], wrench[:, 3:]) - np.cross(arm, force)

@@ -1,0 +1,78 @@
+"""How far the positions of a VSDF deck leave its joints apart, and what bringing them together has moved."""
+
+import math
+
+import numpy as np
+
+from ...errors import Fault
+from ...model.flexible_mechanism import FlexibleMechanism
+from ..singular.mobility import about, worst_gaps
+from .flexible_start import PositionGaps
+
+APART = 1e-2  # of the mechanism's size; of unit vectors
+DEFORMED = 1e-6  # of the length scale: more than round-off
+ROUND_OFF = 1e-7  # an angle below it is lost in its cosine
+PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may well begin elsewhere
+
+
+def parted_joints(mechanism: FlexibleMechanism, gaps: PositionGaps, q, t: float) -> list[Fault]:
+    """Warnings where assembly moved bodies far, or deformed them; q: coordinates that meet all equations."""
+    return [*_apart(mechanism, gaps, q, t), *_deformed(mechanism, gaps.arrays, q)]
+
+
+def _apart(mechanism, gaps, q, t):
+    arrays = gaps.arrays
+    scaled = gaps.residual(arrays.q, t, arrays.turns)
+    limits = np.array([_limit(mechanism, equation) for equation in arrays.equations])
+    worst = worst_gaps(gaps, np.where(np.abs(scaled) * arrays.row_scale > limits, scaled, 0.0))
+    if not worst:
+        return
+    message = (
+        "where POSI and EULP put the bodies, more than a hundredth of the mechanism's size is open at "
+        f"{'; '.join(gap.text for gap in worst)}; to close it {_moved(arrays, q)}: correct positions or "
+        "nodes if that is not meant"
+    )
+    yield about("warning", message, *(gap.equation for gap in worst))
+
+
+def _limit(mechanism, equation):
+    """Residual from which a gap is told, m or 1; inf for motions that say where the mechanism begins."""
+    if any(item.name == equation.owner and item.kind in PRESCRIBED for item in mechanism.motions):
+        return math.inf
+    return APART * (_size(mechanism) if equation.is_length else 1.0)
+
+
+def _size(mechanism):
+    """The largest distance of a joint or node of a body from its origin, m."""
+    points = [p for joint in mechanism.joints for p in (*joint.a, *joint.b)]
+    points += [pin.point for pin in mechanism.pins]
+    sizes = [float(np.abs(p.r0).max()) for p in points if p.body >= 0]
+    sizes += [float(np.abs(body.flexible.r0).max()) for body in mechanism.bodies if body.flexible]
+    return max(sizes, default=0.0) or 1.0
+
+
+def _moved(arrays, q):
+    """The body that was moved most, in words."""
+    size = 7 * arrays.bodies
+    before, after = (x[:size].reshape(-1, 7) for x in (arrays.q, q))
+    way = np.linalg.norm(after[:, :3] - before[:, :3], axis=1)
+    turn = 2.0 * np.arccos(np.clip(np.abs(np.sum(after[:, 3:] * before[:, 3:], axis=1)), 0.0, 1.0))
+    scale = arrays.coordinate_scale[0]
+    k = int(np.argmax(way / scale + turn))
+    metres, radians = (x if x > ROUND_OFF * unit else 0.0 for x, unit in ((way[k], scale), (turn[k], 1.0)))
+    return f"{arrays.body_names[k]} is moved by {metres:.3g} m and turned by {radians:.3g} rad"
+
+
+def _deformed(mechanism, arrays, q):
+    """Bodies that could be joined by bending them only."""
+    first, length = 7 * arrays.bodies, arrays.coordinate_scale[0] if arrays.bodies else 1.0
+    for body in mechanism.bodies:
+        own = slice(first, first + body.modes)
+        first += body.modes
+        most = float(np.max(np.abs(q[own]) / arrays.coordinate_scale[own], initial=0.0))
+        if most > DEFORMED:
+            message = (
+                f"it is bent by up to {most * length:.2g} m at the start, strains and all, since its joints "
+                "cannot meet otherwise; correct positions or nodes if that is not meant"
+            )
+            yield Fault("warning", message, body.place, body.name)

@@ -1,0 +1,96 @@
+"""The methods that step a constrained mechanism through time, behind one face.
+
+Each imports its own kernels when it is used.
+"""
+
+from ...errors import Fault
+
+
+class ExplicitSteps:
+    """DOP853: steps chosen by the tolerance."""
+
+    entry = "integrators.constrained_dop853.march_rows"  # the kernel that is compiled
+    chosen = True  # whether the lengths of its steps are its own choice
+
+    @property
+    def march_rows(self):
+        """The kernel."""
+        from ...kernels.integrators import constrained_dop853
+
+        return constrained_dop853.march_rows
+
+    def new_march(self, work, turns: int):
+        """A march at time 0 with an empty state for a mechanism with this work and so many angles."""
+        from ...kernels.integrators import constrained_dop853
+
+        return constrained_dop853.new_march(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, turns)
+
+    def doubts(self, clock) -> list[Fault]:
+        """What is doubtful about the steps taken."""
+        return []
+
+
+class GeneralisedAlpha:
+    """Steps of `length` seconds, or chosen by the tolerance where it is 0.
+
+    `radius`: the spectral radius at infinity, 1 for no numerical damping, 0 for the most.
+    """
+
+    entry = "integrators.generalised_alpha.march_rows"
+
+    def __init__(self, radius: float = 0.9, length: float = 0.0):
+        self.radius, self.length = radius, length
+
+    @property
+    def march_rows(self):
+        """The kernel."""
+        from ...kernels.integrators import generalised_alpha
+
+        return generalised_alpha.march_rows
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the lengths of its steps are its own choice."""
+        return self.length == 0.0
+
+    def new_march(self, work, turns: int):
+        """A march at time 0 with an empty state; see `alpha_march.new_march`."""
+        from ...kernels.integrators import generalised_alpha
+
+        march = generalised_alpha.new_march(work, turns)
+        march.clock["rho"], march.clock["fixed"] = self.radius, self.length
+        return march
+
+    def doubts(self, clock) -> list[Fault]:
+        """What is doubtful about the steps taken: some of given length had to be divided."""
+        if not self.length or not clock["rejections"]:
+            return []
+        message = (
+            f"the iterations of {clock['rejections']} steps of {self.length:g} s did not converge, and the "
+            "steps were divided; take a smaller step"
+        )
+        return [Fault("warning", message)]
+
+
+class RadauSteps:
+    """Radau IIA of order 5: steps chosen by the tolerance, however stiff modes, springs and dampers are."""
+
+    entry = "integrators.radau5.march_rows"
+    chosen = True
+
+    @property
+    def march_rows(self):
+        """The kernel."""
+        from ...kernels.integrators import radau5
+
+        return radau5.march_rows
+
+    def new_march(self, work, turns: int):
+        """A march at time 0 with an empty state; see `radau_march.new_march`."""
+        from ...kernels.integrators import radau5
+
+        return radau5.new_march(work, turns)
+
+    def doubts(self, clock) -> list[Fault]:
+        """What is doubtful about the steps taken."""
+        return []

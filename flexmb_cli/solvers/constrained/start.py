@@ -1,0 +1,108 @@
+"""The start of a forward run: an assembled position and independent equations."""
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+from ...kernels.constrained.accelerations import choose_order, evaluate_jacobian
+from ...kernels.constrained.mass_matrix import inertia_of, mass_times
+from ...kernels.constrained.projection import project_position
+from ...kernels.constrained.speeds import move, normalise
+from ...kernels.constrained.system import NO_INERTIA
+from ...model.by_size import by_size
+from ..kinematics.assembly import assemble_by_search, assembly_failure
+from ..singular.mobility import CLOSED, NAMED, Mobility, involved, sparse_basis
+
+SINGULAR_VALUE = 1e-9  # of the largest
+MOST_STEPS = 60
+MET = 1e-14  # scaled gaps
+HOPELESS = 1e6
+
+
+def assembled(analysis, t: float) -> np.ndarray:
+    """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError.
+
+    The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may
+    widen gaps on their way to a position that closes.
+    """
+    arrays = analysis.arrays.kinematic
+    q, near = arrays.q.copy(), arrays.screw_angles
+    normalise(analysis.arrays.bodies, q)
+    if not len(arrays.equations):
+        return q
+    found, gap = assemble_by_search(analysis.evaluator, q, t, near)
+    for start in (found, q):
+        closed = _by_newton(analysis, start.copy(), t, near)
+        if closed is not None:
+            return closed
+    raise assembly_failure(analysis.evaluator, gap, t)
+
+
+def _by_newton(analysis, q, t, near):
+    """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
+    bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
+    normalise(bodies, q)
+    for _ in range(MOST_STEPS):
+        gap = evaluator.residual(q, t, near)
+        largest = np.max(np.abs(gap))
+        if largest <= MET or not largest < HOPELESS:
+            break
+        evaluate_jacobian(analysis.system, analysis.work, q)
+        step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=SINGULAR_VALUE)[0]
+        move(bodies, q, -step * analysis.arrays.speed_scale)
+    return q if np.max(np.abs(evaluator.residual(q, t, near))) <= CLOSED else None
+
+
+def order_of_elimination(analysis, q, t: float) -> Mobility:
+    """Choose the independent equations at q, and tell which repeat others.
+
+    Improves q to round-off on the way.
+    """
+    system, work, arrays = analysis.system, analysis.work, analysis.arrays
+    evaluate_jacobian(system, work, q)
+    left, values, right = np.linalg.svd(work.jacobian)
+    rank = int(np.sum(values > SINGULAR_VALUE * values[0])) if values.size else 0
+    found = choose_order(work, rank)
+    if project_position(system, work, q, t, analysis.march.turns[2]) == NO_INERTIA:
+        raise inertia_failure(analysis, t)
+    names = arrays.equations
+    dependencies, _ = sparse_basis(left[:, rank:].T)
+    groups = [tuple(names[k] for k in involved(row)) for row in dependencies]
+    motions, pivots = sparse_basis(right[rank:])
+    return Mobility(
+        equations=len(names),
+        coordinates=arrays.speeds,
+        rank=found,
+        smallest=float(values[-1] / values[0]) if values.size else 1.0,
+        redundant=tuple(group for group in groups if not _of_one_attitude(group)),
+        free=tuple(tuple(arrays.speed_name(k) for k in involved(row)) for row in motions),
+        motions=motions,
+        pivots=pivots,
+    )
+
+
+def _of_one_attitude(group):
+    """Whether a dependency is that of the four Euler parameters of one body, which is no redundancy."""
+    parts = {equation.part for equation in group}
+    return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
+
+
+def inertia_failure(analysis, t: float) -> AnalysisError:
+    """Some motion that the constraints leave free has no mass or inertia to resist it."""
+    work, scale = analysis.work, analysis.arrays.speed_scale
+    free = work.jacobian.shape[1] - int(work.rank[0])
+    Z = work.motions[:, :free] * scale[:, None]
+    MZ = np.empty_like(Z)
+    for k in range(free):
+        product = np.empty(len(Z))
+        mass_times(inertia_of(analysis.system, work), Z[:, k].copy(), product)
+        MZ[:, k] = product
+    values, vectors = np.linalg.eigh(Z.T @ MZ)
+    bodies = analysis.arrays.bodies
+    motion = (Z @ vectors[:, 0])[: 6 * bodies].reshape(bodies, 6)
+    size = np.max(np.abs(motion), axis=1)
+    names = [analysis.arrays.body_names[b] for b in by_size(size) if size[b] > NAMED * size.max()]
+    message = (
+        f"at t = {t:.6g} s {', '.join(names[:3])} can move without any mass or inertia resisting "
+        f"(smallest inertia {values[0]:.3g}); give masses and inertias to what can move"
+    )
+    return AnalysisError(Fault("error", message), t)

@@ -1,0 +1,124 @@
+"""Speeds at the start of a forward run that fit the constraints and the speeds that the deck gives."""
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...kernels.constrained.accelerations import evaluate_jacobian
+from ...kernels.constrained.mass_matrix import inertia_of, mass_matrices, mass_times
+from ...kernels.constrained.projection import fill_nu
+from ...kernels.constrained.system import GAMMA
+from ..singular.mobility import CLOSED, about
+from .rows import body_axes, global_axes
+
+SINGULAR_VALUE = 1e-9  # of the largest
+FITS = 1e-6  # of the largest speed: what given speeds may be changed without a warning
+MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
+WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
+
+
+def start_speeds(analysis, q, t: float) -> np.ndarray:
+    """Return speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
+
+    Given speeds u* that fit are kept.  Otherwise the mass-weighted projection (u - u*)ᵀ M (u - u*) → min
+    over the given speeds, under J u = ν, decides: it is what an impulse Jᵀ λ in the joints leaves of u*,
+    since M (u - u*) = Jᵀ λ.  What M leaves open (massless bodies, speeds that are not given) is nearest to
+    u*, then smallest, in the scaled norm: length scales of the mechanism for velocities, 1 for rad/s.
+    Raises ModelError when the drivers ask for speeds that the joints forbid.
+    """
+    system, work, scale = analysis.system, analysis.work, analysis.arrays.speed_scale
+    evaluate_jacobian(system, work, q)
+    J = work.jacobian.copy()
+    nu = work.rows[GAMMA]
+    fill_nu(system, t, nu)
+    nu = nu / analysis.arrays.row_scale
+    particular = np.linalg.lstsq(J, nu, rcond=SINGULAR_VALUE)[0] if len(nu) else np.zeros(scale.size)
+    _refuse_contradiction(analysis, J @ particular - nu, t)
+    given, wanted = analysis.given_speeds(q)
+    motions = np.linalg.svd(J)[2][work.rank[0] :].T
+    rest = (wanted / scale - particular)[given]
+    free = np.linalg.lstsq(motions[given], rest, rcond=1e-12)[0]
+    u = (particular + motions @ free) * scale
+    if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
+        u = _after_impulse(analysis, q, particular, motions, wanted, given)
+    _doubt_change(analysis, u, wanted, given)
+    return u
+
+
+def _after_impulse(analysis, q, particular, motions, wanted, given):
+    """Return the mass-weighted projection of the given speeds, then the nearest, then the smallest speeds."""
+    scale = analysis.arrays.speed_scale
+    root = _root(_mass_matrix(analysis, q)[np.ix_(given, given)])
+    some = np.eye(scale.size)[given]
+    stages = (root @ some, WEIGHTLESS), (some, SINGULAR_VALUE), (np.eye(scale.size), SINGULAR_VALUE)
+    aims = wanted / scale, wanted / scale, np.zeros(scale.size)
+    u = particular.copy()
+    for (weights, smallest), aim in zip(stages, aims, strict=True):
+        left, values, right = np.linalg.svd(weights @ motions)
+        rank = int(np.sum(values > smallest * values[0])) if values.size else 0
+        shares = left[:, :rank].T @ (weights @ (aim - u)) / values[:rank]
+        u += motions @ (right[:rank].T @ shares)
+        motions = motions @ right[rank:].T
+    return u * scale
+
+
+def _mass_matrix(analysis, q):
+    """Return the mass matrix (n, n) of scaled speeds at q."""
+    mass_matrices(analysis.system, analysis.work, q)
+    scale = np.diag(analysis.arrays.speed_scale)
+    M = np.empty_like(scale)
+    for k, column in enumerate(scale):
+        mass_times(inertia_of(analysis.system, analysis.work), column, M[k])
+    return scale @ M.T
+
+
+def _root(M):
+    """Return a matrix R with Rᵀ R = M; what has no mass has no weight."""
+    values, vectors = np.linalg.eigh(M)
+    values[values <= MASSLESS * values.max(initial=0.0)] = 0.0
+    return np.sqrt(values)[:, None] * vectors.T
+
+
+def given_speeds(velocities, bodies: int, q) -> tuple[np.ndarray, np.ndarray]:
+    """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
+    given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
+    p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
+    for item in velocities:
+        given[item.body] = True
+        wanted[item.body, :3] = item.velocity
+        wanted[item.body, 3:] = body_axes(p[item.body], np.array(item.angular))
+    return given.ravel(), wanted.ravel()
+
+
+def _refuse_contradiction(analysis, rest, t):
+    if rest.size and np.max(np.abs(rest)) > CLOSED:
+        worst = analysis.arrays.equations[int(np.argmax(np.abs(rest)))]
+        message = (
+            f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
+            "remove a driver or free a joint"
+        )
+        raise ModelError([about("error", message, worst)])
+
+
+def _changes(analysis, u, wanted, given):
+    """Return by how much the given speeds are changed, scaled (n,); 0 where they are kept."""
+    scale = analysis.arrays.speed_scale
+    change = np.abs(u - wanted) / scale * given
+    largest = max(np.max(np.abs(u) / scale, initial=0.0), np.max(np.abs(wanted) / scale, initial=0.0))
+    return np.where(change > FITS * max(largest, FITS), change, 0.0)
+
+
+def _doubt_change(analysis, u, wanted, given):
+    change = _changes(analysis, u, wanted, given)
+    for item in analysis.velocities:
+        own = slice(6 * item.body, 6 * item.body + 6)
+        if np.max(change[own]) > 0.0:
+            message = f"does not fit the joints and is changed to {_shown(analysis, u[own], item)}"
+            analysis.warnings.append(Fault("warning", message, item.place, item.name))
+
+
+def _shown(analysis, u, item):
+    p = analysis.march.z[7 * item.body + 3 : 7 * item.body + 7]
+    angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
+    return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
+        *(u[:3] + 0.0), *(angular + 0.0)
+    )

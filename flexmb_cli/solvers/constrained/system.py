@@ -1,0 +1,64 @@
+"""What a dynamic analysis hands to the kernels."""
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...kernels.constrained.system import PHI, A, System, Work, make_work
+from ...kernels.kinematics import constraints as equations
+from ...kernels.linalg.rotation import rotation_matrices
+from ...model.arrays.system import SystemArrays
+from ..kinematics.position import Evaluator
+
+
+def constrained_system(arrays: SystemArrays) -> System:
+    """The kernels' view of a dynamic model."""
+    return System(
+        arrays.constraints,
+        arrays.bodies_of,
+        arrays.row_scale,
+        arrays.speed_scale,
+        arrays.masses,
+        arrays.flexible,
+        arrays.modal,
+        arrays.arms,
+        arrays.shapes,
+        arrays.measures,
+        arrays.loads,
+        arrays.laws,
+        arrays.knots,
+        arrays.gravity,
+        arrays.groups,
+    )
+
+
+def new_work(arrays: SystemArrays) -> Work:
+    """Work for the kernels."""
+    return make_work(constrained_system(arrays), arrays.turns.size)
+
+
+def blank_report(arrays: SystemArrays, times) -> Report:
+    """A report for the given times."""
+    rows, n = times.size, arrays.speeds
+    return Report(
+        times,
+        np.zeros((rows, 2 * n + arrays.bodies + 1)),
+        np.zeros((rows, n)),
+        np.zeros((rows, len(arrays.groups), 2, 6)),
+        np.zeros((rows, len(arrays.equations))),
+        np.zeros(rows),
+        np.zeros((rows, 5)),
+    )
+
+
+class AnyCountEvaluator(Evaluator):
+    """An evaluator for any number of equations: redundant ones, and freedoms left open.
+
+    Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
+    """
+
+    def residual(self, q, t, near) -> np.ndarray:
+        """Scaled residual (equations,) at q; near (screws,) are the angles expected."""
+        rotations, phi = self.work.rotations[A], self.work.rows[PHI]
+        rotation_matrices(q, rotations)
+        equations.residual(self.system.constraints, q, t, near, rotations, phi)
+        return phi / self.arrays.row_scale

@@ -1,0 +1,182 @@
+"""Rows of a tree from its motion in absolute coordinates: hinge coordinates are read off the bodies.
+
+Integrals of the relative angular velocity, the coordinates of three free rotations, are no functions of
+the position: they are nan.  Angles go on from row to row.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...model.arrays.system import SystemArrays
+from ...model.tree import ELASTIC, ROTATION, Tree
+from ...model.tree_as_mechanism.frames import Base, Frames
+from ..tree.points import rotation_matrices
+from ..tree.rows import TreeRows, continued_signs, displacements, node_positions
+from .rows import global_axes
+
+
+class Moving(NamedTuple):
+    """A frame over T rows: r, v, a (T, 3) of its origin, axes (T, 3, 3), w and alpha (T, 3), global axes."""
+
+    r: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    axes: np.ndarray
+    w: np.ndarray
+    alpha: np.ndarray
+
+
+class AbsoluteMotion:
+    """States of a report by bodies."""
+
+    def __init__(self, tree: Tree, arrays: SystemArrays, report: Report):
+        b, n, times = arrays.bodies, arrays.speeds, len(report.times)
+        end = n + b
+        self.q = report.states[:, : 7 * b].reshape(times, b, 7)
+        self.u = report.states[:, end : end + 6 * b].reshape(times, b, 6)
+        self.ud = report.rates[:, : 6 * b].reshape(times, b, 6)
+        self.eta = (
+            report.states[:, 7 * b : end],
+            report.states[:, end + 6 * b : end + n],
+            report.rates[:, 6 * b :],
+        )
+        sizes = [body.elastic.coordinates if body.elastic else 0 for body in tree.bodies]
+        self.first = np.cumsum([0, *sizes])
+
+    def of(self, body: int) -> Moving:
+        """The frame of a body; that of the inertial one rests."""
+        if body < 0:
+            rest = np.zeros((len(self.q), 3))
+            return Moving(rest, rest, rest, np.broadcast_to(np.eye(3), (len(rest), 3, 3)), rest, rest)
+        q, u, ud = self.q[:, body], self.u[:, body], self.ud[:, body]
+        p = q[:, 3:]
+        w, alpha = global_axes(p, u[:, 3:]), global_axes(p, ud[:, 3:])
+        return Moving(q[:, :3], u[:, :3], ud[:, :3], rotation_matrices(p), w, alpha)
+
+    def base(self, base: Base) -> Moving:
+        """The point and the axes that a hinge hangs on."""
+        on = self.of(base.body)
+        s, sd, sdd = base.place, np.zeros(3), np.zeros(3)
+        if base.shape.size:
+            own = slice(self.first[base.body], self.first[base.body + 1])
+            s, sd, sdd = (eta[:, own] @ base.shape.T for eta in self.eta)
+            s = base.place + s
+        r, slide, push = (_turned(on.axes, x) for x in (s, sd, sdd))
+        swept = np.cross(on.w, r)
+        return Moving(
+            on.r + r,
+            on.v + swept + slide,
+            on.a + np.cross(on.alpha, r) + np.cross(on.w, swept + 2.0 * slide) + push,
+            on.axes @ base.axes,
+            on.w,
+            on.alpha,
+        )
+
+
+def _turned(axes, x):
+    """Vectors (T, 3), or one for all rows, by the axes of each row."""
+    return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
+
+
+def absolute_rows(
+    tree: Tree, frames: Frames, arrays: SystemArrays, report: Report, last: TreeRows | None
+) -> TreeRows:
+    """The rows of a report in the terms of the tree; `last`: those before, which the angles go on from."""
+    motion = AbsoluteMotion(tree, arrays, report)
+    q, y, y_rate = _coordinates(tree, frames, motion, tree.q if last is None else last.q[-1])
+    N = len(tree.bodies)
+    bodies = [motion.of(k) for k in range(N)]
+    position, velocity, acceleration, axes, w, alpha = (
+        np.stack(parts, axis=1) for parts in zip(*bodies, strict=True)
+    )
+    signs = None if last is None else last.euler_parameters[-1]
+    displacement = displacements(tree, q)
+    return TreeRows(
+        time=report.times,
+        q=q,
+        y=y,
+        y_rate=y_rate,
+        position=position,
+        euler_parameters=continued_signs(motion.q[:, :N, 3:], signs),
+        velocity=velocity,
+        acceleration=acceleration,
+        angular_velocity=w,
+        angular_acceleration=alpha,
+        displacement=displacement,
+        node_position=node_positions(tree, position, axes, displacement),
+        kinetic=report.audit[:, 0].copy(),
+        potential=report.audit[:, 1].copy(),
+        strain=report.audit[:, 2].copy(),
+        applied_work=report.states[:, -1].copy(),
+        closure_force=_closure_forces(tree, arrays, report),
+        constraint_residual=report.audit[:, 3].copy(),
+        velocity_residual=report.audit[:, 4].copy(),
+    )
+
+
+def _closure_forces(tree, arrays, report):
+    """Force on body a of each closure (T, C, 3): the second body of its group."""
+    first = len(arrays.groups) - len(tree.closures)
+    return report.wrenches[:, first:, 1, :3].copy()
+
+
+def _coordinates(tree, frames, motion, before):
+    """Coordinates, speeds and their rates (T, NS)."""
+    columns, elastic = [], 0
+    for c, start in zip(tree.coordinates, before, strict=True):
+        if c.motion == ELASTIC:
+            columns.append(tuple(eta[:, elastic] for eta in motion.eta))
+            elastic += 1
+            continue
+        base, body = motion.base(frames.bases[c.body]), motion.of(c.body)
+        if c.motion == ROTATION:
+            columns.append(_rotation(tree.hinges[c.body], c.axis - 1, base, body, start))
+        else:
+            columns.append(_translation(c.axis - 1, base, body))
+    return tuple(np.stack(parts, axis=1) for parts in zip(*columns, strict=True))
+
+
+def _along(a, b):
+    return np.sum(a * b, axis=-1)
+
+
+def _translation(axis, base: Moving, body: Moving):
+    """Gap along an axis of P_k, and its derivatives in the turning axes."""
+    direction, w = base.axes[:, :, axis], base.w
+    gap, rate, second = body.r - base.r, body.v - base.v, body.a - base.a
+    slide = rate - np.cross(w, gap)
+    turning = np.cross(base.alpha, gap) + 2.0 * np.cross(w, rate) - np.cross(w, np.cross(w, gap))
+    return _along(gap, direction), _along(slide, direction), _along(second - turning, direction)
+
+
+def _rotation(hinge, axis, base: Moving, body: Moving, start):
+    """Angle or nan, speed and its rate: the relative angular velocity along the axis it turns about."""
+    spin, change = body.w - base.w, body.alpha - base.alpha
+    second = len(hinge.rotations) == 2 and axis == hinge.rotations[1] - 1
+    carrier = body if second else base
+    direction = carrier.axes[:, :, axis]
+    speed = _along(spin, direction)
+    rate = _along(change, direction) + _along(spin, np.cross(carrier.w, direction))
+    if len(hinge.rotations) == 3:
+        return np.full(len(speed), np.nan), speed, rate
+    return _continued(_angle(hinge, axis, base.axes, body.axes), start), speed, rate
+
+
+def _angle(hinge, axis, P, E):
+    """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
+    if len(hinge.rotations) == 1:
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        return np.arctan2(_along(P[:, :, j], E[:, :, i]), _along(P[:, :, i], E[:, :, i]))
+    first, second = (turned - 1 for turned in hinge.rotations)
+    if axis == first:
+        across = np.cross(P[:, :, first], P[:, :, second])
+        return np.arctan2(_along(across, E[:, :, second]), _along(P[:, :, second], E[:, :, second]))
+    across = np.cross(E[:, :, first], E[:, :, second])
+    return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))
+
+
+def _continued(angle, start):
+    """Angles (T,) without jumps by whole turns, the first next to `start`."""
+    return np.unwrap(np.concatenate([[start], angle]))[1:]

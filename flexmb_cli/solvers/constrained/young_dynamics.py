@@ -1,0 +1,78 @@
+"""Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...kernels.constrained.system import System
+from ...model.arrays.dynamic import dynamic_arrays
+from ...model.flexible_mechanism import NodePoint
+from ...model.joints import DRIVER
+from ...model.loads import DynamicModel
+from ..linearisation.terms import Terms
+from .analysis import ConstrainedMotion
+from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
+from .rows import DynamicRows, dynamic_rows
+from .start import assembled
+from .start_speeds import given_speeds
+from .system import AnyCountEvaluator
+
+
+class ForwardDynamics(ConstrainedMotion):
+    """One run over the report times of a dynamic model."""
+
+    def __init__(self, model: DynamicModel):
+        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _stepper(model))
+        self.model = model
+        self.mechanism = model.mechanism
+        self.velocities, self.springs = model.velocities, model.springs
+
+    @property
+    def evaluator(self) -> AnyCountEvaluator:
+        """Residuals and Jacobians in coordinates."""
+        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
+
+    def assembled(self, t: float) -> np.ndarray:
+        """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
+        return assembled(self, t)
+
+    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+        """Which of the speeds the deck gives, and their values."""
+        return given_speeds(self.velocities, self.arrays.bodies, q)
+
+    @property
+    def terms(self) -> Terms:
+        """Names of loads, drivers, joints and points."""
+        model, mechanism = self.model, self.mechanism
+        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]
+        joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
+        return Terms(
+            tuple(loads),
+            tuple((driver.name, driver.direction <= 3) for driver in mechanism.drivers),
+            tuple(joints),
+            tuple((point.name, point.body) for point in mechanism.points),
+        )
+
+    def driven_system(self, k: int, additions, t: float) -> System:
+        """Return the system with additions to the value, rate and second rate of driver k at t."""
+        value, rate, second = additions
+        constraints = self.system.constraints.copy()
+        record = constraints[np.flatnonzero(constraints["kind"] == DRIVER.code)[k] :][:1]
+        record["C"] += value - rate * t + 0.5 * second * t * t
+        record["B"] += rate - second * t
+        record["A"] += second
+        return self.system._replace(constraints=constraints)
+
+    def block(self, report: Report) -> DynamicRows:
+        """The rows of a report in the terms of the model."""
+        return dynamic_rows(self.mechanism, report)
+
+
+def _point(body, place):
+    return NodePoint("", body, np.array(place), np.zeros((3, 0)))
+
+
+def _stepper(model):
+    if model.radau:
+        return RadauSteps()
+    steps = model.alpha_steps
+    return ExplicitSteps() if steps is None else GeneralisedAlpha(steps.radius, steps.length)

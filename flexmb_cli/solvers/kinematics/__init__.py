@@ -1,0 +1,1 @@
+"""Assembly, kinematic analysis and inverse dynamics of mechanisms."""

@@ -1,0 +1,200 @@
+"""Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ...errors import Fault
+from ...kernels.kinematics import continuation
+from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
+from ...model.mechanism import Mechanism
+from ..singular.kinematic_singularities import Passages
+from ..singular.lockup import singular_start, step_failure
+from ..singular.mobility import CLOSED, mobility, moves_freely
+from ..singular.row_at_bifurcation import row_across
+from .assembly import (
+    assemble_by_search,
+    assembly_failure,
+    free_motion_error,
+    redundancy_warning,
+    too_large_to_rank,
+)
+from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
+from .position import Evaluator
+from .rows import Rows, first_rows
+from .settings import KinematicSettings
+from .system import kinematic_system, rows_of, with_dependent_columns
+
+CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
+LARGEST_BLOCK = 1024  # rows
+MOST_STEPS = 5000
+ASIDE = 1e-3  # of the time between rows: a start that is singular is no longer so
+
+
+class KinematicAnalysis:
+    """One run over the report times of a mechanism.
+
+    `warnings` fills while the run goes on.
+    """
+
+    def __init__(self, mechanism: Mechanism, settings: KinematicSettings | None = None):
+        self.mechanism = mechanism
+        self.arrays: KinematicArrays = kinematic_arrays(mechanism)
+        self.settings = settings or KinematicSettings()
+        self.system = kinematic_system(self.arrays, self.settings)
+        self.warnings: list[Fault] = []
+        self.passages = Passages(self)
+        self._sparse, self._left_out = None, ((), ())
+        self._restart(self.arrays.q)
+
+    def _restart(self, q):
+        """Begin at the estimates q, which are assembled by the first step (a step of 0)."""
+        self.state = np.zeros((3, q.size))
+        self.state[0] = q
+        self.motion = np.zeros((self.arrays.screw_angles.size, 3))
+        self.motion[:, 0] = self.arrays.screw_angles
+        self.clock = np.zeros(continuation.CLOCK_SIZE)
+        self.clock[continuation.TIME] = self.mechanism.time.time(0)
+
+    @property
+    def evaluator(self) -> Evaluator:
+        """Residuals and Jacobians of this mechanism."""
+        return Evaluator.of(self.arrays, self.system)
+
+    def rows(self) -> Iterator[Rows]:
+        """Yield the report rows in blocks.
+
+        Raises ModelError when something can move that nothing determines, AnalysisError when a
+        position cannot be reached; all rows before have been yielded.
+        """
+        first = self._block(0, 1)
+        if first is None:
+            first = self._assemble_otherwise()
+        refuse_tilted_drive(self.mechanism, first)
+        yield first
+        row = 1
+        while row < self.mechanism.time.rows:
+            for rows in self._rows_from(row):
+                row += rows.time.size
+                yield keeps_axis(self.mechanism, rows)
+
+    def _rows_from(self, row) -> Iterator[Rows]:
+        """A block of report rows, and the row behind it where that stands at a crossing of two motions."""
+        wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
+        memory = self.passages.memory()
+        block = self._block(row, row + wanted)
+        reached = 0 if block is None else block.time.size
+        count, across = reached, None
+        # A row so near to a crossing that its rates are round-off, and the one the march could not reach.
+        for k in (self.passages.first_without_rates(memory, block) if reached else 0, reached):
+            if k < wanted and across is None:
+                across = self._row_across(row + k, memory)
+                count = reached if across is None else k
+        if count:
+            part = first_rows(block, count)
+            self.passages.look(memory, part)
+            yield part
+        if across is not None:
+            yield across
+        elif count < wanted:
+            raise step_failure(self, self.mechanism.time.time(row + count))
+
+    def _row_across(self, row, memory) -> Rows | None:
+        """The report row, if it stands where two motions cross; else the march stays where it was."""
+        kept = self.state, self.motion, self.clock
+        found = row_across(self, self.mechanism.time.time(row), memory)
+        if found is None:
+            self.state, self.motion, self.clock = kept
+        return found
+
+    def _at_once(self, most):
+        """How many steps or rows the kernel is given at a time: an interrupt waits for them."""
+        return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
+
+    @property
+    def _budget(self):
+        """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
+        return self._at_once(MOST_STEPS) + 1
+
+    def marcher(self) -> Callable:
+        """The march of this mechanism, by dense or by sparse factors: see `kinematic_march.march`."""
+        if not self.evaluator.is_large:
+            return lambda *arguments: continuation.march(self.system, *arguments)
+        if self._sparse is None:
+            from .sparse import SparseMarch
+
+            self._sparse = SparseMarch(self.evaluator, *self._left_out)
+        return self._sparse.march
+
+    def carry(self, march, state, motion, clock, t: float, attempts: int | None = None) -> bool:
+        """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
+        out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
+        while clock[continuation.TIME] < t:
+            clock[continuation.BUDGET] = attempts or self._budget
+            march(state, motion, clock, np.array([t]), out, audit)
+            if attempts or clock[continuation.BUDGET] > 0.0:
+                break
+        return clock[continuation.TIME] >= t
+
+    def _march(self, times, out, audit):
+        """Fill rows until all are reached or the way is barred; returns how many were."""
+        reached, march = 0, self.marcher()
+        while reached < times.size:
+            self.clock[continuation.BUDGET] = self._budget
+            rest = slice(reached, None)
+            reached += march(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
+            if self.clock[continuation.BUDGET] > 0.0:
+                break
+        return reached
+
+    def _block(self, start, end) -> Rows | None:
+        """Report rows start … end - 1, fewer where one cannot be reached, None where none can."""
+        times = np.array([self.mechanism.time.time(k) for k in range(start, end)])
+        out = np.zeros((times.size, 3, self.arrays.q.size))
+        audit = np.zeros((times.size, 3))
+        reached = self._march(times, out, audit)
+        if not reached:
+            return None
+        return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
+
+    def _assemble_otherwise(self) -> Rows:
+        """The first row where plain Newton fails: by search, and past equations that repeat others."""
+        evaluator, t = self.evaluator, self.mechanism.time.time(0)
+        near = self.arrays.screw_angles
+        q, gap = assemble_by_search(evaluator, self.arrays.q, t, near)
+        if np.max(np.abs(gap)) > CLOSED:
+            refuse_contradicted_drive(self.mechanism, self.settings)
+            raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
+        if q.size > self.settings.most_ranked:
+            raise too_large_to_rank(q.size, self.settings.most_ranked, t)
+        found = mobility(evaluator, q, t, near)
+        for motion in found.motions:
+            if moves_freely(evaluator, q, t, near, motion):
+                raise free_motion_error(evaluator, q, found, motion, t)
+        if not found.freedoms:
+            self._restart(q)
+            first = self._block(0, 1)
+            if first is None:
+                raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
+            return first
+        return self._with_repetitions(q, found)
+
+    def _with_repetitions(self, q, found) -> Rows:
+        """The first row where equations repeat others, if they still do a little later.
+
+        Raises AnalysisError if they do not: the start is a dead centre or a branching.
+        """
+        full, t = self.system, self.mechanism.time.time(0)
+        self.system = with_dependent_columns(full, found.pivots)
+        self._sparse, self._left_out = None, (found.repeated, found.pivots)
+        self.passages = Passages(self, active=False)
+        self._restart(q)
+        first, start = self._block(0, 1), self.passages.memory()
+        later = t + ASIDE * self.mechanism.time.step
+        arrived = first is not None and self.carry(self.marcher(), self.state, self.motion, self.clock, later)
+        if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).freedoms == 0:
+            self.system = full
+            raise singular_start(self, q, t)
+        self.state, self.motion, self.clock = start
+        self.warnings.append(redundancy_warning(found))
+        return first

@@ -1,0 +1,88 @@
+"""Attitudes of bodies with a rotational driver.
+
+The driver's two rows, e_k = sin(θ/2) and e0 = cos(θ/2), stand in place of the body's normalisation:
+the other two parameters must come out 0 from the joints.  If they do not, the joints tilt the body
+against its driver's axis, |p| is not 1 and the position is no position.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault, ModelError
+from ...model.arrays.kinematic import kinematic_arrays
+from ...model.mechanism import Driver, Mechanism
+from ..singular.mobility import CLOSED, mobility
+from .assembly import assemble_by_search
+from .position import Evaluator
+from .rows import Rows, twice_g
+from .system import kinematic_system
+
+UPRIGHT = 1e-9
+
+
+def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
+    """Raise ModelError naming the driven bodies that the first row shows tilted."""
+    tilted = [d for d in _turning(mechanism) if _tilt(first, d).max() > UPRIGHT]
+    if tilted:
+        raise ModelError([Fault("error", _message(d, _tilt(first, d)[0]), d.place, d.name) for d in tilted])
+
+
+def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
+    """Raise ModelError if the mechanism can be assembled but for a rotational driver its joints contradict.
+
+    Without that driver the body must be free to turn about the driver's axis, at an attitude that is
+    a turn about it; else no value of the driver can ever be met.
+    """
+    for driver in _turning(mechanism):
+        others = tuple(d for d in mechanism.drivers if d is not driver)
+        arrays = kinematic_arrays(replace(mechanism, drivers=others))
+        evaluator = Evaluator.of(arrays, kinematic_system(arrays, settings))
+        t, near = mechanism.time.start, arrays.screw_angles
+        q, gap = assemble_by_search(evaluator, arrays.q, t, near)
+        if np.max(np.abs(gap)) > CLOSED or evaluator.is_large:
+            continue
+        if not _can_turn(driver, q, mobility(evaluator, q, t, near).motions):
+            axis = "xyz"[driver.direction - 4]
+            message = (
+                f"the joints do not let body {driver.body + 1} turn about the global {axis} axis, as this "
+                "driver asks; drive the direction that the joints leave free, or turn the mechanism"
+            )
+            raise ModelError([Fault("error", message, driver.place, driver.name)])
+
+
+def _can_turn(driver, q, motions):
+    k, axis = 7 * driver.body + 3, np.eye(3)[driver.direction - 4]
+    p = q[k : k + 4]
+    upright = np.linalg.norm(np.cross(p[1:], axis)) <= UPRIGHT
+    turns = [twice_g(p, motion[k : k + 4]) for motion in motions]
+    return upright and any(abs(omega @ axis) > UPRIGHT for omega in turns)
+
+
+def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
+    """The rows, if no driven body tilts in them; raises AnalysisError at the first that does."""
+    for driver in _turning(mechanism):
+        tilt = _tilt(rows, driver)
+        if tilt.max() > UPRIGHT:
+            k = int(np.argmax(tilt > UPRIGHT))
+            message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, tilt[k])}"
+            fault = Fault("error", message, driver.place, about=driver.name)
+            raise AnalysisError(fault, float(rows.time[k]))
+    return rows
+
+
+def _turning(mechanism):
+    return [driver for driver in mechanism.drivers if driver.direction > 3]
+
+
+def _tilt(rows, driver: Driver):
+    return np.abs(np.linalg.norm(rows.euler_parameters[:, driver.body], axis=-1) - 1.0)
+
+
+def _message(driver: Driver, tilt):
+    axis = "xyz"[driver.direction - 4]
+    return (
+        f"the joints turn body {driver.body + 1} away from the global {axis} axis that this driver turns "
+        f"it about (Euler parameters of length {1.0 + tilt:.6g} instead of 1); align the joint's axis with "
+        f"{axis}, or describe the body in axes in which its attitude is a turn about it"
+    )

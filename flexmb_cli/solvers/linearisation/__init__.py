@@ -1,0 +1,1 @@
+"""Linearised motion in joint coordinates, equilibria, state space."""

@@ -1,0 +1,230 @@
+"""Eigenfrequencies and damping of the linearised motion of a mechanism, and its absolute formulation."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+from ...kernels.constrained.accelerations import accelerations, evaluate_jacobian
+from ...kernels.constrained.angle_unwrapping import NEAR
+from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
+from ...kernels.constrained.speeds import move
+from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
+from ..constrained.analysis import ConstrainedMotion
+from ..constrained.start import SINGULAR_VALUE, inertia_failure
+from .joint_coordinates import AXES, OWN, JointCoordinates
+from .motion import STEP, LinearisedMotion, differentiated
+
+# Share of the largest eigenvalue, and 1/s, below which one is that of a motion nothing holds: the differences
+# leave 1e-12 or so of the largest stiffness, and eigenvalues are its roots.
+AT_REST = 1e-5
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes of a mechanism with f degrees of freedom, slowest first.
+
+    `eigenvalues` (2 f,): of the first-order system, 1/s.  `frequency` (k,): damped frequencies of the
+    oscillating pairs, Hz; `damping` (k,): their damping ratios.  `shapes` (k, n): displacements of each mode,
+    in the scale of the speeds, the largest part 1.  `growing`, `decaying`: exponents of the motions that grow
+    or fade without oscillating, 1/s.  `unheld`: how many of the 2 f eigenvalues are zero but for round-off.
+    `constant`: whether the coefficients stay the same along the motion.
+    """
+
+    eigenvalues: np.ndarray
+    frequency: np.ndarray
+    damping: np.ndarray
+    shapes: np.ndarray
+    growing: np.ndarray
+    decaying: np.ndarray
+    unheld: int
+    constant: bool = True
+
+
+class ConstrainedLinearised(LinearisedMotion):
+    """Linearised motion about the position and speeds at which `analysis` has been started.
+
+    `state`: position, speeds and time in their place; `free`: the independent coordinates, where they are
+    chosen already.
+    """
+
+    AXES = AXES
+
+    def __init__(self, analysis: ConstrainedMotion, axes: str = OWN, state=None, free=None):
+        self.analysis, self.axes = analysis, axes
+        self.system = analysis.system
+        arrays, z = analysis.arrays, analysis.march.z
+        self.count = arrays.coordinate_scale.size
+        here = z[: self.count].copy(), z[self.count : -1].copy(), float(analysis.clock["t"][0])
+        self.q, self.u, self.t = state or here
+        self.scale, self.duration = arrays.speed_scale, analysis.grid.end - analysis.grid.start
+        self.coordinates = JointCoordinates(arrays, axes)
+        self.rate = self._rates(self.q, self.u, self.t)
+        L, work = self.coordinates.functionals(self.q), analysis.work
+        jacobian = work.jacobian.copy()
+        chosen = self.coordinates.independent(L, jacobian, int(work.rank[0])) if free is None else free
+        self.free, self.L = chosen, L[chosen]
+        self.Z = self._motions(self.L)
+        self.L_rate = self._rate_of_functionals(self.q, self.u)
+        self._inverse = np.linalg.pinv(jacobian, SINGULAR_VALUE)
+
+    def _motions(self, L):
+        """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""
+        Z = self.analysis.work.motions[:, : len(L)] * self.scale[:, None]
+        return Z @ np.linalg.inv(L @ Z)
+
+    def _rate_of_functionals(self, q, u):
+        """Rate (f, n) of L at the position q moving with the speeds u."""
+        size = np.max(np.abs(u) / self.scale, initial=0.0)
+        if size == 0.0:
+            return np.zeros((self.freedoms, u.size))
+        h = STEP / size
+        return differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
+
+    def _functionals(self, q):
+        return self.coordinates.functionals(q)[self.free]
+
+    def moved(self, q, d) -> np.ndarray:
+        """Return the position q displaced by d."""
+        q = q.copy()
+        move(self.analysis.arrays.bodies, q, d)
+        return q
+
+    def _rates(self, q, u, t):
+        """u' at a position and speeds that meet the constraints."""
+        ud = np.zeros_like(u)
+        self.refuse(accelerations(self.system, self.analysis.work, q, u, t, ud)[0])
+        return ud
+
+    def refuse(self, code: int) -> None:
+        """Raise AnalysisError for a code of the kernels other than SOLVED."""
+        if code == NO_INERTIA:
+            raise inertia_failure(self.analysis, self.t)
+        if code != SOLVED:
+            message = (
+                f"at t = {self.t:.6g} s the mechanism is at a singular position: it cannot be linearised"
+            )
+            raise AnalysisError(Fault("error", message), self.t)
+
+    def acceleration_at(self, d, w) -> np.ndarray:
+        """Return u' (n,) where the position is displaced by d and the speeds by w."""
+        return self._rates(self.moved(self.q, d), self.u + w, self.t)
+
+    def rate_gaps(self, d, w, system=None) -> np.ndarray:
+        """Return what the speeds, changed by w, lack to meet the constraints displaced by d (m,), scaled."""
+        work, system = self.analysis.work, system or self.system
+        evaluate_jacobian(system, work, self.moved(self.q, d))
+        rate_gap(system, work, self.u + w, self.t)
+        return work.rows[GAMMA] / self.analysis.arrays.row_scale
+
+    def companion(self, d) -> np.ndarray:
+        """Return the change w (n,) of the speeds, L w = 0, that the displacement d asks for."""
+        return self.closing(self.variation(self.rate_gaps, d, np.zeros_like(d)))
+
+    def closing(self, gaps) -> np.ndarray:
+        """Return x (n,) with J x = gaps (m,), scaled, and L x = 0."""
+        x = self._inverse @ gaps * self.scale
+        return x - self.Z @ (self.L @ x)
+
+    def turned(self, d) -> np.ndarray:
+        """Return k(d): omega × the rotation of every body, in its axes."""
+        out = np.zeros_like(d)
+        bodies = 6 * self.analysis.arrays.bodies
+        turns = d[:bodies].reshape(-1, 6)[:, 3:]
+        out[:bodies].reshape(-1, 6)[:, 3:] = np.cross(self.u[:bodies].reshape(-1, 6)[:, 3:], turns)
+        return out
+
+    def acceleration_after(self, h, rate) -> np.ndarray:
+        """Return u' (n,) after the short time h, s, of a motion with u' = rate now."""
+        return self._rates(self.moved(self.q, h * self.u), self.u + h * rate, self.t + h)
+
+    def later(self, h, rate, jerk) -> "ConstrainedLinearised":
+        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
+        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
+        return self._at(self.moved(self.q, d), self.u + h * (rate + 0.5 * h * jerk), self.t + h)
+
+    def elsewhere(self, d, w) -> "ConstrainedLinearised":
+        """Return the same coordinates where the position is displaced by d and the speeds by w."""
+        return self._at(self.moved(self.q, d), self.u + w, self.t)
+
+    def _at(self, q, u, t):
+        """The same coordinates near q and u, where they meet the constraints."""
+        analysis = self.analysis
+        self.refuse(project_position(self.system, analysis.work, q, t, analysis.march.turns[NEAR]))
+        self.refuse(project_speeds(self.system, analysis.work, q, u, t)[0])
+        return ConstrainedLinearised(analysis, self.axes, (q, u, t), self.free)
+
+    def standing(self, y):
+        """Return position and speeds displaced by y (scaled), with the independent coordinates at rest."""
+        analysis, q = self.analysis, self.moved(self.q, self.Z @ (self.units * y))
+        self.refuse(project_position(self.system, analysis.work, q, self.t, analysis.march.turns[NEAR]))
+        u = np.zeros_like(self.u)
+        self.refuse(project_speeds(self.system, analysis.work, q, u, self.t)[0])
+        L = self._functionals(q)
+        return q, u - self._motions(L) @ (L @ u)
+
+    def standing_accelerations(self, y) -> np.ndarray:
+        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
+        q, u = self.standing(y)
+        rates = self._rate_of_functionals(q, u) @ u + self._functionals(q) @ self._rates(q, u, self.t)
+        return rates / self.units
+
+    def stand_at(self, y) -> None:
+        """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
+        z = self.analysis.march.z
+        z[: self.count], z[self.count : -1] = self.standing(y)
+
+
+def linearised(analysis, formulation=ConstrainedLinearised) -> tuple[LinearisedMotion, np.ndarray, bool]:
+    """Return the motion linearised about the state of `analysis`, its matrix A, and whether A is constant.
+
+    Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
+    Raises AnalysisError at a singular position and where a motion has no inertia.
+    """
+    first = None
+    for axes in formulation.AXES:
+        motion = formulation(analysis, axes)
+        A = motion.first_order()
+        if motion.is_constant(A):
+            return motion, A, True
+        first = first or (motion, A, False)
+    return first
+
+
+def modes(analysis, formulation=ConstrainedLinearised) -> Modes:
+    """Return the modes about the state of `analysis`; raises as `linearised`."""
+    return modes_of(*linearised(analysis, formulation))
+
+
+def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
+    """Return the modes of A, and what neither oscillates nor is held."""
+    f = motion.freedoms
+    values, vectors = np.linalg.eig(A)
+    order = np.lexsort((values.imag, np.round(np.abs(values), 9)))
+    values, vectors = values[order], vectors[:, order]
+    moving = np.abs(values) > AT_REST * np.max(np.abs(values), initial=1.0)
+    swings = moving & (values.imag > 1e-7 * np.abs(values))
+    straight = values.real[moving & (np.abs(values.imag) <= 1e-7 * np.abs(values))]
+    shapes = (motion.Z * motion.units @ vectors[:f, swings]).T / motion.scale
+    sizes = np.max(np.abs(shapes), axis=1, keepdims=True, initial=0.0)
+    return Modes(
+        eigenvalues=values,
+        frequency=values.imag[swings] / (2.0 * np.pi),
+        damping=-values.real[swings] / np.abs(values[swings]),
+        shapes=shapes / np.where(sizes > 0.0, sizes, 1.0),
+        growing=straight[straight > 0.0],
+        decaying=straight[straight < 0.0],
+        unheld=int(np.sum(~moving)),
+        constant=constant,
+    )
+
+
+def bring_to(analysis: ConstrainedMotion, time: float) -> None:
+    """Start `analysis` and let it move to `time`, s.  Raises as its `rows` do."""
+    grid = analysis.grid
+    if time <= grid.start:
+        analysis.start()
+        return
+    analysis.grid = replace(grid, end=time, step=time - grid.start)
+    for _ in analysis.rows():
+        pass

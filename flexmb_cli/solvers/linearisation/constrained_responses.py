@@ -1,0 +1,205 @@
+"""Inputs and outputs of the linearised motion of a mechanism in absolute coordinates."""
+
+import numpy as np
+
+from ...kernels.constrained.angle_unwrapping import NEAR
+from ...kernels.constrained.report import observe_rows
+from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
+from ...model.arrays.constraint_table import tilde
+from ...model.arrays.records import FORCE, LINE, TORQUE
+from ...model.flexible_mechanism import NodePoint
+from ...model.vectors import rotation_matrix
+from ..constrained.system import blank_report
+from .constrained import ConstrainedLinearised
+from .motion import STEP, differentiated
+from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
+from .terms import Terms
+
+AXES = "xyz"
+MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
+JOINT_DISPLACEMENT = (("displacement", "m"), ("rotation", "rad"))
+JOINT_REACTION = (("force", "N"), ("torque", "N m"))
+ADMISSIBLE = 1e-6  # share of a driver's rate that its equations may fail to follow
+
+
+class ConstrainedResponses(Responses):
+    """Responses about a ConstrainedLinearised, whose analysis gives `terms` and `driven_system`."""
+
+    def __init__(self, motion: ConstrainedLinearised):
+        self.motion, self.analysis = motion, motion.analysis
+        self.terms: Terms = self.analysis.terms
+        self.rotations = [rotation_matrix(p) for p in self._poses(motion.q)[:, 3:]]
+        self.relative = [
+            Signal(f"{name} {what} {axis}", unit)
+            for name, _, _ in self.terms.joints
+            for what, unit in JOINT_DISPLACEMENT
+            for axis in AXES
+        ]
+        self.observed = self._observed()
+        self.inputs = [*self._load_inputs(), *self._driver_inputs()]
+
+    def _poses(self, q):
+        return q[: 7 * self.analysis.arrays.bodies].reshape(-1, 7)
+
+    def _observed(self):
+        points = [(name, *what) for name, _ in self.terms.points for what in MOVED_POINT]
+        joints = [(name, *what) for name, _, _ in self.terms.joints for what in JOINT_REACTION]
+        signals = [
+            Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + joints for axis in AXES
+        ]
+        return signals + [
+            Signal(f"{name} effort", "N" if is_length else "N m") for name, is_length in self.terms.drivers
+        ]
+
+    def respond(self, d, w, model: System | None = None) -> np.ndarray:
+        """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
+        motion, analysis = self.motion, self.analysis
+        report = blank_report(analysis.arrays, np.array([motion.t]))
+        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
+        near = analysis.march.turns[NEAR][None].copy()
+        filled = observe_rows(model or motion.system, analysis.work, near, report)
+        motion.refuse(SOLVED if filled else NO_INERTIA)
+        rows = analysis.block(report)
+        return np.concatenate([report.rates[0], self._outputs(rows)])
+
+    def _outputs(self, rows):
+        """Observed outputs of a row: of points and joints along axes that turn with their bodies."""
+        moved = [getattr(rows, f"point_{what}")[0] for what, _ in MOVED_POINT]
+        found = [
+            self._along(body, part[k]) for k, (_, body) in enumerate(self.terms.points) for part in moved
+        ]
+        reactions = rows.reaction_force[0], rows.reaction_torque[0]
+        for k, (_, a, b) in enumerate(self.terms.joints):
+            found += [self._along(b.body if b.body >= 0 else a.body, part[k]) for part in reactions]
+        return np.concatenate([*found, rows.driver_effort[0]])
+
+    def _along(self, body, vector):
+        return vector if body < 0 else self.rotations[body].T @ vector
+
+    def displacements(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return P (6 joints, n) of displacement and rotation of body b against a, its axes, and its rate."""
+        motion, size = self.motion, np.max(np.abs(self.motion.u) / self.motion.scale, initial=0.0)
+        P = self._functionals(motion.q)
+        if size == 0.0:
+            return P, np.zeros_like(P)
+        return P, differentiated(
+            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)), STEP / size
+        )
+
+    def _functionals(self, q):
+        blocks = [self._of_joint(q, a, b) for _, a, b in self.terms.joints]
+        return np.concatenate(blocks) if blocks else np.zeros((0, self.motion.scale.size))
+
+    def _of_joint(self, q, a: NodePoint, b: NodePoint):
+        place, carried = self._carried(q, b, None)
+        block = carried - self._carried(q, a, place)[1]
+        if a.body < 0:
+            return block
+        across = rotation_matrix(self._poses(q)[a.body, 3:]).T
+        return np.concatenate([across @ block[:3], across @ block[3:]])
+
+    def _carried(self, q, point: NodePoint, place):
+        """Where a point is, and the displacement (6, n) of its body there, or at `place`, by all bodies."""
+        arrays, block = self.analysis.arrays, np.zeros((6, self.motion.scale.size))
+        if point.body < 0:
+            return point.r0, block
+        pose, first = self._poses(q)[point.body], self._first_mode(point.body)
+        modes = slice(first, first + point.shape.shape[1])
+        R = rotation_matrix(pose[3:])
+        arm = R @ (point.r0 + point.shape @ q[arrays.bodies :][modes])
+        own = 6 * point.body
+        reach = arm if place is None else place - pose[:3]
+        block[:3, own : own + 3], block[3:, own + 3 : own + 6] = np.eye(3), R
+        block[:3, own + 3 : own + 6], block[:3, modes] = -tilde(reach) @ R, R @ point.shape
+        return pose[:3] + arm, block
+
+    def _first_mode(self, body):
+        """Number of the first modal speed of a body."""
+        arrays = self.analysis.arrays
+        own = [int(f["first"]) for f in arrays.flexible if f["body"] == body]
+        return 6 * arrays.bodies + (own[0] if own else 0)
+
+    def _load_inputs(self):
+        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads
+        for (name, is_force), load in zip(self.terms.loads, loads, strict=True):
+            for signal, records in _unit_loads(name, is_force, load):
+                yield Input(signal, still, still, self._loaded(records), 1.0)
+
+    def _loaded(self, records):
+        system = self.motion.system
+
+        def change(amount):
+            return system._replace(loads=np.concatenate([system.loads, records(amount)]))
+
+        return change
+
+    def _driver_inputs(self):
+        for k, (name, is_length) in enumerate(self.terms.drivers):
+            yield from self._inputs_of_driver(k, name, "m" if is_length else "rad")
+
+    def _inputs_of_driver(self, k, name, unit):
+        """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
+        motion, still = self.motion, np.zeros(self.motion.scale.size)
+        changes = [self._driven(k, order) for order in range(3)]
+        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)
+        d = motion.closing(asked)
+        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:
+            return
+        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)
+        yield Input(Signal(name, unit), d, motion.closing(turned), changes[0])
+        yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
+        yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
+
+    def _driven(self, k, order):
+        def change(amount):
+            additions = [0.0, 0.0, 0.0]
+            additions[order] = amount
+            return self.analysis.driven_system(k, additions, self.motion.t)
+
+        return change
+
+
+def _unit_loads(name, is_force, load):
+    """Signals of a load, each with the records that add so much of it."""
+    if load["kind"] in (FORCE, TORQUE):
+        unit = "N" if load["kind"] == FORCE else "N m"
+        for k, axis in enumerate(AXES):
+            yield Signal(f"{name} {axis}", unit), _vector_load(load, k)
+    elif load["kind"] == LINE:
+        yield Signal(f"{name} tension", "N"), _spring_load(load, 1.0)
+    else:
+        yield Signal(f"{name} effort", "N" if is_force else "N m"), _spring_load(load, -1.0)
+
+
+def _vector_load(load, axis):
+    def records(amount):
+        record = np.array([load])
+        record["law"], record["vector"] = -1, amount * np.eye(3)[axis]
+        return record
+
+    return records
+
+
+def _spring_load(load, sign):
+    """Two springs whose stiffnesses cancel and whose free lengths differ: a constant pull."""
+
+    def records(amount):
+        pair = np.array([load, load])
+        pair["damping"], pair["stiffness"], pair["free_length"] = 0.0, (1.0, -1.0), (-sign * amount, 0.0)
+        return pair
+
+    return records
+
+
+def constrained_signals(motion: ConstrainedLinearised):
+    """Return the signals of the states of a ConstrainedLinearised."""
+    arrays, names, units = motion.analysis.arrays, [], []
+    for k in motion.free:
+        if k >= 6 * arrays.bodies:
+            names.append(arrays.speed_name(k))
+            units.append("m or 1")
+        else:
+            what, unit = JOINT_DISPLACEMENT[k % 6 // 3]
+            names.append(f"{arrays.body_names[k // 6]} {what} {AXES[k % 3]}")
+            units.append(unit)
+    return state_signals(names, units, [motion.coordinates.parent_name(k) for k in motion.free])

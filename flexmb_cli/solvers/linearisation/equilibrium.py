@@ -1,0 +1,49 @@
+"""Equilibrium of a mechanism: its independent joint coordinates at rest while its drivers go on."""
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+
+SHORT_STENCIL = ((-1.0, -0.5), (1.0, 0.5))  # of second order, enough to find the way to an equilibrium
+MOST_ITERATIONS = 60
+LARGEST_MOVE = 0.2  # scaled length of one correction towards equilibrium
+NO_STIFFNESS = 1e-10  # of the largest eigenvalue
+SETTLED = 1e-9  # scaled correction that counts as none
+
+
+def settle(analysis, linearised) -> None:
+    """Bring a started `analysis` into an equilibrium: the one it stands in, else one it can fall into.
+
+    Drivers keep their speeds: on a turning frame this is the equilibrium relative to the frame.
+    Newton's method, with steps reversed along motions that would grow, which lead to unstable positions.
+    `linearised`: the class of its `LinearisedMotion`.  Raises AnalysisError when none is found.
+    """
+    start = linearised(analysis)
+    start.stand_at(np.zeros(start.freedoms))
+    for _ in range(MOST_ITERATIONS):
+        motion = linearised(analysis)
+        accelerations = motion.standing_accelerations(np.zeros(motion.freedoms))
+        step = _downhill(motion.standing_stiffness(SHORT_STENCIL), accelerations)
+        size = np.max(np.abs(step), initial=0.0)
+        motion.stand_at(step * min(1.0, LARGEST_MOVE / size) if size > 0.0 else step)
+        if size <= SETTLED:
+            return
+    message = (
+        f"no equilibrium was found in {MOST_ITERATIONS} iterations; begin nearer to it, or see "
+        "whether drivers or forces keep the mechanism moving"
+    )
+    raise AnalysisError(Fault("error", message), motion.t)
+
+
+def _downhill(stiffness, accelerations):
+    """Newton's step, turned round along eigenvectors whose motions grow."""
+    if not accelerations.size:
+        return accelerations
+    values, vectors = np.linalg.eig(stiffness)
+    least = NO_STIFFNESS * np.max(np.abs(values), initial=1.0)
+    parts = np.linalg.lstsq(vectors, accelerations.astype(complex), rcond=NO_STIFFNESS)[0]
+    divisors = np.where(values.real < 0.0, -values, values)
+    held = np.abs(values) > least
+    # A motion without stiffness nor force stays; one with a force goes as far as one correction may.
+    loose = np.where(np.abs(parts) > SETTLED * least, LARGEST_MOVE, 0.0) * np.sign(parts.real)
+    return (vectors @ np.where(held, parts / np.where(held, divisors, 1.0), loose)).real

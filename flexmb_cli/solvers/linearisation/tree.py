@@ -1,0 +1,252 @@
+"""Linearised motion of a tree, with open or closed loops, in its hinge and elastic coordinates.
+
+The speeds are rates of the coordinates; those of a hinge with three rotations are about axes of its
+parent.  Closed loops leave some coordinates independent: J u = 0 for the rates of the gaps.
+"""
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+from ...kernels.tree.kane import SOLVED
+from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
+from ...kernels.tree.projection import measure
+from ...model.arrays.tree_frames import rotation_matrix
+from ...model.tree import ROTATION
+from ..tree.analysis import TreeAnalysis, breakpoints, set_laws
+from ..tree.assembly import assemble_tree
+from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
+from .motion import STEP, LinearisedMotion, differentiated
+
+DEPENDENT = 1e-9  # of the largest singular value of J
+CLOSED, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
+MOST_CORRECTIONS = 12
+
+
+class TreeLinearised(LinearisedMotion):
+    """Linearised motion about the state of a TreeAnalysis, or about `state`: its vector and time."""
+
+    AXES = (PARENT, OWN)
+
+    def __init__(self, analysis: TreeAnalysis, axes: str = PARENT, state=None, free=None):
+        self.analysis, self.arrays, self.axes = analysis, analysis.arrays, axes
+        self.z, self.t = state or (analysis.state.copy(), float(analysis.clock["t"][0]))
+        if state is None:
+            set_laws_at(analysis, self.t)
+        grid = analysis.tree.time
+        self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
+        self.prescribe(self.z, self.t)
+        speeds, _, _ = parts(self.arrays, self.z)
+        self.u = speeds.copy()
+        jacobian = self._jacobian(self.z)
+        self.free = self._independent(jacobian) if free is None else free
+        self.L = self._functionals(self.z)
+        self.Z, self._inverse = self._basis(jacobian, self.L)
+        self.rate = self._rates(self.z, self.t)
+        self.L_rate = self._rate_of_functionals(self.z)
+
+    def prescribe(self, z, t) -> None:
+        """Put the prescribed coordinates of z and their speeds to where they are at t."""
+        speeds, q, _ = parts(self.arrays, z)
+        for p in self.arrays.prescribed:
+            q[p["coordinate"]] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
+            speeds[p["coordinate"]] = p["B"] + p["A"] * t
+
+    def _balls(self):
+        return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
+
+    def _functionals(self, z):
+        """L (f, NS): rotations of hinges with three of them along axes of the parent or of the body."""
+        L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, z)
+        for frame in self._balls() if self.axes == OWN else ():
+            own = slice(frame["first_rotation"], frame["first_rotation"] + 3)
+            L[own, own] = rotation_matrix(attitudes[frame["ball"]]).T
+        return L[self.free]
+
+    def _rate_of_functionals(self, z):
+        speeds = parts(self.arrays, z)[0]
+        size = np.max(np.abs(speeds), initial=0.0)
+        if self.axes == PARENT or size == 0.0:
+            return np.zeros_like(self.L)
+        h = STEP / size
+        return differentiated(lambda time: self._functionals(self.displaced(time * speeds, z)), h)
+
+    def _jacobian(self, z):
+        """J (R, NS) of the gaps by the coordinates that are not prescribed."""
+        speeds = np.where(self.arrays.given, 0.0, 1.0)
+        columns = [self.gap_rates(z, unit) for unit in np.diag(speeds)] if self.arrays.closures.size else []
+        return np.array(columns).reshape(speeds.size, -1).T
+
+    def gap_rates(self, z, speeds) -> np.ndarray:
+        """Return the rates (R,) of the gaps at the position of z with other speeds."""
+        z = z.copy()
+        z[: speeds.size] = speeds
+        return self._measured(z)["rate"].copy()
+
+    def _measured(self, z):
+        if self.arrays.closures.size:
+            measure(self.arrays, self.analysis.work, self.analysis.coordinates, z)
+        return self.arrays.closures
+
+    def _independent(self, jacobian):
+        weights = np.where(self.arrays.elastic, PREFERENCE["mode"], PREFERENCE["displacement"])
+        scaled = jacobian * self.scale * weights
+        return np.flatnonzero(~dependent_columns(scaled, _rank(jacobian)) & ~self.arrays.given)
+
+    def _basis(self, jacobian, L):
+        """Z (NS, f) with J Z = 0, L Z = 1, and the generalised inverse of J."""
+        free = np.flatnonzero(~self.arrays.given)
+        rank = _rank(jacobian)
+        if free.size - rank != len(L):
+            raise AnalysisError(Fault("error", _singular(self.t)), self.t)
+        motions = np.zeros((self.scale.size, len(L)))
+        kernel = np.linalg.svd(jacobian[:, free])[2][rank:].T if rank else np.eye(free.size)
+        motions[free] = kernel
+        return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, DEPENDENT)
+
+    def displaced(self, d, z=None) -> np.ndarray:
+        """Return the state with the coordinates displaced by d."""
+        z = (self.z if z is None else z).copy()
+        _, q, attitudes = parts(self.arrays, z)
+        q += d
+        rates = np.zeros_like(attitudes)
+        turn_attitudes(self.arrays, d, attitudes, rates)
+        attitudes += rates
+        normalise_attitudes(self.arrays, z)
+        return z
+
+    def _rates(self, z, t):
+        """u' (NS,) of a state; raises AnalysisError without inertia."""
+        analysis, z, dz = self.analysis, z.copy(), np.zeros_like(z)
+        fault = derivative(self.arrays, analysis.work, analysis.coordinates, t, z, dz)
+        if fault != SOLVED:
+            analysis.clock["fault"] = fault
+            raise analysis.failure()
+        return dz[: self.scale.size]
+
+    def changed(self, d, w) -> np.ndarray:
+        """Return the state with the coordinates displaced by d and the speeds changed by w."""
+        z = self.displaced(d)
+        z[: w.size] += w
+        return z
+
+    def acceleration_at(self, d, w) -> np.ndarray:
+        """Return u' (NS,) where the coordinates are displaced by d and the speeds by w."""
+        return self._rates(self.changed(d, w), self.t)
+
+    def companion(self, d) -> np.ndarray:
+        """Return the change w (NS,) of the speeds, L w = 0, that the displacement d asks for."""
+        if not self.arrays.closures.size:
+            return np.zeros_like(d)
+        gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))
+        return self.closing(-gaps)
+
+    def closing(self, gaps) -> np.ndarray:
+        """Return x (NS,) with J x = gaps (R,), L x = 0."""
+        return _closing(self.Z, self._inverse, self.L, gaps)
+
+    def turned(self, d) -> np.ndarray:
+        """Return k(d): - omega × the rotation of every hinge with three of them, in its parent's axes."""
+        out = np.zeros_like(d)
+        for frame in self._balls():
+            own = slice(frame["first_rotation"], frame["first_rotation"] + 3)
+            out[own] = -np.cross(self.u[own], d[own])
+        return out
+
+    def acceleration_after(self, h, rate) -> np.ndarray:
+        """Return u' (NS,) after the short time h, s, of a motion with u' = rate now."""
+        z = self.displaced(h * self.u)
+        z[: self.u.size] += h * rate
+        return self._rates(z, self.t + h)
+
+    def later(self, h, rate, jerk) -> "TreeLinearised":
+        """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
+        d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
+        return self._at(self.changed(d, h * (rate + 0.5 * h * jerk)), self.t + h)
+
+    def elsewhere(self, d, w) -> "TreeLinearised":
+        """Return the same coordinates where the coordinates are displaced by d and the speeds by w."""
+        return self._at(self.changed(d, w), self.t)
+
+    def _at(self, z, t):
+        return TreeLinearised(self.analysis, self.axes, (self._closed(z, t), t), self.free)
+
+    def _closed(self, z, t):
+        """The state with loops closed and speeds that fit them, the independent coordinates kept."""
+        self.prescribe(z, t)
+        if not self.arrays.closures.size:
+            return z
+        size = np.max(self.scale)
+        for _ in range(MOST_CORRECTIONS):
+            gap = self._measured(z)["gap"].copy()
+            if np.max(np.abs(gap)) <= CLOSED * size:
+                break
+            z = self.displaced(self._correction(z, gap), z)
+        if not np.max(np.abs(gap)) <= STAYS_OPEN * size:
+            raise AnalysisError(Fault("error", _singular(t)), t)
+        z[: self.u.size] += self._correction(z, self._measured(z)["rate"].copy())
+        return z
+
+    def _correction(self, z, gaps):
+        L = self._functionals(z)
+        return _closing(*self._basis(self._jacobian(z), L), L, -gaps)
+
+    def standing(self, y) -> np.ndarray:
+        """Return the state displaced by y (scaled), with the independent coordinates at rest."""
+        z = self.displaced(self.Z @ (self.units * y))
+        z[: self.u.size] = 0.0
+        return self._closed(z, self.t)
+
+    def standing_accelerations(self, y) -> np.ndarray:
+        """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
+        z = self.standing(y)
+        L, speeds = self._functionals(z), z[: self.u.size]
+        return (self._rate_of_functionals(z) @ speeds + L @ self._rates(z, self.t)) / self.units
+
+    def stand_at(self, y) -> None:
+        """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
+        self.analysis.state[:] = self.standing(y)
+
+
+def _closing(Z, inverse, L, gaps):
+    """x (NS,) with J x = gaps, L x = 0, for the generalised `inverse` of J."""
+    x = inverse @ gaps
+    return x - Z @ (L @ x)
+
+
+def _rank(jacobian):
+    values = np.linalg.svd(jacobian, compute_uv=False) if jacobian.size else np.zeros(0)
+    return int(np.sum(values > DEPENDENT * np.max(values, initial=0.0)))
+
+
+def _singular(t):
+    return f"at t = {t:.6g} s the loops are at a singular position, where the tree cannot be linearised"
+
+
+def start_tree(analysis: TreeAnalysis, time: float) -> None:
+    """Bring a TreeAnalysis from its start to `time`, s, by its own method of integration."""
+    begin = analysis.tree.time.start
+    if time <= begin:
+        set_laws_at(analysis, begin)
+        assemble_tree(analysis)
+        return
+    for _ in analysis.rows():
+        pass
+    reached = float(analysis.clock["t"][0])
+    if abs(reached - time) > 1e-9 * max(abs(time), 1.0):
+        message = f"the integration ended at t = {reached:.6g} s instead of {time:.6g} s"
+        raise AnalysisError(Fault("error", message), reached)
+
+
+def set_laws_at(analysis: TreeAnalysis, t: float) -> None:
+    """Write the pieces of all tables on which t lies, those behind it at a breakpoint, into the arrays."""
+    grid = analysis.tree.time
+    after = breakpoints(analysis.tree, t, max(grid.end, t))
+    set_laws(analysis.tree, analysis.arrays, t, after[0] if after else t + grid.step)
+
+
+def _scales(tree) -> np.ndarray:
+    """(NS,) 1 rad for rotations, the size of the largest body for lengths."""
+    places = [hinge.point for hinge in tree.hinges] + [body.centre for body in tree.bodies]
+    places += [place for body in tree.bodies if body.elastic for place in body.elastic.positions]
+    size = float(max(np.linalg.norm(place) for place in places)) or 1.0
+    return np.array([1.0 if c.motion == ROTATION else size for c in tree.coordinates])

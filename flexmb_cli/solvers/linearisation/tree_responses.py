@@ -1,0 +1,160 @@
+"""Inputs and outputs of the linearised motion of a tree."""
+
+import numpy as np
+
+from ...model.arrays.tree import body_frames
+from ...model.tree import ELASTIC, INERTIAL, ROTATION
+from ..tree.points import point_motion, point_names, rotation_matrices
+from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
+from .tree import TreeLinearised
+
+AXES = "xyz"
+MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
+ADMISSIBLE = 1e-6  # share of a prescribed rate that the loops may fail to follow
+
+
+class TreeResponses(Responses):
+    """Responses about a TreeLinearised."""
+
+    def __init__(self, motion: TreeLinearised):
+        self.motion, self.analysis = motion, motion.analysis
+        self.tree, self.arrays = self.analysis.tree, motion.arrays
+        self.n = motion.scale.size
+        self.relative = [Signal(c.name, _unit(c)) for c in self.tree.coordinates if c.motion != ELASTIC]
+        self._axes = self._point_axes()
+        self.observed = self._observed()
+        self.inputs = [
+            *self._law_inputs(),
+            *self._body_inputs(),
+            *self._node_inputs(),
+            *self._driver_inputs(),
+        ]
+
+    def _observed(self):
+        names = [
+            name for name, axes in zip(point_names(self.tree), self._axes, strict=True) if axes is not None
+        ]
+        points = [(name, *what) for name in names for what in MOVED_POINT]
+        closures = [(closure.name, "force", "N") for closure in self.tree.closures]
+        return [
+            Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + closures for axis in AXES
+        ]
+
+    def _rows(self, z, arrays):
+        """The report row of a state, of the tree with other `arrays`."""
+        analysis = self.analysis
+        kept = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
+        analysis.arrays, analysis.clock["t"] = arrays, self.motion.t
+        try:
+            return analysis.observe(lambda t: z, [self.motion.t])
+        finally:
+            analysis.arrays, analysis.row, analysis.attitude, analysis.clock[:] = kept
+
+    def _point_axes(self):
+        """Axes (3, 3) of the bodies whose points they are; None for hinges at rest on the inertial frame."""
+        rows = self._rows(self.motion.z, self.arrays)
+        axes = rotation_matrices(rows.euler_parameters[0])
+        bodies = [hinge.parent for hinge in self.tree.hinges]
+        for k, body in enumerate(self.tree.bodies):
+            bodies += [k] * (len(body.elastic.masses) if body.elastic else 0)
+        return [None if body == INERTIAL else axes[body] for body in bodies]
+
+    def respond(self, d, w, model=None) -> np.ndarray:
+        """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
+        arrays = model or self.arrays
+        z = self.motion.changed(d, w)
+        rows = self._rows(z, arrays)
+        motion = point_motion(self.tree, rows)
+        moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
+        found = [axes.T @ part[0, k] for k, axes in moving for part in motion]
+        return np.concatenate([rows.y_rate[0], *found, rows.closure_force[0].ravel()])
+
+    def displacements(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return P (hinge coordinates, n), and its rate, zero."""
+        rigid = [m for m, c in enumerate(self.tree.coordinates) if c.motion != ELASTIC]
+        P = np.eye(self.n)[rigid]
+        return P, np.zeros_like(P)
+
+    def _law_inputs(self):
+        """Torques on bodies and motors."""
+        still = np.zeros(self.n)
+        for k, item in enumerate((*self.tree.torques, *self.tree.motors)):
+            body = self.tree.bodies[item.body].name
+            if k < len(self.tree.torques):
+                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")
+            else:
+                unit = "N m" if item.motion == ROTATION else "N"
+                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)
+            yield Input(signal, still, still, self._changed("laws", "c0", k), 1.0)
+
+    def _body_inputs(self):
+        """Constant forces and torques of bodies that have some, inertial axes."""
+        still = np.zeros(self.n)
+        for body, frame in zip(self.tree.bodies, body_frames(self.arrays), strict=True):
+            for what, unit in (("force", "N"), ("torque", "N m")):
+                for axis in range(3) if any(getattr(body, what)) else ():
+                    signal = Signal(f"{body.name} constant {what} {AXES[axis]}", unit)
+                    yield Input(signal, still, still, self._changed("frames", what, (frame, axis)), 1.0)
+
+    def _node_inputs(self):
+        """Constant forces of nodes that have some, inertial axes."""
+        still, coordinates = np.zeros(self.n), self.tree.coordinates
+        lumps = [("lumps", k, max(lump["coordinate"])) for k, lump in enumerate(self.arrays.lumps)]
+        frames = [
+            ("frames", k, f["first_translation"])
+            for k, f in enumerate(self.arrays.frames)
+            if f["translations"]
+        ]
+        for records, k, m in lumps + frames:
+            node = coordinates[m]
+            if node.motion != ELASTIC or not np.any(getattr(self.arrays, records)["force"][k]):
+                continue
+            for axis in range(3):
+                name = f"{self.tree.bodies[node.body].name} node {node.node + 1} force {AXES[axis]}"
+                yield Input(Signal(name, "N"), still, still, self._changed(records, "force", (k, axis)), 1.0)
+
+    def _changed(self, records, field, place):
+        def change(amount):
+            array = getattr(self.arrays, records).copy()
+            array[field][place] += amount
+            return self.arrays._replace(**{records: array})
+
+        return change
+
+    def _driver_inputs(self):
+        for k, record in enumerate(self.arrays.prescribed):
+            yield from self._inputs_of_driver(k, int(record["coordinate"]))
+
+    def _inputs_of_driver(self, k, m):
+        """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
+        motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
+        gaps = motion.gap_rates(motion.z, one)
+        d = one + motion.closing(-gaps)
+        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
+            return
+        name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])
+        changes = [self._prescribed(k, order) for order in range(3)]
+        yield Input(Signal(name, unit), d, motion.companion(d), changes[0])
+        yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
+        yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
+
+    def _prescribed(self, k, order):
+        def change(amount):
+            prescribed, t = self.arrays.prescribed.copy(), self.motion.t
+            value, rate, second = amount * np.eye(3)[order]
+            prescribed["C"][k] += value - rate * t + 0.5 * second * t * t
+            prescribed["B"][k] += rate - second * t
+            prescribed["A"][k] += second
+            return self.arrays._replace(prescribed=prescribed)
+
+        return change
+
+
+def _unit(coordinate):
+    return "rad" if coordinate.motion == ROTATION else "m"
+
+
+def tree_signals(motion: TreeLinearised):
+    """Return the signals of the states of a TreeLinearised."""
+    coordinates = [motion.analysis.tree.coordinates[m] for m in motion.free]
+    return state_signals([c.name for c in coordinates], map(_unit, coordinates), [""] * len(coordinates))

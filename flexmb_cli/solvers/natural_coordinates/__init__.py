@@ -1,0 +1,1 @@
+"""A second formulation of YOUNG mechanisms, for `verify`."""

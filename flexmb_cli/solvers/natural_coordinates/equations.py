@@ -1,0 +1,216 @@
+"""A mechanism of a YOUNG deck in natural coordinates: origins and direction vectors, no Euler parameters.
+
+After García de Jalón and Bayo: a body is its origin r and the columns d1 d2 d3 of its rotation matrix, twelve
+coordinates.  Points and vectors are linear in them, and all equations are linear or products of two vectors:
+
+    Φ = L X - f(t)   or   (L1 X) · (L2 X) - c.
+
+The second formulation of `verify`: it shares no equation with the kernels.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...model.mechanism import Driver, Mechanism
+
+SIZE = 12
+LINES = {"revolute", "universal", "spherical", "cylindrical", "translational"}
+# The coordinates whose difference is 4 e0 e_k: components (column, row) of the rotation matrix.
+ANTISYMMETRIC = {4: ((1, 2), (2, 1)), 5: ((2, 0), (0, 2)), 6: ((0, 1), (1, 0))}
+
+
+@dataclass
+class NaturalEquations:
+    """Equations of n bodies: `linear` rows with functions of time, `products` of vectors.
+
+    `driven`: for each driver the numbers of its linear rows.
+    """
+
+    bodies: int
+    linear: list = field(default_factory=list)
+    functions: list = field(default_factory=list)
+    products: list = field(default_factory=list)
+    driven: list = field(default_factory=list)
+
+    def close(self) -> None:
+        """Turn the rows into arrays, when all are there."""
+        n = SIZE * self.bodies
+        self.L = np.array(self.linear).reshape(-1, n)
+        self.L1, self.L2 = (np.array([row[k] for row in self.products]).reshape(-1, 3, n) for k in (0, 1))
+        self.c = np.array([row[2] for row in self.products])
+
+    def residual(self, X: np.ndarray, t: float) -> np.ndarray:
+        """Return Φ at coordinates X (12 n,) and time t."""
+        f = np.array([function(t)[0] for function in self.functions])
+        return np.append(self.L @ X - f, np.einsum("ri,ri->r", self.L1 @ X, self.L2 @ X) - self.c)
+
+    def jacobian(self, X: np.ndarray) -> np.ndarray:
+        """Return ∂Φ/∂X."""
+        products = np.einsum("ri,rin->rn", self.L1 @ X, self.L2) + np.einsum(
+            "ri,rin->rn", self.L2 @ X, self.L1
+        )
+        return np.vstack([self.L, products])
+
+    def rates(self, t: float) -> np.ndarray:
+        """Return what J V must be."""
+        return np.append([function(t)[1] for function in self.functions], np.zeros(len(self.c)))
+
+    def accelerations(self, V: np.ndarray, t: float) -> np.ndarray:
+        """Return what J dV/dt must be."""
+        products = -2.0 * np.einsum("ri,ri->r", self.L1 @ V, self.L2 @ V)
+        return np.append([function(t)[2] for function in self.functions], products)
+
+    def add_linear(self, form: np.ndarray, value) -> None:
+        """Add rows `form` X = value, a number for each or a function t → (value, rate, acceleration)."""
+        values = [value] if callable(value) else [_constant(v) for v in np.broadcast_to(value, len(form))]
+        self.linear += list(form)
+        self.functions += values
+
+    def add_product(self, one: np.ndarray, other: np.ndarray, value: float = 0.0) -> None:
+        """Add the row (one X) · (other X) = value."""
+        self.products.append((one, other, value))
+
+
+def _constant(value):
+    return lambda t: (float(value), 0.0, 0.0)
+
+
+def point(bodies: int, body: int, place) -> np.ndarray:
+    """Return the form (3, 12 n) of a point of a body."""
+    return vector(bodies, body, place, 1.0)
+
+
+def vector(bodies: int, body: int, components, origin: float = 0.0) -> np.ndarray:
+    """Return the form (3, 12 n) of a vector in the axes of a body."""
+    form = np.zeros((3, SIZE * bodies))
+    form[:, SIZE * body : SIZE * body + SIZE] = np.kron([origin, *components], np.eye(3))
+    return form
+
+
+def natural_equations(mechanism: Mechanism) -> NaturalEquations:
+    """Return the equations of a mechanism; raises ModelError for what they do not hold."""
+    _refuse_foreign(mechanism)
+    n = len(mechanism.bodies)
+    found = NaturalEquations(n)
+    for body in range(n):
+        for a in range(3):
+            for b in range(a, 3):
+                found.add_product(vector(n, body, np.eye(3)[a]), vector(n, body, np.eye(3)[b]), float(a == b))
+    for joint in mechanism.joints:
+        _add_joint(found, joint)
+    turned = {driver.body for driver in mechanism.drivers if driver.direction > 3}
+    for item in mechanism.simplified:
+        if item.direction < 4 or item.body not in turned:
+            _hold(found, item.body, item.direction, item.value)
+    for item in mechanism.distances:
+        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)
+        found.add_linear(form[item.direction - 1 : item.direction], item.value)
+    for ground in mechanism.grounds:
+        found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
+        e = np.sin(np.array(ground.values[3:]) / 2.0)
+        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))
+    for driver in mechanism.drivers:
+        _drive(found, driver)
+    found.close()
+    return found
+
+
+def _refuse_foreign(mechanism):
+    faults = [
+        Fault("error", "a screw joint is not carried over to natural coordinates", joint.place, joint.name)
+        for joint in mechanism.joints
+        if joint.kind not in LINES
+    ]
+    message = "an Euler parameter that is held is carried over to natural coordinates at 0 only"
+    for item in (*mechanism.simplified, *mechanism.distances):
+        if item.direction > 3 and (item.value or item in mechanism.distances):
+            faults.append(Fault("error", message, item.place, item.name))
+    if faults:
+        raise ModelError(faults)
+
+
+def _add_joint(found, joint):
+    n = found.bodies
+    i, j = point(n, joint.i, joint.P_i), point(n, joint.j, joint.P_j)
+    axis = vector(n, joint.j, _unit(joint.s_j)) if any(joint.s_j) else None
+    if joint.kind in ("spherical", "universal", "revolute"):
+        found.add_linear(i - j, 0.0)
+    if joint.kind == "universal":
+        found.add_product(vector(n, joint.i, _unit(joint.s_i)), axis)
+    if joint.kind in ("revolute", "cylindrical", "translational"):
+        across = [vector(n, joint.i, u) for u in _across(joint.s_i)]
+        for u in across:
+            found.add_product(u, axis)
+        for u in across if joint.kind != "revolute" else ():
+            found.add_product(u, j - i)
+    if joint.kind == "translational":
+        found.add_product(vector(n, joint.i, _unit(joint.h_i)), vector(n, joint.j, _unit(joint.h_j)))
+
+
+def _unit(v):
+    return np.array(v, float) / np.linalg.norm(v)
+
+
+def _across(v):
+    """Return two unit vectors at right angles to v and to each other."""
+    s = _unit(v)
+    u = _unit(np.cross(s, np.eye(3)[int(np.argmin(np.abs(s)))]))
+    return u, np.cross(s, u)
+
+
+def _hold(found, body, direction, value):
+    if direction < 4:
+        found.add_linear(point(found.bodies, body, (0,) * 3)[direction - 1 : direction], value)
+        return
+    (a, i), (b, j) = ANTISYMMETRIC[direction]
+    columns = [vector(found.bodies, body, np.eye(3)[column]) for column in (a, b)]
+    found.add_linear((columns[0][i] - columns[1][j])[None], 0.0)
+
+
+def _fix(found, body, D):
+    for a in range(3):
+        found.add_linear(vector(found.bodies, body, np.eye(3)[a]), D[:, a])
+
+
+def _drive(found, driver: Driver):
+    first = len(found.linear)
+    if driver.direction < 4:
+        row = point(found.bodies, driver.body, (0,) * 3)[driver.direction - 1 : driver.direction]
+        found.add_linear(row, lambda t: law(driver, t))
+    else:
+        for a in range(3):
+            form = vector(found.bodies, driver.body, np.eye(3)[a])
+            for i in range(3):
+                found.add_linear(form[i : i + 1], _turning(driver, i, a))
+    found.driven.append(range(first, len(found.linear)))
+
+
+def law(driver: Driver, t: float) -> tuple[float, float, float]:
+    """Return coordinate, rate and acceleration of a driver."""
+    return driver.C + driver.B * t + 0.5 * driver.A * t * t, driver.B + driver.A * t, driver.A
+
+
+def _turning(driver, i, a):
+    """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
+
+    def function(t):
+        angle, rate, acceleration = law(driver, t)
+        D, slope, bend = turned(driver.direction - 4, angle)
+        return D[i, a], slope[i, a] * rate, slope[i, a] * acceleration + bend[i, a] * rate**2
+
+    return function
+
+
+def turned(axis: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the rotation matrix about a global axis, and its derivatives by the angle."""
+    K = np.cross(np.eye(3)[axis], np.eye(3)).T
+    s, c = np.sin(angle), np.cos(angle)
+    return np.eye(3) + s * K + (1.0 - c) * K @ K, c * K + s * K @ K, -s * K + c * K @ K
+
+
+def rotation_of(p) -> np.ndarray:
+    """Return the rotation matrix of Euler parameters."""
+    e0, e = p[0], np.array(p[1:])
+    return (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T

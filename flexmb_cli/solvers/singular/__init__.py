@@ -1,0 +1,1 @@
+"""Singular configurations: finding, passing and naming them."""

@@ -1,0 +1,182 @@
+"""Singular positions of a mechanism that moves under forces: its joints lose a rank there, by name."""
+
+import numpy as np
+
+from ...kernels.constrained.accelerations import evaluate_jacobian
+from ...kernels.constrained.speeds import move
+from ...model.by_size import by_size
+from ..constrained.flexible_start import PositionGaps
+from ..constrained.system import new_work
+from .mobility import about
+
+ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
+SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
+CROSSED = 1e5  # condition
+NEAR = 100.0  # condition, as a multiple of that of the start
+SHARE = 0.2  # of the largest part of a combination: what is told
+BESIDE = 1e-5  # of the length scale, rad
+MOST_TOLD = 6
+MOST_NOTES = 5
+LOOKS = 300  # rows of a run that are looked at
+MOST_WORK = 2_000_000  # multiplications of one look: larger mechanisms are not looked at
+CANDIDATE = 0.3  # of the usual smallest singular value, at a row where it is least
+CLOSED = 1e-9  # scaled gap of a position between two rows
+HALVINGS = 40
+
+
+def weakest_of_speeds(analysis, state) -> tuple[float, list]:
+    """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
+
+    The condition is the largest over the last singular value that is counted in the rank.
+    """
+    coordinates = analysis.arrays.coordinate_scale.size
+    q = state[:coordinates].copy()
+    if not np.all(np.isfinite(q)) or not analysis.arrays.equations:
+        return 1.0, []
+    evaluate_jacobian(analysis.system, analysis.work, q)
+    return _weakest(analysis, analysis.work.jacobian)
+
+
+def _weakest(analysis, jacobian):
+    left, values, _ = np.linalg.svd(jacobian)
+    last = int(analysis.work.rank[0]) - 1
+    if last < 0:
+        return 1.0, []
+    condition = float(values[0] / max(values[last], np.finfo(float).tiny))
+    return condition, _owners(analysis.arrays.equations, np.abs(left[:, last]))
+
+
+def is_singular(analysis, q, start) -> bool:
+    """Whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
+
+    So near to it in time a mere lock is further from losing a rank, by the square root.
+    """
+    gaps = PositionGaps(analysis.arrays, analysis.system, new_work(analysis.arrays))
+    here, usual = (_weakest(analysis, gaps.jacobian(place.copy()))[0] for place in (q, start))
+    return here > max(CROSSED, NEAR * usual)
+
+
+def has_gained_rank(analysis) -> bool:
+    """Whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
+    evaluate_jacobian(
+        analysis.system, analysis.work, analysis.march.z[: analysis.arrays.coordinate_scale.size].copy()
+    )
+    values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
+    return len(values) > rank and values[rank] > values[0] / SINGULAR**2
+
+
+def repeating_here_only(analysis) -> list:
+    """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
+
+    Beside it is a small part of some motion that all equations allow: where equations go on repeating
+    others, as in planar loops, it leaves their rank as it was to second order.
+    """
+    arrays, work = analysis.arrays, analysis.work
+    q, rank = analysis.march.z[: arrays.coordinate_scale.size].copy(), int(work.rank[0])
+    if not np.all(np.isfinite(q)) or not arrays.equations:
+        return []
+    evaluate_jacobian(analysis.system, work, q)
+    free = np.linalg.svd(work.jacobian)[2][rank:]
+    motion = np.random.default_rng(0).uniform(-1.0, 1.0, len(free)) @ free
+    move(arrays.bodies, q, BESIDE * motion * arrays.speed_scale)
+    evaluate_jacobian(analysis.system, work, q)
+    left, values, _ = np.linalg.svd(work.jacobian)
+    if len(values) > rank and values[rank] > values[0] / SINGULAR**2:
+        return _owners(arrays.equations, np.abs(left[:, rank]))
+    return []
+
+
+class PassedPositions:
+    """Looks for singular positions between the report rows of a ConstrainedMotion; notes go to its warnings.
+
+    The march steps over them where the motion is smooth.  They show as minima of the last singular value
+    that counts, which are then sought between the rows, on the straight line of coordinates brought back to
+    the equations.
+    """
+
+    def __init__(self, analysis):
+        self.analysis = analysis
+        arrays = analysis.arrays
+        self.gaps = PositionGaps(arrays, analysis.system, new_work(arrays))
+        work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
+        self.active = 0 < work <= MOST_WORK
+        self.stride = max(1, analysis.grid.rows // LOOKS)
+        self.seen, self.row, self.told = [], 0, 0
+
+    def look(self, times, states) -> None:
+        """Look at report rows at `times`, in order, with coordinates first in `states`."""
+        size = self.analysis.arrays.coordinate_scale.size
+        for t, state in zip(times, states, strict=True):
+            if self.active and self.row % self.stride == 0 and self.told < MOST_NOTES:
+                self.seen.append((float(t), state[:size].copy(), self._smallest(state[:size].copy())))
+                self._judge()
+            self.row += 1
+
+    def _smallest(self, q):
+        """The last singular value that counts, of the largest."""
+        values = np.linalg.svd(self.gaps.jacobian(q), compute_uv=False)
+        return float(values[int(self.analysis.work.rank[0]) - 1] / values[0])
+
+    def _judge(self):
+        """Search about the row before the last, if it is a minimum; old rows are kept for what is usual."""
+        if len(self.seen) < 3:
+            return
+        before, here, after = (value for _, _, value in self.seen[-3:])
+        usual = float(np.median([value for _, _, value in self.seen]))
+        if here <= before and here < after and here < CANDIDATE * usual:
+            for first, last in ((self.seen[-3], self.seen[-2]), (self.seen[-2], self.seen[-1])):
+                if self._search(first, last):
+                    return
+
+    def _search(self, first, last):
+        """Seek the least singular value between two rows by thirds; tell it where it is singular."""
+        low, high = 0.0, 1.0
+        for _ in range(HALVINGS):
+            thirds = low + (high - low) / 3.0, high - (high - low) / 3.0
+            values = [self._at(first, last, x)[1] for x in thirds]
+            low, high = (low, thirds[1]) if values[0] < values[1] else (thirds[0], high)
+        q, value = self._at(first, last, 0.5 * (low + high))
+        if not value < 1.0 / SINGULAR:
+            return False
+        self._tell(first[0] + 0.5 * (low + high) * (last[0] - first[0]), q)
+        return True
+
+    def _at(self, first, last, x):
+        """Position at the part x of the way between two rows, and its smallest value; inf if open."""
+        gaps, arrays = self.gaps, self.analysis.arrays
+        t, q = first[0] + x * (last[0] - first[0]), (1.0 - x) * first[1] + x * last[1]
+        for _ in range(8):
+            gap = gaps.residual(q, t, self.analysis.march.turns[0])
+            if np.max(np.abs(gap)) <= CLOSED:
+                return q, self._smallest(q)
+            step = np.linalg.lstsq(gaps.jacobian(q), gap, rcond=1e-6)[0]
+            move(arrays.bodies, q, -step * arrays.speed_scale)
+        return q, np.inf
+
+    def _tell(self, t, q):
+        condition, owners = _weakest(self.analysis, self.gaps.jacobian(q))
+        self.told += 1
+        joints = ", ".join(f"{one.owner}{at_line(one)}" for one in owners)
+        last = "; later ones are not looked for" if self.told == MOST_NOTES else ""
+        size = f"{condition:.0e}" if condition < ROUND_OFF else f"above {ROUND_OFF:.0e}"
+        message = (
+            f"near t = {t:.4g} s the motion passes a singular position of {joints} (condition {size}), where "
+            f"it could branch; it goes on smoothly{last}"
+        )
+        self.analysis.warnings.append(about("note", message, *owners))
+
+
+def _owners(equations, size):
+    """One equation of each owner with a large share, in the deck's order."""
+    found = {}
+    for row in by_size(size):
+        if size[row] < SHARE * size.max() or len(found) == MOST_TOLD:
+            break
+        found.setdefault(equations[row].owner, equations[row])
+    joints = [one for one in found.values() if "joint" in one.owner or "hinge" in one.owner]
+    return sorted(joints or found.values(), key=lambda one: one.place or (0, 0))
+
+
+def at_line(equation) -> str:
+    """ "(line 7)", where an equation's owner has a place in the deck."""
+    return f" (line {equation.place.line})" if equation.place else ""

@@ -1,0 +1,111 @@
+"""Singular positions that a kinematic march passes: found after it, and told as notes.
+
+The march goes through a position where two motions cross when the motion is smooth, and through the
+narrow place beside one.  Both cost many short steps: rows that took many iterations, or at which the
+sign of det Φ_q has changed, are walked again step by step.
+"""
+
+import numpy as np
+
+from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
+from .conditioning import weakest_owners, weakness, weakness_text
+from .mobility import about
+
+# Iterations of a row that are many where others take few, and many anywhere.  A crossing takes ten or more.
+FEW, MANY = 8, 20
+# Condition, as a multiple of that where the block began: what is told, and what leaves accelerations without
+# most of their digits.  Badly scaled mechanisms have a large one everywhere.
+NEAR, BLIND = 100.0, 1e5
+MOST_TOLD = 5
+MOST_TRIED = 16  # of the shortest steps, among which the worst place is
+
+
+class Passages:
+    """Watches the blocks of a KinematicAnalysis; notes go to its warnings, `MOST_TOLD` at most.
+
+    Not active, it looks for nothing: where equations repeat others, every position looks singular.
+    """
+
+    def __init__(self, analysis, active: bool = True):
+        self.analysis = analysis
+        self.active = active
+        self.told = 0
+
+    def memory(self):
+        """Where the march stands, to be walked again from."""
+        analysis = self.analysis
+        return analysis.state.copy(), analysis.motion.copy(), analysis.clock.copy()
+
+    def look(self, memory, rows) -> None:
+        """Look for singular positions on the way from `memory` through the report `rows`."""
+        if self.told >= MOST_TOLD or not self.active:
+            return
+        changed = memory[2][SIGN] != self.analysis.clock[SIGN]
+        for first, last in _busy_runs(rows.newton_iterations, changed):
+            begin = memory[2][TIME] if first == 0 else rows.time[first - 1]
+            self._walk(memory, float(begin), float(rows.time[last]))
+
+    def first_without_rates(self, memory, rows) -> int:
+        """The first row so near to a singular position that its rates are round-off; their number if none."""
+        busy = np.flatnonzero(rows.newton_iterations > FEW) if self.active else ()
+        limit = BLIND * self._condition_of(memory) if len(busy) else np.inf
+        for k in busy:
+            q = np.concatenate([rows.position[k], rows.euler_parameters[k]], axis=1).ravel()
+            near = self.analysis.motion[:, 0]
+            if weakness(self.analysis.evaluator, q, float(rows.time[k]), near).condition > limit:
+                return int(k)
+        return rows.time.size
+
+    def _condition_of(self, memory):
+        state, motion, clock = memory
+        return weakness(self.analysis.evaluator, state[0], float(clock[TIME]), motion[:, 0]).condition
+
+    def _walk(self, memory, begin, end):
+        """Go from `memory` to `begin`, then step by step to `end`; tell crossings, else the worst place."""
+        analysis, march = self.analysis, self.analysis.marcher()
+        state, motion, clock = (part.copy() for part in memory)
+        analysis.carry(march, state, motion, clock, begin)
+        steps, crossed = [], False
+        while clock[TIME] < end and self.told < MOST_TOLD:
+            t, sign = clock[TIME], clock[SIGN]
+            analysis.carry(march, state, motion, clock, end, 1)
+            if clock[TIME] > t:
+                here = state[0].copy(), float(clock[TIME]), motion[:, 0].copy()
+                steps.append((clock[TIME] - t, here))
+                if sign * clock[SIGN] < 0.0:
+                    crossed = True
+                    self.tell(*here, True)
+            elif clock[BUDGET] > 0.0:
+                break
+        if not crossed:
+            self._tell_narrowest(
+                memory, [here for _, here in sorted(steps, key=lambda step: step[0])[:MOST_TRIED]]
+            )
+
+    def _tell_narrowest(self, memory, places):
+        conditions = [weakness(self.analysis.evaluator, *place).condition for place in places]
+        if conditions and max(conditions) >= NEAR * self._condition_of(memory):
+            self.tell(*places[int(np.argmax(conditions))], False)
+
+    def tell(self, q, t, near, crossing: bool) -> None:
+        """Note that the march passes q at the time t: a crossing of two motions, or a narrow place."""
+        if self.told >= MOST_TOLD:
+            return
+        evaluator = self.analysis.evaluator
+        weak = weakness(evaluator, q, t, near)
+        self.told += 1
+        what = "a singular position" if crossing else "close to a singular position"
+        more = "; two motions cross there, and the smooth one is followed" if crossing else ""
+        last = "; later ones are not looked for" if self.told == MOST_TOLD else ""
+        message = f"at t = {t:.6g} s the motion passes {what}{weakness_text(evaluator, q, weak)}{more}{last}"
+        self.analysis.warnings.append(about("note", message, *weakest_owners(evaluator, weak)))
+
+
+def _busy_runs(iterations, changed):
+    """First and last of consecutive rows whose way took many iterations; all rows, where none did and yet
+    the sign changed."""
+    usual = float(np.median(iterations))
+    busy = np.flatnonzero(iterations > min(MANY, max(FEW, 3.0 * usual)))
+    if not busy.size:
+        return [(0, len(iterations) - 1)] if changed else []
+    return [(run[0], run[-1]) for run in np.split(busy, np.flatnonzero(np.diff(busy) > 1) + 1)]

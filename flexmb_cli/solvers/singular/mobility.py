@@ -1,0 +1,227 @@
+"""Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import Fault
+from ...model.by_size import by_size, first_of_largest
+from ...model.equations import Equation
+from ...model.joints import JOINT_TYPES
+from ..kinematics.levenberg_marquardt import least_squares
+from ..kinematics.position import Evaluator
+from ..kinematics.rows import twice_g
+
+RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
+CLOSED = 1e-9  # scaled residual that counts as met
+NAMED = 1e-6  # of the largest component of a null vector
+PRESCRIBED_WEIGHT = 1e4
+PROBE = 1e-3  # size of the trial motion that tells a free motion from a stiff one
+
+
+@dataclass(frozen=True)
+class Gap:
+    """What is left of one owner's equations: its worst part and the residual there, in its unit."""
+
+    equation: Equation
+    value: float
+
+    @property
+    def unit(self) -> str:
+        """ "m", or "1" of angles and Euler parameters."""
+        return "m" if self.equation.is_length else "1"
+
+    @property
+    def text(self) -> str:
+        """Readable, such as "universal joint 1 (x): 3.1e-04 m"."""
+        unit = " m" if self.equation.is_length else ""
+        line = f", line {self.equation.place.line}" if self.equation.place else ""
+        return f"{self.equation.owner} ({self.equation.part}{line}): {abs(self.value):.1e}{unit}"
+
+
+def about(severity: str, message: str, *owners: Equation) -> Fault:
+    """A fault whose message names equations itself, at the place of the first; without any, at none."""
+    if not owners:
+        return Fault(severity, message)
+    return Fault(severity, message, owners[0].place, about=owners[0].owner)
+
+
+def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap]:
+    """The owners with the largest scaled residuals, worst first; those that are met are left out."""
+    found: dict[str, Gap] = {}
+    size = np.abs(scaled_residual)
+    # Least squares share a gap out among joints: those alike to some percent stay in the deck's order.
+    rank = np.round(np.log10(np.maximum(size, CLOSED)), 2)
+    for row in np.argsort(-rank, kind="stable"):
+        equation = evaluator.arrays.equations[row]
+        if size[row] <= CLOSED or len(found) == most:
+            break
+        found.setdefault(
+            equation.owner, Gap(equation, scaled_residual[row] * evaluator.arrays.row_scale[row])
+        )
+    return list(found.values())
+
+
+def gap_norms(worst: list[Gap]) -> dict:
+    """The figures of the texts of `worst` for `--json`: of each, and `gap` with its `unit` of the first."""
+    sizes, units = [float(abs(gap.value)) for gap in worst], [gap.unit for gap in worst]
+    return {
+        "gap": sizes[0] if worst else 0.0,
+        "unit": units[0] if worst else "1",
+        "worst": [gap.equation.name for gap in worst],
+        "gaps": sizes,
+        "units": units,
+    }
+
+
+def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
+    """The position with the least residual that a least-squares search from q finds, and its residual.
+
+    What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
+    joints that a gap shows where the user would see it: in a joint.
+    """
+    scale = evaluator.arrays.column_scale
+    weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
+
+    def residual(x):
+        return weights * evaluator.residual(x * scale, t, near)
+
+    if evaluator.is_large:
+        x, weighted = _sparse_least_squares(evaluator, residual, weights, q / scale)
+    else:
+        x, weighted = least_squares(
+            residual, lambda x: weights[:, None] * evaluator.matrix(x * scale), q / scale
+        )
+    return x * scale, weighted / weights
+
+
+def _sparse_least_squares(evaluator, residual, weights, x):
+    """As `least_squares`, for so many equations that scipy's sparse matrices are loaded in any case."""
+    from scipy import optimize
+    from scipy.sparse import diags
+
+    scale = evaluator.arrays.column_scale
+
+    def jacobian(x):
+        residual(x)
+        return diags(weights) @ evaluator.sparse_matrix(x * scale)
+
+    result = optimize.least_squares(
+        residual, x, jacobian, tr_solver="lsmr", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200
+    )
+    return result.x, result.fun
+
+
+def _of_joints(arrays):
+    """Which equations are those of joints (equations,)."""
+    constraints = arrays.constraints
+    joints = np.isin(constraints["kind"], [kind.code for kind in JOINT_TYPES])
+    rows = np.arange(len(arrays.equations))
+    return joints[np.searchsorted(constraints["first_row"], rows, side="right") - 1]
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """Rank of the Jacobian at a position, and the names that a rank defect concerns.
+
+    `redundant`: groups of equations, one group a dependency; any one of a group repeats the others.
+    `free`: groups of coordinate names that can change together, largest share first.  `motions`:
+    the unit null vectors (freedoms, coordinates), scaled.  `pivots`: a coordinate for each of them
+    that no other moves; `repeated`: a row for each group of `redundant` that no other has.
+    """
+
+    equations: int
+    coordinates: int
+    rank: int
+    smallest: float
+    redundant: tuple[tuple[Equation, ...], ...]
+    free: tuple[tuple[str, ...], ...]
+    motions: np.ndarray
+    pivots: tuple[int, ...]
+    repeated: tuple[int, ...] = ()
+
+    @property
+    def freedoms(self) -> int:
+        """Motions that the equations leave open at this position."""
+        return self.coordinates - self.rank
+
+
+def mobility(evaluator: Evaluator, q, t, near) -> Mobility:
+    """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
+    evaluator.residual(q, t, near)
+    left, values, right = np.linalg.svd(evaluator.matrix(q))
+    rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
+    arrays = evaluator.arrays
+    motions, pivots = sparse_basis(right[rank:])
+    dependencies, repeated = sparse_basis(left[:, rank:].T)
+    return Mobility(
+        equations=len(arrays.equations),
+        coordinates=q.size,
+        rank=rank,
+        smallest=float(values[-1] / values[0]),
+        redundant=tuple(tuple(arrays.equations[k] for k in involved(row)) for row in dependencies),
+        free=tuple(tuple(arrays.coordinate_name(k) for k in involved(row)) for row in motions),
+        motions=motions,
+        pivots=pivots,
+        repeated=repeated,
+    )
+
+
+def sparse_basis(vectors) -> tuple[np.ndarray, tuple[int, ...]]:
+    """Return vectors spanning the same space, of unit length, each with a coordinate of its own: its pivot.
+
+    Null vectors of a singular value decomposition mix unrelated motions; elimination separates them, so that
+    each can be named.  Columns of the null space have lengths that no choice of its basis changes: pivots
+    found by them are the same on every processor.
+    """
+    basis = np.array(vectors, dtype=float)
+    left, pivots = basis.copy(), []
+    for _ in range(len(basis)):
+        pivots.append(first_of_largest(np.linalg.norm(left, axis=0)))
+        direction = left[:, pivots[-1]] / np.linalg.norm(left[:, pivots[-1]])
+        left -= np.outer(direction, direction @ left)
+    pivots.sort()
+    if pivots:
+        basis = np.linalg.solve(basis[:, pivots], basis)
+    return basis / np.linalg.norm(basis, axis=1, keepdims=True), tuple(pivots)
+
+
+def involved(vector) -> list[int]:
+    """Places of a vector that are not zero, largest first."""
+    size = np.abs(vector)
+    return [k for k in by_size(size) if size[k] > NAMED * size.max()]
+
+
+def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
+    """Whether the mechanism can really move along a null vector, and not only to first order.
+
+    A step along `motion` is brought back to the constraints by the shortest way; a stiff mechanism
+    comes back to where it was.
+    """
+    scale = evaluator.arrays.column_scale
+    moved = q + PROBE * motion * scale
+    for _ in range(60):
+        gap = evaluator.residual(moved, t, near)
+        if np.max(np.abs(gap)) <= 1e-13:
+            break
+        moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=RANK_TOLERANCE)[0]
+    return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE
+
+
+def motion_text(evaluator: Evaluator, q, motion) -> str:
+    """A null vector in words: which bodies turn about, or move along, which global direction."""
+    bodies = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
+    size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
+    moving = [k for k in by_size(size) if size[k] > NAMED * size.max()]
+    parts = [
+        _body_motion(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], bodies[k]) for k in moving[:3]
+    ]
+    return "; ".join(parts) + (f"; and {len(moving) - 3} more bodies" if len(moving) > 3 else "")
+
+
+def _body_motion(name, p, rates):
+    velocity, omega = rates[:3], twice_g(p, rates[3:])
+    turning = np.linalg.norm(omega) > NAMED
+    direction = omega if turning else velocity
+    x, y, z = direction / np.linalg.norm(direction) + 0.0
+    return f"{name} can {'turn about' if turning else 'move along'} ({x:.3g}, {y:.3g}, {z:.3g})"

@@ -1,0 +1,246 @@
+"""Dynamic analysis of a tree: report rows of its motion, block by block.
+
+Torque laws are linear between the breakpoints of their tables; the integration stops at each, so
+that no step straddles a jump.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+from ...kernels.integrators import tree_dop853
+from ...kernels.tree.kane import SOLVED
+from ...kernels.tree.work import FRAME_WORK, tree_work
+from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
+from ...model.tree import Table, Tree
+from .assembly import assemble_tree, pivot_shares, stray
+from .rows import TreeRows, tree_rows
+
+# Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
+CALL_WORK = 2_000_000
+LARGEST_BLOCK = 256  # rows
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Where a stopped run goes on: the start of the last step, so that the same steps follow.
+
+    The integrators of scipy keep a memory of steps: with them it is the last breakpoint.
+
+    `clock` is one record of `tree_dop853.CLOCK`, `state` (n,) the state at that time, `attitude`
+    (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
+    """
+
+    row: int
+    clock: np.ndarray
+    state: np.ndarray
+    attitude: np.ndarray
+
+
+class TreeAnalysis:
+    """One run over the report times of a tree."""
+
+    def __init__(self, tree: Tree, checkpoint: Checkpoint | None = None):
+        self.tree = tree
+        self.arrays: TreeArrays = tree_arrays(tree)
+        self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
+        start = initial_state(tree)
+        self.coordinates["held"] = self.arrays.given
+        self.march = tree_dop853.new_march(start.size)
+        self.march.z[:] = start
+        self.clock = self.march.clock
+        self.clock["t"] = self.clock["step_start"] = tree.time.start
+        self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
+        self.row, self.attitude = 0, None
+        self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
+        self.resumed = checkpoint is not None
+        if checkpoint is not None:
+            self.row, self.attitude = checkpoint.row, checkpoint.attitude
+            self.clock[:], self.march.z[:] = checkpoint.clock, checkpoint.state
+
+    @property
+    def state(self) -> np.ndarray:
+        """State (n,) at the end of the last step: speeds, coordinates, Euler parameters, work."""
+        return self.march.z
+
+    @property
+    def checkpoint(self) -> Checkpoint:
+        """Where to go on after the rows that have been yielded."""
+        clock = self.clock.copy()
+        clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
+        clock["rejected"] = clock["step_rejected"]
+        return Checkpoint(self.row, clock, self.march.old.copy(), self.attitude)
+
+    def rows(self) -> Iterator[TreeRows]:
+        """Yield the report rows in blocks.
+
+        Raises AnalysisError where a loop cannot be closed, the mass matrix is not positive definite
+        or the step length falls to round-off; all rows before have been yielded.
+        """
+        grid = self.tree.time
+        end = grid.time(grid.rows - 1)
+        for stop in [*breakpoints(self.tree, float(self.clock["t"][0]), end), end]:
+            self._start_interval(stop)
+            method = self.tree.integration.method
+            if method == "dop853":
+                yield from self._marched_rows()
+            elif method == "sdirk4":
+                from .implicit import implicit_rows
+
+                yield from implicit_rows(self, stop)
+            else:
+                from .scipy_integrators import library_rows
+
+                yield from library_rows(self, stop)
+
+    def _marched_rows(self):
+        """Report rows up to the next breakpoint by the compiled march."""
+        status = tree_dop853.PAUSED
+        while self.row < self.tree.time.rows and status != tree_dop853.AT_STOP:
+            status, block = self._advance()
+            if block is not None:
+                yield block
+            if status == tree_dop853.STEP_VANISHED:
+                raise self.failure()
+
+    def due_times(self, t: float) -> list[float]:
+        """Report times that have no row yet and do not lie past t."""
+        grid, times = self.tree.time, []
+        while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
+            times.append(grid.time(self.row + len(times)))
+        return times
+
+    def observe(self, state_at: Callable, times: list[float]) -> TreeRows:
+        """Report rows at the next report `times` with the states (n,) that `state_at` gives."""
+        t, state = self.clock["t"].copy(), self.state.copy()
+        reports = []
+        for time in times:
+            report = self._blank_report(np.array([time]))
+            self.clock["t"], self.state[:] = time, state_at(time)
+            self.call(tree_dop853.MARCH, report)
+            reports.append(report)
+        self.clock["t"], self.state[:] = t, state
+        return self._rows_of(tree_dop853.Report(*map(np.concatenate, zip(*reports, strict=True))))
+
+    def _rows_of(self, report):
+        block = tree_rows(self.tree, self.arrays, report, self.attitude)
+        self.attitude = block.euler_parameters[-1]
+        self.row += len(block.time)
+        return block
+
+    def call(self, task: int, report: tree_dop853.Report | None = None) -> int:
+        """Have the kernel do one of the tasks of `tree_march`; its answer."""
+        report = report or self._blank_report(np.zeros(0))
+        budget = 1 + CALL_WORK // (1 + len(self.coordinates))
+        return tree_dop853.call(task, budget, self.arrays, self.work, self.coordinates, self.march, report)
+
+    def _blank_report(self, times):
+        rows, n = times.size, len(self.coordinates)
+        return tree_dop853.Report(
+            times,
+            np.zeros((rows, self.state.size)),
+            np.zeros((rows, self.work.size), FRAME_WORK),
+            np.zeros((rows, n)),
+            np.zeros((rows, self.arrays.closures.size), CLOSURE_ROW),
+            np.zeros((rows, 5)),
+        )
+
+    def _start_interval(self, stop):
+        set_laws(self.tree, self.arrays, float(self.clock["t"][0]), stop)
+        self.clock["stop"] = stop
+        if self.resumed:
+            task = tree_dop853.GO_ON
+        else:
+            task = tree_dop853.BEGIN
+            if self.row == 0:
+                assemble_tree(self)
+        self.resumed = False
+        self.march.old[:] = self.march.z
+        if self.call(task) == tree_dop853.NO_INERTIA:
+            raise self.failure()
+        if self.repeated is None:
+            self.repeated = pivot_shares(self.arrays) == 0.0
+
+    def _advance(self):
+        """One call of the kernel: its status, and the rows it filled (None for none)."""
+        grid = self.tree.time
+        last = min(self.row + LARGEST_BLOCK, grid.rows)
+        report = self._blank_report(np.array([grid.time(k) for k in range(self.row, last)]))
+        status = self.call(tree_dop853.MARCH, report)
+        filled = int(self.clock["row"][0])
+        if not filled:
+            return status, None
+        return status, self._rows_of(tree_dop853.Report(*(part[:filled] for part in report)))
+
+    def failure(self) -> AnalysisError:
+        """What the clock says went wrong."""
+        clock = self.clock[0]
+        t = float(clock["t"])
+        norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}
+        if clock["fault"] != SOLVED:
+            return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
+        if clock["strayed"]:
+            shares, worst = pivot_shares(self.arrays), int(clock["worst"])
+            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
+        return AnalysisError(
+            _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
+        )
+
+
+def initial_state(tree: Tree) -> np.ndarray:
+    """State (n,) at the start: speeds, coordinates, Euler parameters, applied work."""
+    return np.concatenate([tree.y, tree.q, initial_attitudes(tree).ravel(), [0.0]])
+
+
+def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
+    """Times inside (start, end) at which a law of the tree jumps or bends."""
+    times = {t for item in (*tree.torques, *tree.motors) for t in item.law.times}
+    return sorted(t for t in times if start < t < end)
+
+
+def set_laws(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
+    """Write the values c0 + c1 t that the laws have between two breakpoints into the arrays."""
+    for record, item in zip(arrays.laws, (*tree.torques, *tree.motors), strict=True):
+        record["c0"], record["c1"] = _line(item.law, (begin + end) / 2)
+
+
+def _line(law: Table, t: float) -> tuple[float, float]:
+    """Value at time 0 and slope of the piece of a table on which t lies."""
+    after = int(np.searchsorted(law.times, t))
+    if after == 0:
+        return law.values[0], 0.0
+    if after == len(law.times):
+        return law.values[-1], 0.0
+    (ta, tb), (va, vb) = law.times[after - 1 : after + 1], law.values[after - 1 : after + 1]
+    slope = (vb - va) / (tb - ta)
+    return va - slope * ta, slope
+
+
+def _no_inertia(tree, t, coordinate):
+    c = tree.coordinates[coordinate]
+    body = tree.bodies[c.body]
+    message = (
+        f"at t = {t:.6g} s the mass matrix is not positive definite: no inertia is left that would resist "
+        f"'{c.name}' while all that hangs on it moves freely; give {body.name} more inertia about its "
+        "origin than its nodes account for"
+    )
+    return Fault("error", message, body.place, body.name)
+
+
+def _step_vanished(tree, t, step, worst):
+    n = len(tree.coordinates)
+    c = tree.coordinates[worst % n] if worst < 2 * n else None
+    place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")
+    kind = "speed" if worst < n else "coordinate"
+    message = (
+        f"at t = {t:.6g} s the step length fell to {step:.1e} s; the {kind} with the largest error is "
+        f"'{name}'; the motion or a load grows without bound there, or the tolerance is finer than round-off"
+    )
+    return Fault("error", message, place, tree.bodies[c.body].name if c else "")
+
+
+def with_tolerance(tree: Tree, tolerance: float) -> Tree:
+    """The same tree integrated to another relative and absolute tolerance."""
+    return replace(tree, integration=replace(tree.integration, rtol=tolerance, atol=tolerance))

@@ -1,0 +1,105 @@
+"""Closing the loops of a tree at the start, and saying which one cannot be closed."""
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault, ModelError
+from ...kernels.integrators import tree_dop853
+from ...kernels.tree.loop_closures import IMMOBILE
+from ...model.arrays.tree import TreeArrays
+from ...model.tree import ROTATION, Tree
+
+CLOSED = 1e-10  # m
+MOST_ITERATIONS = 40
+
+
+def assemble_tree(analysis) -> None:
+    """Bring the state of a TreeAnalysis onto the closures of its tree.
+
+    The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
+    the prescribed coordinates are.  Raises ModelError for closures in a one-way model, AnalysisError
+    when a gap remains.
+    """
+    tree, arrays = analysis.tree, analysis.arrays
+    if not tree.closures:
+        return
+    if tree.one_way:
+        raise ModelError([_one_way_fault(tree)])
+    start = analysis.state.copy()
+    for kept in (_kept(tree, arrays), arrays.given):
+        analysis.state[:] = start
+        if _close(analysis, kept):
+            return
+    raise _assembly_failure(tree, arrays.closures)
+
+
+def _close(analysis, kept):
+    """Whether the loops close while the coordinates marked in `kept` (NS,) stay."""
+    analysis.coordinates["held"] = kept
+    gap = np.inf
+    for _ in range(MOST_ITERATIONS):
+        before = gap
+        if analysis.call(tree_dop853.CLOSE) != tree_dop853.READY:
+            break
+        gap = analysis.clock["gap"][0]
+        if gap <= CLOSED and not gap < before / 2:
+            break
+    analysis.coordinates["held"] = analysis.arrays.given
+    return gap <= CLOSED
+
+
+def _kept(tree, arrays):
+    kept = arrays.given | arrays.elastic
+    first = next((m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION), None)
+    if first is not None:
+        kept[first] = True
+    return kept
+
+
+def _one_way_fault(tree):
+    closure = tree.closures[0]
+    message = (
+        "closed loops need the coupled equations: where bodies of a loop deflect, their rigid motion has "
+        "to give way, and UNCO keeps elastic motion from asking for it; drop UNCO (or LOOP)"
+    )
+    return Fault("error", message, closure.place, closure.name)
+
+
+def closure_of_row(tree: Tree, row: int):
+    """The closure to which a row of the closure equations belongs."""
+    return [closure for closure in tree.closures for _ in closure.directions][row]
+
+
+def _assembly_failure(tree, rows):
+    worst = int(np.nanargmax(np.abs(rows["gap"]))) if np.any(np.isfinite(rows["gap"])) else 0
+    closure, gap = closure_of_row(tree, worst), float(abs(rows["gap"][worst]))
+    t = tree.time.start
+    message = (
+        f"at t = {t:.6g} s the loop cannot be closed: the two points stay {gap:.3g} m apart along "
+        f"axis {rows['axis'][worst] + 1}; check lengths, the two points and the initial coordinates"
+    )
+    return AnalysisError(Fault("error", message, closure.place, closure.name), t, {"gap": gap})
+
+
+def pivot_shares(arrays: TreeArrays) -> np.ndarray:
+    """Pivots of J b⁻¹ Jᵀ as shares of its largest diagonal element (R,); 0 where a row is left out."""
+    largest = np.max(arrays.closures["own"], initial=0.0)
+    pivots = np.diag(arrays.closure_matrix)
+    return np.divide(pivots, largest, out=np.zeros(pivots.size), where=largest > 0.0)
+
+
+def stray(tree: Tree, shares: np.ndarray, repeated: np.ndarray, t: float, worst: int) -> Fault:
+    """What to say of steps that closing the loops moves away, however short they are.
+
+    `shares` (R,) are those of `pivot_shares`, `repeated` (R,) tells the rows that depend on others
+    wherever the tree stands, `worst` is the place in the state of what moves most.
+    """
+    row, n = int(np.argmin(np.where(repeated, np.inf, shares))), len(tree.coordinates)
+    closure, share = closure_of_row(tree, row), shares[row]
+    condition = f"{1.0 / share:.0e}" if share > 0.0 else f"above {1.0 / IMMOBILE:.0e}"
+    motion = f"; '{tree.coordinates[worst % n].name}' moves most" if worst < 2 * n else ""
+    message = (
+        f"at t = {t:.6g} s the loop comes to a singular position (condition {condition}): another motion "
+        f"begins there, and closing the loop leads to it however short the step is{motion}; end the run "
+        "before it, or change the lengths"
+    )
+    return Fault("error", message, closure.place, closure.name)

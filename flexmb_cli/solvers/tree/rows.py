@@ -1,0 +1,143 @@
+"""Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...kernels.integrators.tree_dop853 import Report
+from ...model.arrays.tree import TreeArrays, body_frames
+from ...model.tree import ELASTIC, Tree
+
+
+@dataclass(frozen=True, eq=False)
+class TreeRows:
+    """A block of T consecutive report rows of a tree with NS coordinates, N bodies and n nodes.
+
+    SI units; body data are of the origin O_k, global axes.  Where a load jumps at a report time, the
+    accelerations are those just before it.  `displacement` holds one array (T, nodes, 3) for each
+    flexible body, in the body's axes; `node_position` the nodes of all flexible bodies in their
+    order.  Without losses total = kinetic + potential + strain - applied_work stays constant.
+    """
+
+    time: np.ndarray  # (T,)
+    q: np.ndarray  # (T, NS) coordinates
+    y: np.ndarray  # (T, NS) speeds
+    y_rate: np.ndarray  # (T, NS)
+    position: np.ndarray  # (T, N, 3)
+    euler_parameters: np.ndarray  # (T, N, 4)
+    velocity: np.ndarray  # (T, N, 3)
+    acceleration: np.ndarray  # (T, N, 3)
+    angular_velocity: np.ndarray  # (T, N, 3)
+    angular_acceleration: np.ndarray  # (T, N, 3)
+    displacement: tuple[np.ndarray, ...]
+    node_position: np.ndarray  # (T, n, 3)
+    kinetic: np.ndarray  # (T,) J
+    potential: np.ndarray  # (T,) gravity and springs, J
+    strain: np.ndarray  # (T,) J
+    applied_work: np.ndarray  # (T,) of all other loads since the start, J
+    closure_force: np.ndarray  # (T, C, 3) on body a of each closure, opposite on body b, global axes, N
+    constraint_residual: np.ndarray  # (T,) largest gap of a closure, m
+    velocity_residual: np.ndarray  # (T,) its largest rate, m/s
+
+    @property
+    def total(self) -> np.ndarray:
+        """Energy that nothing changes but errors (T,), J."""
+        return self.kinetic + self.potential + self.strain - self.applied_work
+
+
+def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray | None) -> TreeRows:
+    """Rows in the terms of the model.
+
+    `last` (N, 4): Euler parameters of the row before, whose signs these go on with.
+    """
+    states, audit = observed.rows, observed.audit
+    n = len(tree.coordinates)
+    bodies = observed.frames[:, body_frames(arrays)]
+    axes = bodies["axes"].reshape(len(states), -1, 3, 3)
+    q = states[:, n : 2 * n]
+    displacement = displacements(tree, q)
+    return TreeRows(
+        time=observed.times,
+        q=q,
+        y=states[:, :n],
+        y_rate=observed.rates,
+        position=bodies["position"],
+        euler_parameters=continued_signs(euler_parameters(axes), last),
+        velocity=bodies["velocity"],
+        acceleration=bodies["acceleration"][..., 3:],
+        angular_velocity=bodies["angular"],
+        angular_acceleration=bodies["acceleration"][..., :3],
+        displacement=displacement,
+        node_position=node_positions(tree, bodies["position"], axes, displacement),
+        kinetic=audit[:, 0],
+        potential=audit[:, 1],
+        strain=audit[:, 2],
+        applied_work=states[:, -1],
+        closure_force=_closure_forces(tree, observed.closures),
+        constraint_residual=audit[:, 3],
+        velocity_residual=audit[:, 4],
+    )
+
+
+def _closure_forces(tree, rows):
+    """Sum of the forces along the closed directions of each closure (T, C, 3)."""
+    along = rows["force"][..., None] * rows["direction"]
+    counts = [len(closure.directions) for closure in tree.closures]
+    parts = np.split(along, np.cumsum(counts)[:-1], axis=1) if counts else []
+    sums = [part.sum(axis=1) for part in parts]
+    return np.stack(sums, axis=1) if sums else np.zeros((len(rows), 0, 3))
+
+
+def displacements(tree: Tree, q) -> tuple[np.ndarray, ...]:
+    """Nodal displacements (T, nodes, 3) of each flexible body, 0 along held axes; q (T, NS)."""
+    out = {
+        k: np.zeros((len(q), len(body.elastic.masses), 3))
+        for k, body in enumerate(tree.bodies)
+        if body.elastic is not None
+    }
+    for m, c in enumerate(tree.coordinates):
+        if c.motion == ELASTIC:
+            out[c.body][:, c.node, c.axis - 1] = q[:, m]
+    return tuple(out.values())
+
+
+def node_positions(tree, position, axes, displacement):
+    """Places (T, n, 3) of the nodes of all flexible bodies; position (T, N, 3), axes (T, N, 3, 3)."""
+    flexible = [k for k, body in enumerate(tree.bodies) if body.elastic is not None]
+    places = [
+        position[:, None, k] + np.einsum("tij,tnj->tni", axes[:, k], tree.bodies[k].elastic.positions + u)
+        for k, u in zip(flexible, displacement, strict=True)
+    ]
+    return np.concatenate(places, axis=1) if places else np.zeros((len(position), 0, 3))
+
+
+def euler_parameters(axes: np.ndarray) -> np.ndarray:
+    """Euler parameters (..., 4) of rotation matrices (..., 3, 3), from the largest of the four.
+
+    With a = 4 p pᵀ, read off the matrix, any column of a is p up to a factor.
+    """
+    A = np.moveaxis(axes, (-2, -1), (0, 1))
+    trace = A[0, 0] + A[1, 1] + A[2, 2]
+    four = np.empty((4, 4, *trace.shape))
+    four[0, 0] = 1 + trace
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        four[1 + i, 1 + i] = 1 + 2 * A[i, i] - trace
+        four[0, 1 + i] = four[1 + i, 0] = A[k, j] - A[j, k]
+        four[1 + i, 1 + j] = four[1 + j, 1 + i] = A[i, j] + A[j, i]
+    largest = np.argmax(np.diagonal(four), axis=-1)
+    column = np.take_along_axis(np.moveaxis(four, (0, 1), (-2, -1)), largest[..., None, None], axis=-1)[
+        ..., 0
+    ]
+    return column / np.linalg.norm(column, axis=-1, keepdims=True)
+
+
+def continued_signs(parameters: np.ndarray, last: np.ndarray | None) -> np.ndarray:
+    """The same attitudes (T, N, 4) with signs that go on from row to row, the first from `last`."""
+    if last is None:
+        last = np.zeros(parameters.shape[1:])
+        last[:, 0] = 1.0
+    chain = np.concatenate([last[None], parameters])
+    turns = np.sign(np.sum(chain[1:] * chain[:-1], axis=-1))
+    turns[turns == 0] = 1.0
+    return parameters * np.cumprod(turns, axis=0)[..., None]

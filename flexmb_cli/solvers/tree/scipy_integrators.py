@@ -1,0 +1,71 @@
+"""Integrators of scipy for trees: Radau IIA(5) for stiff elastic modes, and LSODA.
+
+Radau (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8) damps vibrations
+that its steps do not resolve and is then many times faster than an explicit method; LSODA (Petzold,
+1983) switches between the families of DGEAR, which the thesis used: Adams and backward differences.
+Loops are closed at the report times and breakpoints, not at every step.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.integrate import LSODA, Radau
+
+from ...errors import AnalysisError, Fault
+from ...kernels.integrators import tree_dop853
+from .rows import TreeRows
+
+SOLVERS = {"radau": Radau, "lsoda": LSODA}
+WATCHED, HOPELESS = 1000, 1e6  # steps; how many times as many may be left to the end of the interval
+UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose the steps, J
+
+
+def library_rows(analysis, stop: float) -> Iterator[TreeRows]:
+    """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose laws are set."""
+    settings, clock = analysis.tree.integration, analysis.clock[0]
+    atol = np.full(analysis.state.size, settings.atol)
+    atol[-1] = UNCOUNTED
+    # scipy refuses anything finer and would print a warning.
+    rtol = max(settings.rtol, 100 * np.finfo(float).eps)
+    if analysis.due_times(clock["t"]):
+        yield analysis.observe(lambda t: analysis.state.copy(), analysis.due_times(clock["t"]))
+    solver = SOLVERS[settings.method](
+        lambda t, z: _slope(analysis, t, z),
+        float(clock["t"]),
+        analysis.state.copy(),
+        stop,
+        rtol=rtol,
+        atol=atol,
+    )
+    steps, mark = 0, solver.t
+    while solver.status == "running":
+        solver.step()
+        steps += 1
+        if steps % WATCHED == 0:
+            # scipy goes on with steps of any shortness where nothing can be resolved.
+            if stop - solver.t > HOPELESS * (solver.t - mark):
+                raise _step_failure(solver.t, settings.method)
+            mark = solver.t
+        if solver.status == "failed":
+            raise _step_failure(solver.t, settings.method)
+        times = analysis.due_times(solver.t)
+        if times:
+            yield analysis.observe(solver.dense_output(), times)
+    clock["t"], analysis.state[:] = stop, solver.y
+    if analysis.tree.closures:
+        analysis.call(tree_dop853.CLOSE)
+
+
+def _slope(analysis, t, z):
+    analysis.clock["t"], analysis.state[:] = t, z
+    if analysis.call(tree_dop853.GO_ON) == tree_dop853.NO_INERTIA:
+        raise analysis.failure()
+    return analysis.march.slopes[0].copy()
+
+
+def _step_failure(t, method):
+    message = (
+        f"at t = {t:.6g} s {method} finds no step that meets the tolerance; the motion or a load grows "
+        "without bound there, or the tolerance is finer than round-off"
+    )
+    return AnalysisError(Fault("error", message), float(t))

@@ -1,0 +1,1 @@
+"""Sweeps: parameters, cases, checkpoints, workers, table."""

@@ -1,0 +1,233 @@
+"""What a study has got so far: a folder of part files, one for every block of cases.
+
+A case is kept the moment it is solved, with its length and checksum: a kill tears at most the case being
+written, which then does not count.  Whoever works on a block holds a lock on its file, so that no case is
+kept twice.  The folder may be on a disk that many machines share.
+"""
+
+import contextlib
+import json
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..errors import Fault, ModelError, OutputError
+from ..managed_files import ManagedFolder, unbuffered
+from ..results.files.durable import GROWING, sync, sync_folder
+from ..results.files.replaced_file import located
+from .lock import LOCK, StudyLock
+from .solver import CaseResult
+
+_HEAD = struct.Struct("<II")
+_FIXED = struct.Struct("<qiiiii")
+_IDENTITY = "study.json"
+_UNFINISHED_IDENTITY = f".{_IDENTITY}"
+_PART = ".part"
+_LONGEST_IDENTITY = 2**20  # bytes
+
+
+class Parts:
+    """The part files in `folder`; `identity` is all that the cases depend on, in JSON's types."""
+
+    def __init__(self, folder: str, identity: dict):
+        self.folder = folder
+        self.identity = identity
+
+    def lock(self, study: str) -> StudyLock:
+        """The right to write in the folder, which is made if it is missing.
+
+        Raises ModelError where the folder holds what is no study, OutputError as StudyLock does.
+        """
+        if os.path.isdir(self.folder) and self._stored_identity() is None:
+            with located(self.folder), ManagedFolder(self.folder) as folder:
+                found = set(folder.names()) - {LOCK}
+            # A kill may have left a folder that was being begun or removed.
+            if found and _UNFINISHED_IDENTITY not in found:
+                message = (
+                    f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
+                )
+                raise ModelError([Fault("error", message)])
+        return StudyLock(self.folder, study)
+
+    def begin(self, fresh: bool) -> bool:
+        """Begin the folder, which is locked, or go on with that of a stopped study; whether there was one.
+
+        Raises ModelError when the folder belongs to another study, OutputError when it cannot be written.
+        """
+        found = self._stored_identity()
+        if found is not None and not fresh:
+            self._refuse_other(found)
+            return True
+        self.remove()
+        with located(self.folder), ManagedFolder(self.folder) as folder:
+            with unbuffered(folder.open(_UNFINISHED_IDENTITY, os.O_RDWR | os.O_CREAT)) as file:
+                file.truncate()
+                file.write(json.dumps(self.identity).encode())
+                sync(file.fileno())
+            folder.replace(_IDENTITY, _UNFINISHED_IDENTITY)
+            sync_folder(self.folder)
+            sync_folder(os.path.dirname(self.folder))  # which has the name of a folder just made
+        return False
+
+    def check_shared(self) -> None:
+        """Raises OutputError where this process does not see the study's folder."""
+        if self._stored_identity() != self.identity:
+            message = "not seen by a worker: removed, or not on a disk that all share (--parts names one)"
+            raise OutputError(f"{self.folder}: {message}")
+
+    def block(self, number: int, cases: range) -> "Part":
+        """The part file of a block of `cases`, locked until it is closed."""
+        path = os.path.join(self.folder, _name(number))
+        with located(path), ManagedFolder(self.folder) as folder:
+            return Part(path, folder.open(_name(number), os.O_RDWR | os.O_CREAT), cases)
+
+    def stored(self, number: int, cases: range) -> Iterator[CaseResult]:
+        """The first of the `cases` of a block that are there, without waiting for whoever works on it."""
+        try:
+            with ManagedFolder(self.folder) as folder:
+                file = open(folder.open(_name(number), os.O_RDONLY), "rb")  # noqa: SIM115
+        except FileNotFoundError:
+            return
+        with file:
+            yield from _records(file, cases)
+
+    def settle(self) -> None:
+        """Hand to the disk what all processes have kept so far.  Raises OutputError."""
+        with located(self.folder):
+            for name in os.listdir(self.folder):
+                if name.endswith(_PART):
+                    GROWING.note(os.path.join(self.folder, name))
+            GROWING.settle()
+
+    def remove(self) -> None:
+        """Remove all of this or another study but the lock of its folder."""
+        with located(self.folder), ManagedFolder(self.folder) as folder:
+            # A kill half-way must not leave a folder that looks like a study with cases missing.
+            with contextlib.suppress(FileNotFoundError):
+                folder.replace(_UNFINISHED_IDENTITY, _IDENTITY)
+            for name in folder.names():
+                if name.endswith(_PART):
+                    folder.unlink(name)
+            with contextlib.suppress(FileNotFoundError):
+                folder.unlink(_UNFINISHED_IDENTITY)
+
+    def _stored_identity(self):
+        """The identity that the folder holds, None where it holds none.  Raises UnsafePlace."""
+        try:
+            with (
+                ManagedFolder(self.folder) as folder,
+                open(folder.open(_IDENTITY, os.O_RDONLY), encoding="utf-8") as file,
+            ):
+                found = json.loads(file.read(_LONGEST_IDENTITY))
+        except (OSError, ValueError, RecursionError):
+            return None
+        return found if isinstance(found, dict) else None
+
+    def _refuse_other(self, found):
+        other = [name for name in self.identity if found.get(name) != self.identity[name]]
+        if other:
+            message = (
+                f"{self.folder} holds a stopped study that differs in {', '.join(other)}; "
+                "--fresh throws it away, --parts names another folder"
+            )
+            raise ModelError([Fault("error", message)])
+
+
+class Part:
+    """One part file, open for appending by the only process that works on its block."""
+
+    def __init__(self, path: str, number: int, cases: range):
+        """`number` is the descriptor of the file at `path`, open for reading and writing."""
+        self.path = path
+        self._file = unbuffered(number)
+        _lock(self._file)
+        self.failed = self.count = end = 0
+        for record in _records(self._file, cases):
+            self.count += 1
+            self.failed += record.exit_code != 0
+            end = self._file.tell()
+        self._file.truncate(end)
+        self._file.seek(end)
+
+    def append(self, result: CaseResult) -> None:
+        """Keep a case."""
+        payload = _packed(result)
+        view = memoryview(_HEAD.pack(len(payload), zlib.crc32(payload)) + payload)
+        with located(self.path):
+            while view:
+                view = view[self._file.write(view) :]
+            GROWING.grown(self.path)
+        self.count += 1
+        self.failed += result.exit_code != 0
+
+    def __enter__(self) -> "Part":
+        return self
+
+    def __exit__(self, *failure) -> None:
+        self._file.close()
+
+
+def _name(block):
+    return f"block-{block:08d}{_PART}"
+
+
+def _lock(file):
+    try:
+        import fcntl
+    except ImportError:  # no such locks here: blocks are given out one by one anyway
+        return
+    fcntl.flock(file, fcntl.LOCK_EX)
+
+
+def _packed(result):
+    message = result.message.encode()
+    counts = result.parameters.size, result.values.size, result.series.shape[0]
+    fixed = _FIXED.pack(result.case, result.exit_code, result.rows, *counts)
+    numbers = np.concatenate([result.parameters, result.values, result.series.ravel()])
+    return fixed + struct.pack("<I", len(message)) + message + numbers.astype("<f8").tobytes()
+
+
+def _records(file, cases):
+    """Whole records of `cases`, up to the end or the first that is torn or of another case."""
+    size = os.fstat(file.fileno()).st_size
+    for case in cases:
+        head = file.read(_HEAD.size)
+        if len(head) < _HEAD.size:
+            return
+        length, checksum = _HEAD.unpack(head)
+        # A damaged length may be larger than any memory.
+        if length > size - file.tell():
+            return
+        payload = file.read(length)
+        if len(payload) < length or zlib.crc32(payload) != checksum:
+            return
+        # Zeros, as behind a loss of power, are a record of no length and its checksum.
+        try:
+            result = _unpacked(payload)
+        except (struct.error, ValueError):
+            return
+        if result.case != case:
+            return
+        yield result
+
+
+def _unpacked(payload):
+    case, code, rows, parameters, values, series = _FIXED.unpack_from(payload)
+    at = _FIXED.size
+    (length,) = struct.unpack_from("<I", payload, at)
+    at += 4
+    message = payload[at : at + length].decode()
+    numbers = np.frombuffer(payload, "<f8", offset=at + length)
+    rest = numbers[parameters + values :]
+    return CaseResult(
+        case,
+        code,
+        rows,
+        numbers[:parameters],
+        numbers[parameters : parameters + values],
+        rest.reshape(series, -1) if series else rest.reshape(0, 0),
+        message,
+    )

@@ -1,0 +1,159 @@
+"""A study on the workers of a Dask cluster.
+
+What is handed out at a time is large at first and small at the end: a message costs the scheduler some
+milliseconds of a processor that may be a worker's too, and at the end no worker shall wait for another.
+"""
+
+import time
+from collections import Counter, deque
+from collections.abc import Callable
+from concurrent.futures import CancelledError
+
+from .. import __version__
+from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
+from .sweep import BlockDone, Job, Sweep, next_case, solve_block
+from .workers import keep, note_deaths
+
+IN_FLIGHT = 2  # shares a thread of a worker is given: one that it solves and the next
+SHARES = 3  # so many as one that is handed out shall still be there for every thread
+LONGEST_SHARE = 1.0  # s; who looks on, and who stops the study, shall not wait for much more
+PATIENCE = 20  # s for a scheduler that does not answer, also on the way
+MUSTER = 60  # s for a first worker
+CENSUS = 1.0  # s between two looks for new workers, each a message
+
+
+class ClusterError(FlexmbError):
+    """The Dask cluster cannot be used (exit 2), or was lost (exit 1)."""
+
+    def __init__(self, message: str, exit_code: int = BAD_INPUT):
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], address: str) -> None:
+    """Solve `blocks` on the Dask cluster whose scheduler is at `address`, a few at a time.
+
+    Raises ClusterError when there is no Dask, no scheduler or no worker, when the scheduler is lost, or when
+    workers lack flexmb or have another version.
+    """
+    try:
+        from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
+    except ImportError:
+        message = "--scheduler needs Dask's `distributed`: pip install 'flexmb[cluster]'"
+        raise ClusterError(message) from None
+    try:
+        # A Client of an address that is none hangs when it is thrown away.
+        get_address_host_port(address)
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as fault:
+        raise ClusterError(f"no Dask scheduler answers at {address}: {fault}") from fault
+    with client:
+        try:
+            _Cluster(client, sweep, advance, address).solve(blocks)
+        except (CancelledError, OSError) as fault:
+            message = f"the Dask scheduler at {address} was lost: {fault}; the same command goes on"
+            raise ClusterError(message, ANALYSIS_FAILED) from fault
+
+
+def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
+    """Solve some blocks of a study; what became of them, and the seconds it took.
+
+    Raises ClusterError in a worker of another version.
+    """
+    version = dict(job.identity)["version"]
+    if version != __version__:
+        raise ClusterError(f"a worker has flexmb {__version__}, this study is solved by {version}")
+    start = time.perf_counter()
+    done = [solve_block(job, block) for block in blocks]
+    return done, time.perf_counter() - start
+
+
+def _handed_on(job):
+    return job
+
+
+class _Cluster:
+    """Blocks on their way through a Dask cluster.
+
+    A worker that dies takes all that waited for it down, too: what was struck is solved with nothing beside
+    it before anything else is handed out.
+    """
+
+    def __init__(self, client, sweep, advance, address):
+        from distributed import as_completed
+
+        self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
+        # No scattered data: those are lost with the workers that have them, a task is done anew.
+        self.shared = client.submit(_handed_on, sweep.job, pure=False)
+        self.rest, self.struck, self.deaths = deque(), deque(), Counter()
+        self.shares = {}  # blocks by the key of their future
+        self.seconds = None  # of a block, as told last
+        self.threads, self.counted = 1, -CENSUS
+        self.arriving = as_completed(loop=client.loop)
+
+    def solve(self, blocks):
+        self._await_workers()
+        self.rest.extend(blocks)
+        self._hand_out()
+        for future in self.arriving:
+            self._finish(future)
+            self._hand_out()
+
+    def _await_workers(self):
+        try:
+            # A cluster that grows as it is needed has been given its first task.
+            self.client.wait_for_workers(1, timeout=MUSTER)
+        except TimeoutError as fault:
+            message = f"no worker has joined the Dask scheduler at {self.address} within {MUSTER} s"
+            raise ClusterError(message) from fault
+
+    def _hand_out(self):
+        if self.struck:
+            if not self.shares:
+                self._submit([self.struck.popleft()])
+            return
+        self._count_threads()
+        while self.rest and len(self.shares) < self.threads * IN_FLIGHT:
+            self._submit([self.rest.popleft() for _ in range(self._size())])
+
+    def _submit(self, share):
+        # Impure: blocks that are given once more have cases that the first attempt lacked.
+        future = self.client.submit(solve_share, self.shared, share, pure=False)
+        self.shares[future.key] = share
+        self.arriving.add(future)
+
+    def _count_threads(self):
+        now = time.monotonic()
+        if now - self.counted >= CENSUS:
+            self.threads, self.counted = max(1, sum(self.client.nthreads().values())), now
+
+    def _size(self):
+        """Blocks of the next share."""
+        if self.seconds is None:
+            return 1
+        fair = len(self.rest) // (SHARES * self.threads)
+        return max(1, min(fair, int(LONGEST_SHARE / self.seconds)))
+
+    def _finish(self, future):
+        """Keep what a future brings; what its workers died of is given once more."""
+        from distributed import KilledWorker
+
+        share = self.shares.pop(future.key)
+        try:
+            done, seconds = future.result()
+        except KilledWorker:
+            self._give_again(share)
+        except ImportError as fault:
+            raise ClusterError(f"the workers of {self.address} need flexmb installed: {fault}") from fault
+        else:
+            self.seconds = max(seconds, 1e-6) / len(share)
+            for block in done:
+                keep(self.sweep, block, self.advance)
+
+    def _give_again(self, share):
+        job = self.sweep.job
+        lacking = [block for block in share if next_case(job, block) in job.cases(block)][:1]
+        note_deaths(job, lacking, self.deaths)
+        self.struck.extend(lacking)
+        self.rest.extendleft(reversed([block for block in share if block not in lacking]))

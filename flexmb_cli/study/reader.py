@@ -1,0 +1,208 @@
+"""Study files (TOML): which numbers of a deck vary, and what is kept of every case.
+
+A study is data: names are looked up and numbers taken, nothing is evaluated.
+"""
+
+import math
+import re
+import tomllib
+from functools import cached_property
+
+from ..deck.record import DeckText
+from ..errors import DeckError, Fault, Place
+from .key_places import key_places
+from .study import GRID, LATIN, SAMPLINGS, TAKES, TOGETHER, Kept, Study, Varied
+
+MOST_CASES = 100_000_000
+MOST_VALUES = 1_000_000  # of one parameter
+KEYS = ("deck", "dialect", "sampling", "count", "seed", "parameters", "results")
+RANGE_KEYS = ("from", "to", "count", "scale")
+SCALES = ("linear", "log")
+DIALECTS = ("auto", "young", "dafms", "vsdf")
+DEEPEST_NAME = 64  # parts
+_BETWEEN_NAMES = re.compile(r"[][,={}]")
+_SYNTAX = re.compile(r"(.*) \(at line (\d+), column (\d+)\)")
+
+
+def read_study(source: DeckText) -> Study:
+    """The study of a TOML text; raises DeckError with every fault, each at the line of its name."""
+    reader = _Reader(source, _table(source))
+    study = reader.study()
+    if reader.faults:
+        raise DeckError(reader.faults)
+    return study
+
+
+def _table(source):
+    _refuse_deep_names(source)
+    try:
+        return tomllib.loads(source.text.replace("\r\n", "\n"))
+    except (ValueError, RecursionError) as fault:
+        # tomllib leaves integers of thousands of digits to int(), which refuses them without a place.
+        found = _SYNTAX.match(str(fault))
+        place = Place(int(found[2]), int(found[3])) if found else None
+        message = f"not TOML: {found[1] if found else fault}"
+        raise DeckError([Fault("error", message, place)]) from None
+
+
+def _refuse_deep_names(source):
+    """A name of a hundred thousand parts takes tomllib hours."""
+    for number, line in enumerate(source.lines, 1):
+        if line.count(".") > DEEPEST_NAME and any(map(_is_deep, _BETWEEN_NAMES.split(line))):
+            message = f"a name of more than {DEEPEST_NAME} parts belongs to no study"
+            raise DeckError([Fault("error", message, Place(number, 1))])
+
+
+def _is_deep(piece):
+    return sum(bool(part.strip()) for part in piece.split(".")) > DEEPEST_NAME
+
+
+class _Reader:
+    """Walks the tables of a study and collects faults."""
+
+    def __init__(self, source, table):
+        self.source, self.table = source, table
+        self.faults: list[Fault] = []
+        self.within = ""  # the table whose entries are being read
+
+    def study(self):
+        self._refuse_unknown(self.table, KEYS, "study")
+        sampling = self._choice("sampling", SAMPLINGS, GRID)
+        sampled = sampling == LATIN
+        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]
+        results = [self._kept(*item) for item in self._entries("results")]
+        self.within = ""
+        count = self._sample_size() if sampled else 0
+        if not sampled and "count" in self.table:
+            self._fault("count", f"belongs to sampling = {LATIN!r}; others take all values given")
+        study = Study(
+            self._text("deck"),
+            self._choice("dialect", DIALECTS, DIALECTS[0]),
+            sampling,
+            tuple(item for item in parameters if item),
+            tuple(item for item in results if item),
+            count or 0,
+            self._whole("seed", 0, 2**32 - 1, 0),
+        )
+        if not self.faults:
+            self._check_size(study)
+        return study
+
+    def _sample_size(self):
+        if "count" in self.table:
+            return self._whole("count", 1, MOST_CASES)
+        return self._fault("sampling", f"a {LATIN} needs `count`, the number of its cases: count = 100")
+
+    def _check_size(self, study):
+        lengths = {len(item.values) for item in study.parameters}
+        if study.sampling == TOGETHER and len(lengths) > 1:
+            counts = ", ".join(f"{item.name} has {len(item.values)}" for item in study.parameters)
+            self._fault("parameters", f"with sampling = {TOGETHER!r} all need as many values: {counts}")
+        elif study.cases > MOST_CASES:
+            self._fault("parameters", f"make {study.cases} cases; more than {MOST_CASES} are refused")
+        elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
+            self._fault("count", f"times parameters may be {MOST_CASES} at most")
+
+    def _entries(self, key):
+        """Names and contents of a table that must not be empty."""
+        table = self.table.get(key)
+        if not isinstance(table, dict) or not table:
+            example = '"driver.1.B" = [1.0, 2.0]' if key == "parameters" else 'top = "max body.3.z"'
+            self._fault(key, f"the table [{key}] is missing or empty; it has entries such as {example}")
+            return []
+        self.within = key
+        return list(table.items())
+
+    def _varied(self, name, given, sampled) -> Varied | None:
+        if isinstance(given, dict):
+            return self._range(name, given, sampled)
+        if sampled:
+            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")
+        if not isinstance(given, list) or not given:
+            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
+        if not all(map(_is_number, given)):
+            return self._fault(name, "a list holds finite numbers only")
+        return Varied(name, tuple(given), place=self._place(name))
+
+    def _range(self, name, given, sampled):
+        self._refuse_unknown(given, RANGE_KEYS, name)
+        start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
+        if not (_is_number(start) and _is_number(end)):
+            return self._fault(name, "a range needs finite numbers `from` and `to`")
+        if scale not in SCALES:
+            return self._fault(name, f"scale is one of {', '.join(SCALES)}")
+        if scale == "log" and not (start > 0 and end > 0):
+            return self._fault(name, "a logarithmic range needs positive ends")
+        if sampled:
+            if "count" in given:
+                return self._fault(name, "a sample takes its count from the study's `count`")
+            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))
+        count = given.get("count")
+        if type(count) is not int or not 2 <= count <= MOST_VALUES:
+            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
+        values = _spaced(start, end, count, scale == "log")
+        return Varied(name, values, place=self._place(name))
+
+    def _kept(self, name, given) -> Kept | None:
+        take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
+        if take not in TAKES or not quantity.strip():
+            forms = ", ".join(TAKES)
+            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+        if not _names_a_column(name):
+            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
+        return Kept(name, quantity.strip(), take, self._place(name))
+
+    def _text(self, key):
+        given = self.table.get(key)
+        if isinstance(given, str) and given.strip():
+            return given
+        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""
+
+    def _choice(self, key, choices, default):
+        given = self.table.get(key, default)
+        if given not in choices:
+            self._fault(key, f"is one of {', '.join(choices)}")
+            return default
+        return given
+
+    def _whole(self, key, low, high, default=None):
+        given = self.table.get(key, default)
+        if type(given) is not int or not low <= given <= high:
+            return self._fault(key, f"is an integer from {low} to {high}")
+        return given
+
+    def _refuse_unknown(self, table, known, owner):
+        for key in table:
+            if key not in known:
+                self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
+
+    def _fault(self, name, message):
+        self.faults.append(Fault("error", message, self._place(name), name))
+
+    def _place(self, name) -> Place | None:
+        """Where the name stands as a key, at best of the table being read."""
+        found = self._places.get((self.within, name)) or self._places.get(("", name))
+        return Place(*found, len(name)) if found else None
+
+    @cached_property
+    def _places(self):
+        return key_places(self.source.lines)
+
+
+def _names_a_column(name):
+    """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL."""
+    return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
+
+
+def _is_number(value):
+    return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
+
+
+def _spaced(start, end, count, logarithmic):
+    """Evenly spaced values, the ends exact."""
+    parts = [k / (count - 1) for k in range(1, count - 1)]
+    if logarithmic:
+        between = [math.exp((1 - x) * math.log(start) + x * math.log(end)) for x in parts]
+    else:
+        between = [(1 - x) * start + x * end for x in parts]
+    return (float(start), *between, float(end))

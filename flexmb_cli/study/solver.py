@@ -1,0 +1,180 @@
+"""One case of a study: the deck with other numbers, solved in memory; what is kept of it."""
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..deck.record import Deck
+from ..dialects.settings import SettableDeck
+from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
+from ..memory import LACK_OF_MEMORY, lacks_memory
+from ..results.hdf5.result_file import ResultFile
+from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
+from ..run.dafms_tree import dafms_solution
+from ..run.outcome import Listener, Outcome, RunOptions, Stop
+from ..run.vsdf import vsdf_solution
+from ..run.young import Solution
+from ..run.young_dynamics import young_solution
+from .cases import Cases
+from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
+
+SOLUTIONS: dict[str, Callable] = {"young": young_solution, "dafms": dafms_solution, "vsdf": vsdf_solution}
+MESSAGE_LENGTH = 2000
+_NO_SERIES = np.zeros((0, 0))
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What is kept of a case: its number from 0, exit code, rows solved, values and series by position."""
+
+    case: int
+    exit_code: int
+    rows: int
+    parameters: np.ndarray  # (parameters,)
+    values: np.ndarray  # (results that are one number,)
+    series: np.ndarray  # (results that are series, rows of the study)
+    message: str = ""
+
+
+@dataclass
+class CaseSolver:
+    """Solves cases of `study` on `deck`, which has been read already; files it names are in `folder`."""
+
+    deck: Deck
+    study: Study
+    folder: str
+    options: RunOptions = field(default_factory=RunOptions)
+
+    def __post_init__(self):
+        self.cases = Cases(self.study)
+        self._settable = SettableDeck(self.deck)
+        self._refuse_unknown_numbers()
+        solution = self._solution(self.deck)
+        self.rows = solution.rows
+        self.quantities = _quantities(self.study, self.deck, solution)
+        self.takes = [item.take for item in self.study.results]
+
+    @property
+    def single(self) -> int:
+        """How many of the results are one number."""
+        return sum(take != SERIES for take in self.takes)
+
+    def _refuse_unknown_numbers(self):
+        """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
+        unknown = [item for item in self.study.parameters if item.name not in self._settable]
+        if unknown:
+            raise DeckError(
+                [Fault("error", self._settable.unknown(item.name), item.place) for item in unknown]
+            )
+
+    def _solution(self, deck) -> Solution:
+        outcome = Outcome(os.path.join(self.folder, deck.source.name))
+        return SOLUTIONS[deck.dialect](deck, self.options, outcome, Listener())
+
+    def solve(self, case: int) -> CaseResult:
+        """The result of a case; what fails is told in it."""
+        taken, rows, code, message = self._nothing_taken(), 0, DONE, ""
+        try:
+            deck = self._settable.with_settings(self.cases.settings(case))
+            solution = self._solution(deck)
+            self._refuse_other_grid(solution)
+            for block in solution.analysis.rows():
+                values = solution.contents.values(block)
+                rows += len(values["time"])
+                for quantity, part in zip(self.quantities, taken, strict=True):
+                    part.add(values[quantity.dataset][(slice(None), *quantity.index)])
+        except FlexmbError as failure:
+            code, message = failure.exit_code, failure.faults[0].sentence
+        except Exception as fault:
+            # A stop that became another exception is none of the case's.
+            Stop.heed()
+            code, message = _told(fault)
+        return self._result(case, code, rows, taken, message)
+
+    def unsolved(self, case: int, code: int, message: str) -> CaseResult:
+        """The result of a case of which nothing is known but that it failed."""
+        return self._result(case, code, 0, self._nothing_taken(), message)
+
+    def _nothing_taken(self):
+        return [_Taken(take, self.rows) for take in self.takes]
+
+    def _result(self, case, code, rows, taken, message):
+        parameters = np.array(self.cases.row(case), dtype=float)
+        single = np.array([part.value for part in taken if part.take != SERIES], dtype=float)
+        series = np.array([part.series for part in taken if part.take == SERIES], dtype=float)
+        series = series.reshape(len(taken) - single.size, -1) if self.study.keeps_series else _NO_SERIES
+        return CaseResult(case, code, rows, parameters, single, series, message[:MESSAGE_LENGTH])
+
+    def _refuse_other_grid(self, solution):
+        if self.study.keeps_series and solution.rows != self.rows:
+            message = (
+                f"the case has {solution.rows} report times, the study's deck {self.rows}; "
+                "vary no times where series are kept"
+            )
+            raise DeckError([Fault("error", message)])
+
+
+def _told(fault):
+    """Exit code and message of a case that ended of what no deck should bring about."""
+    if lacks_memory(fault):
+        return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
+    # What the exception says may hold a path, and a result must not.
+    remedy = "`flexmb --debug run` with these numbers shows where"
+    return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
+
+
+def _quantities(study, deck, solution) -> list[Quantity]:
+    """What the study keeps, looked up in a result without rows.  Raises DeckError."""
+    import h5py
+
+    faults = []
+    with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
+        path = os.path.join(folder, "empty.h5")
+        ResultFile(path, deck, solution.contents.layout()).close()
+        with h5py.File(path, "r") as result:
+            found = [_one(result, item, faults) for item in study.results]
+    if faults:
+        raise DeckError(faults)
+    return found
+
+
+def _one(result, item, faults) -> Quantity | None:
+    message = ""
+    try:
+        found = resolve(result, [item.quantity])
+        if len(found) > 1:
+            names = ", ".join(quantity.name for quantity in found[:6])
+            message = f"{item.quantity} is more than one number: {names} …; name one"
+    except ResultError as failure:
+        message = str(failure).removesuffix(SHOWS_ALL)
+    if message:
+        faults.append(Fault("error", message, item.place, f"result {item.name}"))
+        return None
+    return found[0]
+
+
+class _Taken:
+    """The wanted values of one quantity, block by block; nan where there are none."""
+
+    def __init__(self, take, rows):
+        self.take, self.value, self.count = take, np.nan, 0
+        self.series = np.full(rows, np.nan) if take == SERIES else None
+
+    def add(self, values):
+        before, self.count = self.count, self.count + len(values)
+        if self.take == SERIES:
+            self.series[before : self.count] = values
+        elif self.take == LAST:
+            self.value = values[-1]
+        elif self.take == FIRST:
+            self.value = values[0] if before == 0 else self.value
+        elif self.take == LARGEST:
+            self.value = np.fmax(self.value, values.max())
+        elif self.take == SMALLEST:
+            self.value = np.fmin(self.value, values.min())
+        elif self.take == MEAN:
+            total = values.sum() + (self.value * before if before else 0.0)
+            self.value = total / self.count

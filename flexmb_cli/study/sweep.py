@@ -1,0 +1,229 @@
+"""A study from its file to its table: blocks of cases that workers take, each case kept once solved."""
+
+import gc
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+from .. import __version__
+from ..deck.record import Deck, DeckText
+from ..deck.text import read_text
+from ..dialects.recognise import CHOOSES, read_deck
+from ..errors import INTERNAL_FAULT, DeckError, Fault
+from ..run.outcome import Stop
+from .checkpoints import Part, Parts
+from .lock import StudyLock
+from .reader import read_study
+from .solver import CaseResult, CaseSolver
+from .study import Study
+
+LARGEST_BLOCK = 200  # cases
+BLOCKS_WANTED = 100
+MOST_DEATHS = 3  # of workers at one case
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a worker needs for any block; texts, not paths: it may be on another machine."""
+
+    deck: DeckText
+    deck_folder: str
+    study: Study
+    block_size: int
+    parts_folder: str
+    identity: tuple[tuple[str, str], ...]
+
+    @property
+    def parts(self) -> Parts:
+        """Where the cases are kept."""
+        return Parts(self.parts_folder, dict(self.identity))
+
+    @property
+    def blocks(self) -> int:
+        """How many blocks there are."""
+        return -(-self.study.cases // self.block_size)
+
+    def cases(self, block: int) -> range:
+        """Numbers of the cases of a block."""
+        first = block * self.block_size
+        return range(first, min(first + self.block_size, self.study.cases))
+
+    def stored(self, block: int) -> Iterator[CaseResult]:
+        """The cases of a block that are kept, from its first on."""
+        return self.parts.stored(block, self.cases(block))
+
+    def part(self, block: int) -> Part:
+        """The file of a block, held until it is closed."""
+        return self.parts.block(block, self.cases(block))
+
+
+@dataclass(frozen=True)
+class BlockDone:
+    """How many cases of a block this call solved, and how many of all its cases failed."""
+
+    block: int
+    solved: int
+    failed: int
+
+
+@dataclass
+class Sweep:
+    """A study ready to be solved.  Raises DeckError where study or deck cannot be read as they are.
+
+    `restored`: the study was stopped before and goes on; `kept`: how many cases of a block there were then.
+    """
+
+    job: Job
+    study_text: DeckText
+    deck: Deck
+    solver: CaseSolver
+    lock: StudyLock
+    restored: bool = False
+    kept: dict[int, int] = field(default_factory=dict)
+    done: dict[int, BlockDone] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, path: str, parts_folder: str, fresh: bool = False) -> "Sweep":
+        """The study in the file at `path`; begins its folder of parts or goes on with it."""
+        text = _study_text(path)
+        with told_at(path, text.lines):
+            study = read_study(text)
+        deck_path = os.path.join(os.path.dirname(path), study.deck)
+        deck_text = _readable_deck(deck_path, study)
+        folder = os.path.dirname(os.path.abspath(deck_path))
+        size = max(1, min(LARGEST_BLOCK, study.cases // BLOCKS_WANTED))
+        identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
+        job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
+        with told_at(path, text.lines):
+            solver = solver_of(job)
+        lock = job.parts.lock(path)
+        try:
+            restored = job.parts.begin(fresh)
+        except BaseException:
+            lock.leave()
+            raise
+        return cls(job, text, solver.deck, solver, lock, restored)
+
+    def pending(self) -> list[int]:
+        """Blocks that lack cases; the others count as done."""
+        missing = []
+        for block in range(self.job.blocks):
+            codes = [result.exit_code for result in self.job.stored(block)] if self.restored else []
+            self.kept[block] = len(codes)
+            if len(codes) == len(self.job.cases(block)):
+                self.done[block] = BlockDone(block, 0, sum(code != 0 for code in codes))
+            else:
+                missing.append(block)
+        return missing
+
+    @property
+    def left(self) -> int:
+        """How many cases there were still to solve when `pending` looked."""
+        return self.job.study.cases - sum(self.kept.values())
+
+    def results(self) -> Iterator[CaseResult]:
+        """Every case that is kept, in order."""
+        for block in range(self.job.blocks):
+            yield from self.job.stored(block)
+
+    def end(self) -> None:
+        """Remove what was kept: the table has it."""
+        self.job.parts.remove()
+        self.lock.leave()
+
+    @property
+    def failed(self) -> int:
+        """How many of the cases done failed."""
+        return sum(block.failed for block in self.done.values())
+
+
+class StudyError(DeckError):
+    """A study or its deck cannot be read: `file` is the one at fault as the user has it, and its lines."""
+
+    def __init__(self, path: str, faults, lines=()):
+        super().__init__(faults)
+        self.file, self.lines = path, lines
+
+
+@contextmanager
+def told_at(path: str, lines=()):
+    """Faults of what is done here are those of the file at `path`, whose `lines` are."""
+    try:
+        yield
+    except DeckError as failure:
+        raise StudyError(path, failure.faults, lines) from failure
+
+
+def _study_text(path) -> DeckText:
+    with told_at(path):
+        text = read_text(path, "study")
+    with told_at(path, text.lines):
+        if text.warnings:
+            place = text.warnings[0].place
+            raise DeckError([Fault("error", "the study is not UTF-8, which TOML has to be", place)])
+    return text
+
+
+def _readable_deck(path, study) -> DeckText:
+    """The text of the study's deck; what is wrong with it is told at its own lines."""
+    with told_at(path):
+        if os.path.exists(path) and not os.path.isfile(path):
+            # A pipe would be waited for: the study, which may be a stranger's, chose the name.
+            raise DeckError([Fault("error", "is no regular file, but a folder, a pipe or a device")])
+        text = read_text(path)
+    with told_at(path, text.lines):
+        try:
+            read_deck(text, study.dialect)
+        except DeckError as failure:
+            raise DeckError(map(_for_a_study, failure.faults)) from failure
+    return text
+
+
+def _for_a_study(fault):
+    """A study has a key where the commands have an option."""
+    return replace(fault, message=fault.message.replace(CHOOSES, 'dialect = "…" in the study chooses one'))
+
+
+def solver_of(job: Job) -> CaseSolver:
+    """The solver of a job, made once in a process."""
+    return _solver(job.deck, job.deck_folder, job.study)
+
+
+@lru_cache(maxsize=2)
+def _solver(text, folder, study):
+    solver = CaseSolver(read_deck(text, study.dialect), study, folder)
+    # Cases make garbage by the thousand: to look through all that stays, too, costs a tenth.
+    gc.collect()
+    gc.freeze()
+    return solver
+
+
+def solve_block(job: Job, block: int, advance: Callable[[int], None] = lambda cases: None) -> BlockDone:
+    """Solve what a block lacks; every case is kept before the next begins."""
+    job.parts.check_shared()
+    solver = solver_of(job)
+    with job.part(block) as part:
+        missing = job.cases(block)[part.count :]
+        for case in missing:
+            part.append(solver.solve(case))
+            advance(1)
+            Stop.heed()
+        return BlockDone(block, len(missing), part.failed)
+
+
+def give_up_case(job: Job, block: int) -> None:
+    """Record that the next case of a block ends the process that solves it."""
+    with job.part(block) as part:
+        if part.count < len(job.cases(block)):
+            message = (
+                f"the process that solved this case ended {MOST_DEATHS} times: killed from outside, or out "
+                "of memory"
+            )
+            part.append(solver_of(job).unsolved(job.cases(block)[part.count], INTERNAL_FAULT, message))
+
+
+def next_case(job: Job, block: int) -> int:
+    """Number of the case of a block that comes next."""
+    return job.cases(block).start + sum(1 for _ in job.stored(block))

@@ -1,0 +1,178 @@
+"""The table of a study as text: a row a case; its parameters, results and exit code side by side."""
+
+import csv
+import fnmatch
+import io
+import json
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import h5py
+import numpy as np
+
+from ..errors import visible
+from ..results.hdf5.heap_bounds import fault_of_heaps
+from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
+from ..results.quantities.quantities import NOTHING, ResultError
+from ..results.quantities.quantity_names import folded
+from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
+from .table import BLOCK_NUMBERS
+
+# Of any number behind it.
+CONVENTIONS = "flexmb-study-"
+CASE, EXIT_CODE, MESSAGE = "case", "exit_code", "message"
+GROUPS = ("parameter", "result")
+
+
+@dataclass(frozen=True)
+class StudyColumn:
+    """A column of the table: its dataset, unit, meaning, and how many numbers a case has (0: just one)."""
+
+    path: str
+    unit: str
+    long_name: str
+    length: int
+
+    @property
+    def name(self) -> str:
+        """The name, as the column of a Parquet table: `parameter.driver.1.B`, `result.top`."""
+        return self.path.replace("/", ".", 1)
+
+    @property
+    def heads(self) -> list[str]:
+        """Heads of the columns of text, with units."""
+        unit = f" [{self.unit}]" if "/" in self.path else ""
+        if not self.length:
+            return [f"{self.name}{unit}"]
+        return [f"{self.name}.{row}{unit}" for row in range(1, self.length + 1)]
+
+    def is_called(self, pattern: str) -> bool:
+        """Whether `pattern`, which may hold `*` and `?`, means this column; its group need not be said."""
+        names = {folded(self.name), folded(self.path.rpartition("/")[2] or self.name)}
+        return any(name == folded(pattern) or fnmatch.fnmatchcase(name, folded(pattern)) for name in names)
+
+
+def is_study(path) -> bool:
+    """Whether the file at `path` can be opened and is the table of a study."""
+    try:
+        with h5py.File(path, "r") as file, understood():
+            return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(CONVENTIONS)
+    except (OSError, Damaged):
+        return False
+
+
+@contextmanager
+def open_study(path) -> Iterator[h5py.File]:
+    """The table at `path`, open for reading.  Raises ResultError when it shows to be damaged."""
+    try:
+        with h5py.File(path, "r") as file, understood():
+            check_structure(file)
+            yield file
+    except Damaged as fault:
+        raise ResultError(path, f"a damaged table: {fault}") from fault
+
+
+def study_columns(table: h5py.File) -> list[StudyColumn]:
+    """Every column: the case, parameters, results, each by the alphabet, exit code, rows, message."""
+    paths = [f"{group}/{name}" for group in GROUPS for name in table.get(group, ())]
+    return [_column(table, path) for path in (CASE, *paths, EXIT_CODE, "rows", MESSAGE)]
+
+
+def _column(table, path):
+    axes = "cr" if getattr(table[path], "ndim", 1) > 1 else "c"
+    check_shapes(table, {CASE: "c", path: axes}, {})
+    dataset = table[path]
+    unit, long_name = attribute(dataset, "units"), attribute(dataset, "long_name")
+    if len(dataset) != len(table[CASE]):
+        counts = f"{len(dataset)} rows and /case {len(table[CASE])}"
+        raise ResultError(table.filename, f"a damaged table: /{path} has {counts}")
+    return StudyColumn(path, unit, long_name, dataset.shape[1] if dataset.ndim > 1 else 0)
+
+
+def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str], file="") -> list[StudyColumn]:
+    """The columns that `patterns` name, the case first; without any, all but series, rows and messages.
+
+    Raises ResultError for a pattern that names none, with `file`, the name of the table.
+    """
+    patterns = list(patterns)
+    if not patterns:
+        return [column for column in columns if column.path not in ("rows", MESSAGE) and not column.length]
+    found = {columns[0]: None}
+    for pattern in patterns:
+        named = [column for column in columns if column.is_called(pattern)]
+        if not named:
+            raise ResultError(file, _unknown(columns, pattern))
+        found.update(dict.fromkeys(named))
+    return list(found)
+
+
+def _unknown(columns, pattern):
+    known = {column.path.rpartition("/")[2]: column.name for column in columns}
+    close = [known[word] for word in get_close_matches(pattern, known, cutoff=0.4)]
+    hint = f"; near it are {', '.join(close)}" if close else ""
+    return f"{pattern or NOTHING}: the study has no such parameter or result{hint}; --list shows all"
+
+
+def study_text(
+    table: h5py.File, columns: Sequence[StudyColumn], every: int = 1, style: str = "csv"
+) -> Iterator[str]:
+    """Pieces of the text of every `every`-th case, block by block; `style` is one of `table.FORMATS`."""
+    heads = [head for column in columns for head in column.heads]
+    if style != "jsonl":
+        yield _lines(heads, [heads], style)
+    count = len(table[CASE])
+    cases = range(0, count, min(every, max(count, 1)))  # HDF5 counts strides in 64 bits
+    length = max(1, BLOCK_NUMBERS // len(heads))
+    for first in range(0, len(cases), length):
+        block = cases[first : first + length]
+        yield _lines(heads, _rows(table, columns, slice(block.start, block.stop, block.step)), style)
+
+
+def _messages(dataset, cases):
+    return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
+
+
+def _rows(table, columns, cases):
+    """Cells of the cases, row by row: whole numbers, numbers and text."""
+    cells = []
+    for column in columns:
+        dataset = table[column.path]
+        values = dataset[cases] if column.path != MESSAGE else _messages(dataset, cases)
+        cells += np.reshape(values, (len(values), -1)).T.tolist()
+    return list(zip(*cells, strict=True))
+
+
+def _lines(heads, rows, style):
+    if style == "jsonl":
+        records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
+        return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
+    if style == "text":
+        widths = [max(len(head), TEXT_WIDTH if " [" in head else 0) for head in heads]
+        return "".join(_aligned(row, widths) for row in rows)
+    page = io.StringIO()
+    # The csv module writes the shortest digits that read back to the same double.
+    csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
+    return page.getvalue()
+
+
+def _aligned(row, widths):
+    cells = (TEXT_NUMBER.format(cell) if isinstance(cell, float) else str(cell) for cell in row)
+    return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)).rstrip() + "\n"
+
+
+def _json(cell):
+    """JSON knows no nan and no infinity: null."""
+    return None if isinstance(cell, float) and not math.isfinite(cell) else cell
+
+
+def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[str]:
+    """What the text does not show: series that nobody named, and cases that failed."""
+    series = [column.name for column in study_columns(table) if column.length]
+    notes = [] if named or not series else [f"series are shown where they are named: {', '.join(series)}"]
+    failed = int(np.count_nonzero(table[EXIT_CODE][:]))
+    if failed and not any(column.path == MESSAGE for column in columns):
+        notes.append(f"{failed} of {len(table[CASE])} cases failed; the column message says why")
+    return notes

@@ -1,0 +1,181 @@
+"""Who solves the blocks of a study: this process, or processes beside it."""
+
+import signal
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from ..errors import ANALYSIS_FAILED, FlexmbError
+from ..run.processes.signal_mask import unblock_stops
+from ..run.processes.worker import Worker, end_all, having_answers, portable
+from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
+
+IN_FLIGHT = 2  # blocks a worker is given: one that it solves and the next
+BEGUN = "begun"
+
+
+class WorkersError(FlexmbError):
+    """The processes of a study do not live long enough to solve anything (exit 1)."""
+
+    exit_code = ANALYSIS_FAILED
+
+
+def solve_here(sweep: Sweep, blocks: Iterable[int], advance: Callable[[int], None]) -> None:
+    """Solve `blocks` in this process."""
+    for block in blocks:
+        sweep.done[block] = solve_block(sweep.job, block, advance)
+
+
+def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], jobs: int) -> None:
+    """Solve `blocks` in `jobs` processes.  A process that dies is replaced, and its blocks go on.
+
+    A case seen at all deaths but one that are allowed is solved with nothing beside it, which may have taken
+    the memory; it is recorded as failed when its process dies even so.
+    Raises WorkersError where processes cannot be had, and what a process raised.
+    """
+    work = _Work(sweep, jobs, advance, deque(blocks))
+    try:
+        while work.go_on():
+            pass
+        end_all(work.given)
+    except BaseException:
+        # What is then told to be kept shall not grow any more.
+        for worker in work.given:
+            worker.kill()
+        raise
+
+
+@dataclass
+class _Work:
+    """`waiting` blocks; `alone` those to be solved with nothing beside them; `given` blocks by worker, in
+    the order in which it solves them; `begun` the workers that have told so.
+    """
+
+    sweep: Sweep
+    jobs: int
+    advance: Callable[[int], None]
+    waiting: deque[int]
+    alone: deque[int] = field(default_factory=deque)
+    given: dict[Worker, deque[int]] = field(default_factory=dict)
+    begun: set[Worker] = field(default_factory=set)
+    deaths: Counter = field(default_factory=Counter)
+    barren: int = 0
+
+    def go_on(self) -> bool:
+        """Give blocks to processes and hear what they have to say; False when all are solved."""
+        self._start()
+        self._hand_out()
+        if self.alone and not any(self.given.values()):
+            self._give(next(iter(self.given)), self.alone.popleft())
+        if not any(self.given.values()):
+            return False
+        for worker in having_answers(self.given):
+            self._hear(worker, worker.answer())
+        return True
+
+    def _start(self):
+        wanted = len(self.waiting) or min(1, len(self.alone))
+        while len(self.given) < min(self.jobs, wanted):
+            try:
+                self.given[Worker(_serve, self.sweep.job)] = deque()
+            except OSError as fault:
+                self._do_with_fewer(str(fault))
+
+    def _hand_out(self):
+        """Every process is given one before any gets its next; of the last ones none waits behind another."""
+        for most in range(1, IN_FLIGHT + 1):
+            for worker, blocks in self.given.items():
+                if len(blocks) < most and len(self.waiting) > (self.jobs if most > 1 else 0):
+                    self._give(worker, self.waiting.popleft())
+
+    def _do_with_fewer(self, reason):
+        if not self.given:
+            raise WorkersError(f"no process can be started: {reason}; -j 1 needs none")
+        self.jobs = len(self.given)
+
+    def _give(self, worker, block):
+        self.given[worker].append(block)
+        worker.send(block)
+
+    def _hear(self, worker, answer):
+        if answer is None:
+            self._replace(worker)
+        elif isinstance(answer, BlockDone):
+            self.given[worker].remove(answer.block)
+            keep(self.sweep, answer, self.advance)
+        elif answer == BEGUN:
+            self.begun.add(worker)
+            self.barren = 0
+        elif worker in self.begun:
+            raise answer
+        else:
+            worker.kill()
+            self._take_back(worker)
+            self._do_with_fewer(str(answer))
+
+    def _replace(self, worker):
+        """A process has died: whatever it was at is counted."""
+        if worker in self.begun:
+            note_deaths(self.sweep.job, list(self.given[worker])[:1], self.deaths)
+        else:
+            self.barren += 1
+        self._take_back(worker)
+        if self.barren == MOST_DEATHS:
+            raise WorkersError(
+                f"the processes that should solve cases ended {MOST_DEATHS} times before they began one: "
+                "killed from outside, or out of memory; fewer of them (-j) or none (-j 1) may do"
+            )
+
+    def _take_back(self, worker):
+        """The blocks that a process was given wait again."""
+        for block in reversed(self.given.pop(worker)):
+            last_try = self.deaths[_place(self.sweep.job, block)] == MOST_DEATHS - 1
+            (self.alone if last_try else self.waiting).appendleft(block)
+
+
+def _serve(line, job):
+    """Solve the blocks that come through `line`."""
+    line.send(_begin_process() or BEGUN)
+    while True:
+        line.send(_solve(job, line.recv()))
+
+
+def _begin_process():
+    """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
+    from ..run.processes.parent_watch import end_with_parent
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    unblock_stops()
+    try:
+        end_with_parent()
+    except RuntimeError as fault:  # no thread can be started
+        return fault
+    return None
+
+
+def _solve(job, block):
+    try:
+        return solve_block(job, block)
+    except Exception as fault:
+        return portable(fault)
+
+
+def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
+    """Note that a block is done; `advance` is told how many cases this call brought."""
+    sweep.done[done.block] = done
+    # Cases of a process that died count too, but it could not tell.
+    advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])
+
+
+def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter) -> None:
+    """Count a death at the case that is next in each of `blocks`; a case with too many is given up."""
+    for block in blocks:
+        place = _place(job, block)
+        if place[1] in job.cases(block):
+            deaths[place] += 1
+            if deaths[place] >= MOST_DEATHS:
+                give_up_case(job, block)
+
+
+def _place(job, block):
+    return block, next_case(job, block)
