@@ -13,23 +13,17 @@ from results import write_result
 
 PACKAGE = Path(__file__).resolve().parents[1] / "flexmb_cli"
 DECKS = PACKAGE.parent / "decks"
-# Stations in the direction of the data; each may import from itself and from those listed.
-MAY_IMPORT = {
-    "read": {"read"},
-    "model": {"read", "model"},
-    "fe": {"read", "model", "fe"},
-    "kernels": {"kernels"},
-    "solve": {"read", "model", "fe", "kernels", "solve"},
-    "write": {"read", "model", "solve", "write"},
-    "run": {"read", "model", "fe", "kernels", "solve", "write", "run"},
-}
-# `write` may know the records that an analysis yields, but none of its machinery.
-RECORDS_OF_SOLVE = {"rows", "tree_rows"}
+# From bottom to top: a module imports only from its own layer and from lower ones.
+LAYERS = ("errors", "deck", "model", "fe", "kernels", "solvers", "dialects", "results", "run", "study", "cli")
+# What starts at once never imports these; the MATLAB file is SciPy's.
+LIGHT, HEAVY = ("deck", "model", "dialects", "results"), ("numba", "scipy")
+FOREIGN_FORMATS = "results/files/matlab.py"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+MOST_FILES = 25  # in a folder
 
 
 def imports_of(path):
-    """(station or top-level package, module below it) of every import of a file."""
+    """Names of every import of a file, as tuples: ("flexmb_cli", "model", "tree", "Tree")."""
     package = ["flexmb_cli", *path.relative_to(PACKAGE).parts[:-1]]
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
@@ -42,35 +36,65 @@ def imports_of(path):
                 yield tuple(name.name.split("."))
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_run_one_way(path):
-    station = path.relative_to(PACKAGE).parts[0]
-    if station not in MAY_IMPORT:
-        return
-    for full in imports_of(path):
-        if full[0] == "flexmb_cli" and len(full) > 2 and full[1] in MAY_IMPORT:
-            assert full[1] in MAY_IMPORT[station], f"{path}: imports {'.'.join(full)}"
-            if station == "write" and full[1] == "solve":
-                assert full[2] in RECORDS_OF_SOLVE, f"{path}: imports {'.'.join(full)}"
-        if station in ("read", "model", "write"):
-            assert full[0] not in ("numba", "scipy"), f"{path}: imports {full[0]}"
+def may_import(layer):
+    """Names of the layers that a layer may import."""
+    if layer == "kernels":
+        return {"kernels"}
+    lower = set(LAYERS[: LAYERS.index(layer) + 1])
+    return lower if layer == "solvers" else lower - {"kernels"}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_only_the_command_line_prints_and_exits(path):
-    if path.relative_to(PACKAGE).parts[0] in ("cli", "__main__.py"):
-        return
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Call):
-            name = ast.unparse(node.func)
-            assert name not in ("print", "exit", "quit", "sys.exit", "os._exit", "input"), (
-                f"{path}:{node.lineno}"
-            )
+def test_every_folder_is_a_layer():
+    folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert folders == set(LAYERS) - {"errors"}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_no_file_has_a_name_that_says_nothing(path):
-    assert path.stem not in ("utils", "helpers", "common", "base", "manager", "misc")
+def test_imports_run_one_way():
+    upward = [
+        f"{path.relative_to(PACKAGE)} imports {'.'.join(full)}"
+        for path in MODULES
+        if (layer := path.relative_to(PACKAGE).parts[0]) in LAYERS
+        for full in imports_of(path)
+        if full[0] == "flexmb_cli"
+        and len(full) > 1
+        and full[1] in LAYERS
+        and full[1] not in may_import(layer)
+    ]
+    assert not upward
+
+
+def test_what_starts_at_once_imports_neither_numba_nor_scipy():
+    heavy = [
+        f"{path.relative_to(PACKAGE)} imports {full[0]}"
+        for path in MODULES
+        if path.relative_to(PACKAGE).parts[0] in LIGHT
+        and path.relative_to(PACKAGE).as_posix() != FOREIGN_FORMATS
+        for full in imports_of(path)
+        if full[0] in HEAVY
+    ]
+    assert not heavy
+
+
+def test_only_the_command_line_prints_and_exits():
+    forbidden = ("print", "exit", "quit", "sys.exit", "os._exit", "input")
+    found = [
+        f"{path.relative_to(PACKAGE)}:{node.lineno}"
+        for path in MODULES
+        if path.relative_to(PACKAGE).parts[0] not in ("cli", "__main__.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in forbidden
+    ]
+    assert not found
+
+
+def test_no_file_has_a_name_that_says_nothing():
+    nothing = ("utils", "helpers", "common", "base", "manager", "misc")
+    assert not [path for path in MODULES if path.stem in nothing]
+
+
+def test_no_folder_is_crowded():
+    folders = {path.parent for path in MODULES}
+    assert not [folder for folder in folders if len(list(folder.glob("*.py"))) > MOST_FILES]
 
 
 @pytest.mark.processes

@@ -20,7 +20,13 @@ def compile_(listing, clear, quiet):
     """
     if listing and clear:
         raise click.UsageError("--list and --clear exclude each other: give one")
-    from ..run.compiling import clear_compiled, compile_unit, list_compiled, refused_places, units_to_compile
+    from ..solvers.compilation import (
+        clear_compiled,
+        compile_unit,
+        list_compiled,
+        refused_places,
+        units_to_compile,
+    )
 
     if listing:
         _show(list_compiled())

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ..model.tree import Tree
-from .compiling import tell_of_compiling
+from ..solvers.compilation import tell_of_compiling
 from .energy_drift import EnergyDrift
 from .outcome import Listener
 

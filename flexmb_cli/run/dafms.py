@@ -10,9 +10,9 @@ from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.tree import Tree
 from ..model.unit_checks import unit_doubts
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
+from ..solvers.compilation import tell_of_compiling
 from .absolute_march import AbsoluteMarch
 from .checkpoint import Journal
-from .compiling import tell_of_compiling
 from .dafms_tree import tree_of
 from .energy_drift import EnergyDrift
 from .error_estimate import ErrorEstimate, finer, with_errors

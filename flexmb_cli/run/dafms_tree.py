@@ -5,7 +5,7 @@ from dataclasses import replace
 from ..deck.record import Deck
 from ..dialects.dafms.build import build_dafms
 from ..model.tree import Tree, default_tolerances
-from .compiling import tell_of_compiling
+from ..solvers.compilation import tell_of_compiling
 from .outcome import Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution
 

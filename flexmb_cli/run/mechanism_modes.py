@@ -10,8 +10,8 @@ from ..errors import Fault, ModelError
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.tree import Tree
 from ..model.unit_checks import unit_doubts
+from ..solvers.compilation import tell_of_compiling
 from .check.check import FARTHEST_STEPS
-from .compiling import tell_of_compiling
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings
 
 # Speeds up to which uncompiled kernels answer before compiled ones would be ready.
@@ -115,7 +115,7 @@ def young_modes(
 
 def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_dop853.march_rows"):
     """Small mechanisms that need not move first are looked at by uncompiled kernels."""
-    from ..kernels import _jit
+    from ..solvers import compilation
 
     if wish.time is not None and wish.time - grid.start > FARTHEST_STEPS * grid.step:
         message = (
@@ -124,7 +124,7 @@ def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_
         raise ModelError([Fault("error", message)])
 
     if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
-        _jit.interpret()
+        compilation.interpret()
     else:
         tell_of_compiling(listener, entry)
 

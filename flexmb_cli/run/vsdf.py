@@ -8,7 +8,7 @@ from ..dialects.vsdf.build import build_vsdf
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.unit_checks import unit_doubts
 from ..results.files.file_names import STANDARD_INPUT, ResultPaths
-from .compiling import tell_of_compiling
+from ..solvers.compilation import tell_of_compiling
 from .energy_drift import ConstrainedDrift
 from .error_estimate import with_estimate
 from .outcome import Outcome, RunOptions, Stop, refuse_warnings

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
-from .compiling import tell_of_compiling
+from ..solvers.compilation import tell_of_compiling
 from .exit_status import reason_of
 from .keeping import keep_blocks
 from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings

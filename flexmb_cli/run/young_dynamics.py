@@ -7,7 +7,7 @@ from ..deck.record import Deck
 from ..dialects.young.dynamic_cards import INVERSE, analysis_of
 from ..errors import Fault
 from ..results.files.file_names import ResultPaths
-from .compiling import tell_of_compiling
+from ..solvers.compilation import tell_of_compiling
 from .energy_drift import ConstrainedDrift
 from .error_estimate import with_estimate
 from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings

@@ -139,7 +139,7 @@ def _built(deck):
 
 
 def _diagnose(report: CheckReport, mechanism, jacobian):
-    from ...kernels import _jit
+    from ...solvers import compilation
 
     equations = 7 * len(mechanism.bodies)
     if equations > ASSEMBLY_LIMIT:
@@ -148,7 +148,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
         report.outcome.faults.append(Fault("note", message))
         return
     if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
-        _jit.interpret()
+        compilation.interpret()
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 

@@ -11,9 +11,9 @@ def check_forward(report, options: RunOptions) -> None:
     model, warnings = build_young_dynamics(report.deck)
     report.outcome.faults += [*warnings, *unit_doubts(model)]
     refuse_warnings(report.outcome, options)
-    from ...kernels import _jit
+    from ...solvers import compilation
 
-    _jit.interpret()
+    compilation.interpret()
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
     analysis = ForwardDynamics(model)

@@ -58,9 +58,9 @@ def check_tree(report, options: RunOptions) -> None:
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
     if len(tree.coordinates) <= INTERPRETED_LIMIT:
-        from ...kernels import _jit
+        from ...solvers import compilation
 
-        _jit.interpret()
+        compilation.interpret()
     _evaluate_start(report, tree)
 
 
@@ -82,12 +82,11 @@ def _counts(tree: Tree):
 
 
 def _evaluate_start(report, tree):
-    from ...kernels.integrators import tree_dop853
-    from ...solvers.tree.analysis import TreeAnalysis
+    from ...solvers.tree.analysis import GO_ON, TreeAnalysis
 
     start = tree.time.start
     analysis = TreeAnalysis(replace(tree, time=TimeGrid(start, start, tree.time.step)))
-    analysis.call(tree_dop853.GO_ON)
+    analysis.call(GO_ON)
     given = _gaps(tree, analysis.arrays.closures)
     try:
         row = next(analysis.rows())

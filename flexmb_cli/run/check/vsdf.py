@@ -14,9 +14,9 @@ def check_vsdf(report, options: RunOptions) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     mechanism = mechanism_of(report.deck, options, report.outcome)
     report.outcome.faults += unit_doubts(mechanism)
-    from ...kernels import _jit
+    from ...solvers import compilation
 
-    _jit.interpret()
+    compilation.interpret()
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)

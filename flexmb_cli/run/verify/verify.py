@@ -95,9 +95,9 @@ def _tree_differences(deck, options, outcome, listener):
 def _motions(tree, listener):
     """Values of both formulations, whole runs by the paths of their datasets."""
     from ...results.hdf5.tree import tree_values
+    from ...solvers.compilation import tell_of_compiling
     from ...solvers.tree.analysis import TreeAnalysis
     from ...solvers.tree.points import point_motion
-    from ..compiling import tell_of_compiling
 
     absolute = AbsoluteMarch(tree, listener)
     listener.begin(2 * tree.time.rows)

@@ -39,6 +39,9 @@ class Checkpoint:
     attitude: np.ndarray
 
 
+GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
+
+
 class TreeAnalysis:
     """One run over the report times of a tree."""
 

@@ -1,15 +1,36 @@
 """Compiling kernels: saying before it happens that a run waits for it, and doing it ahead of all runs."""
 
 from collections.abc import Iterator
+from typing import Protocol
 
 from ..errors import OutputError
-from .outcome import Listener
 
 _told: set[str] = set()  # entries this process need not look for again: a study asks for every case
 NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
 
 
-def tell_of_compiling(listener: Listener, entry: str) -> None:
+class Notices(Protocol):
+    """Who shows a sentence to the user."""
+
+    def notice(self, sentence: str) -> None:
+        """Show the sentence."""
+
+
+def interpret() -> None:
+    """Leave the kernels that are imported from now on uncompiled."""
+    from ..kernels import _jit
+
+    _jit.interpret()
+
+
+def interpreted() -> bool:
+    """Return whether kernels run as plain Python."""
+    from ..kernels import _jit
+
+    return _jit.interpreted()
+
+
+def tell_of_compiling(listener: Notices, entry: str) -> None:
     """Notices for the user when the kernel `entry` ("module.function") has to be compiled."""
     if entry in _told:
         return
