@@ -4,7 +4,7 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 `DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
@@ -28,7 +28,8 @@ class Fault:
     `severity` is "error", "warning" or "note"; `subject` the object by its deck name ("universal
     joint 1"), "" when the whole deck is meant; `message` the rule, what was read and the remedy;
     `guide` lines to set above the deck's line (the columns that a fixed FORMAT prescribes); `about` the
-    object where the message itself names it, for records only.
+    object where the message itself names it, for records only; `id` the stable identifier of this kind of
+    fault ("YOUNG-012"), whatever its words become.
     """
 
     severity: str
@@ -37,6 +38,7 @@ class Fault:
     subject: str = ""
     guide: tuple[str, ...] = ()
     about: str = ""
+    id: str = field(default="", compare=False)
 
     @property
     def sentence(self) -> str:
@@ -47,6 +49,7 @@ class Fault:
         """Plain record for `--json`."""
         line, column = self.place[:2] if self.place else (None, None)
         return {
+            "id": self.id,
             "severity": self.severity,
             "object": self.subject or self.about,
             "message": self.message,
@@ -72,9 +75,9 @@ class FlexmbError(Exception):
     of_the_call = False
     printed = False
 
-    def __init__(self, message: str, faults: tuple[Fault, ...] = ()):
+    def __init__(self, message: str, faults: tuple[Fault, ...] = (), id: str = ""):
         super().__init__(message)
-        self.faults = tuple(faults) or (Fault("error", message),)
+        self.faults = tuple(faults) or (Fault("error", message, id=id),)
 
 
 class DeckError(FlexmbError):
@@ -109,8 +112,8 @@ class AnalysisError(FlexmbError):
 class OutputError(FlexmbError):
     """A result cannot be written: a wrong place (exit 2), or a disk that fills up on the way (exit 1)."""
 
-    def __init__(self, message: str, exit_code: int = BAD_INPUT):
-        super().__init__(message)
+    def __init__(self, message: str, exit_code: int = BAD_INPUT, id: str = ""):
+        super().__init__(message, id=id)
         self.exit_code = exit_code
 
 

@@ -52,11 +52,15 @@ def refuse_unsafe(path: str, shown: str = "", folder: int | None = None) -> None
 
 def _refuse(found, shown):
     if stat.S_ISLNK(found.st_mode):
-        raise UnsafePlace(f"{shown}: it is a link, which is not followed; remove it")
+        raise UnsafePlace(f"{shown}: it is a link, which is not followed; remove it", id="FLEXMB-001")
     if not stat.S_ISREG(found.st_mode):
-        raise UnsafePlace(f"{shown}: it is no regular file, but a folder, a pipe or a device; remove it")
+        raise UnsafePlace(
+            f"{shown}: it is no regular file, but a folder, a pipe or a device; remove it", id="FLEXMB-002"
+        )
     if found.st_nlink > 1:
-        raise UnsafePlace(f"{shown}: the file has another name elsewhere (a hard link); remove it here")
+        raise UnsafePlace(
+            f"{shown}: the file has another name elsewhere (a hard link); remove it here", id="FLEXMB-003"
+        )
 
 
 class ManagedFolder:
@@ -68,7 +72,9 @@ class ManagedFolder:
     def __init__(self, path: str):
         self.path = path
         if os.path.islink(path):
-            raise UnsafePlace(f"{path}: the folder is a link, which is not followed; remove it")
+            raise UnsafePlace(
+                f"{path}: the folder is a link, which is not followed; remove it", id="FLEXMB-004"
+            )
         self._number = os.open(path, os.O_RDONLY | _FOLDER) if _OPENS_FOLDERS else None
 
     def __enter__(self) -> "ManagedFolder":

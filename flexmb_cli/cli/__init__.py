@@ -156,7 +156,7 @@ def _refuse_lack(fault):
     if told == LACK_OF_MEMORY:
         told = f"{told}; what was not complete is not written"
     _tell(f"flexmb: error: {told}")
-    _print_json(ANALYSIS_FAILED, Fault("error", told))
+    _print_json(ANALYSIS_FAILED, Fault("error", told, id="CLI-001"))
     sys.exit(ANALYSIS_FAILED)
 
 
@@ -169,7 +169,7 @@ def _admit(fault):
         f"flexmb: error: {told}\nPlease report it with the deck; `flexmb --debug …` shows where it happened.",
         err=True,
     )
-    _print_json(INTERNAL_FAULT, Fault("error", told))
+    _print_json(INTERNAL_FAULT, Fault("error", told, id="CLI-002"))
     sys.exit(INTERNAL_FAULT)
 
 
@@ -181,7 +181,7 @@ def _refuse_usage(fault):
         click.echo(lines_visible(f"{context.get_usage()}\n{help_line}\n"), err=True)
     told = fault.format_message()
     click.echo(f"flexmb: error: {lines_visible(told)}", err=True)
-    _print_json(BAD_INPUT, Fault("error", " ".join(told.split())))
+    _print_json(BAD_INPUT, Fault("error", " ".join(told.split()), id="CLI-003"))
 
 
 def _print_json(exit_code, *faults, file=None):

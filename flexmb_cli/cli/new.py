@@ -178,9 +178,11 @@ class _Talk:
     def go_back(self, name):
         """To the question before, or to the record called `name`."""
         if not name and not self.dialogue.back():
-            self.show([Fault("error", "this is the first question")])
+            self.show([Fault("error", "this is the first question", id="CLI-004")])
         elif name and not self.dialogue.back_to(name):
-            self.show([Fault("error", f"no record {name} was asked for yet; names are like driver.1")])
+            self.show(
+                [Fault("error", f"no record {name} was asked for yet; names are like driver.1", id="CLI-005")]
+            )
 
     def show(self, faults, question=None):
         """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""

@@ -79,9 +79,11 @@ def _source(open_files, path, label, names, across, window, quiet):
     rows, told = chosen_rows(file, *window), shortfall(file)
     if not rows:
         reason = "no rows in this window of time" if len(file["time"]) else told or "it has no rows"
-        raise ResultError(path, f"nothing to draw: {reason}")
+        raise ResultError(path, f"nothing to draw: {reason}", id="CLI-006")
     if not quantities:
-        raise ResultError(path, f"nothing to draw over {abscissa[0].name}: name another quantity")
+        raise ResultError(
+            path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
+        )
     if told and not quiet:
         tell(f"{path}: note: {told}")
     still = () if names or quiet else still_energies(file)

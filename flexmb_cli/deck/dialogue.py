@@ -141,14 +141,14 @@ class Dialogue:
                     raise number.Misspelt(f"must be {cell.kind}; Enter gives none here")
                 doubt = spelled(cell, text)[1]
             except number.Misspelt as fault:
-                faults.append(Fault("error", f"{cell.key} {fault}", place, entry.subject))
+                faults.append(Fault("error", f"{cell.key} {fault}", place, entry.subject, id="DECK-001"))
                 continue
             if doubt:
-                faults.append(Fault("warning", f"{cell.key}: {doubt}", place, entry.subject))
+                faults.append(Fault("warning", f"{cell.key}: {doubt}", place, entry.subject, id="DECK-002"))
         if len(texts) > len(cells):
             message = f"{len(texts)} values, but only {len(cells)} are left: {' '.join(c.key for c in cells)}"
             place = Place(self._entry + 1, len(entry.cells) + 1)
-            faults.append(Fault("error", message, place, entry.subject))
+            faults.append(Fault("error", message, place, entry.subject, id="DECK-003"))
         return faults
 
     def _known(self, entry, cell):
@@ -195,7 +195,9 @@ def from_draft(form: Form, text: str) -> Dialogue:
         dialect, good = "", False
     if not good or dialect != form.dialect:
         what = f"a draft of a {dialect} deck" if good else "no draft of a deck"
-        raise DeckError([Fault("error", f"this is {what}; --restart puts a new {form.dialect} draft here")])
+        raise DeckError(
+            [Fault("error", f"this is {what}; --restart puts a new {form.dialect} draft here", id="DECK-004")]
+        )
     dialogue = Dialogue(form, answers)
     dialogue.forward()
     return dialogue

@@ -58,7 +58,9 @@ class Records:
     def report(self, severity: str, subject: str, message: str, place: Place | None = None, guide=()) -> None:
         """Note a fault; without a place it stands at the current line's first column."""
         self.errors += severity == "error"
-        self.faults.append(Fault(severity, message, place or Place(self.line, 1), subject, tuple(guide)))
+        self.faults.append(
+            Fault(severity, message, place or Place(self.line, 1), subject, tuple(guide), id="DECK-005")
+        )
 
     def stop(self, subject: str, message: str, place: Place | None = None):
         """Note an error that nothing can be read after."""

@@ -98,7 +98,7 @@ def read_bytes(path) -> bytes:
         reason = "it is a folder"
     except OSError as error:
         reason = f"cannot be read: {error.strerror}"
-    raise TableError(str(path), [Fault("error", reason)])
+    raise TableError(str(path), [Fault("error", reason, id="DECK-006")])
 
 
 def _bounded(path, file):
@@ -108,7 +108,7 @@ def _bounded(path, file):
         reason = (
             f"is larger than {LARGEST_LISTING >> 20} MB: compare the HDF5 results, which are read in parts"
         )
-        raise TableError(str(path), [Fault("error", reason)])
+        raise TableError(str(path), [Fault("error", reason, id="DECK-007")])
     return content
 
 

@@ -99,7 +99,7 @@ def _spans(read_words):
 def _warning(spans, line, held, subject, needed):
     column, width = spans[line]
     place = Place(line, column, min(width, 2 * LONGEST_CARET))
-    return Fault("warning", f"needs {needed} numbers; line {line} has {held}", place, subject)
+    return Fault("warning", f"needs {needed} numbers; line {line} has {held}", place, subject, id="DECK-008")
 
 
 def _may_follow(fault, cause):

@@ -33,7 +33,7 @@ def decode(name: str, raw: bytes, what: str = "deck") -> DeckText:
         return DeckText(name, raw.decode("utf-8-sig"), digest)
     except UnicodeDecodeError as fault:
         place = _place_of(raw, fault.start)
-        doubt = Fault("warning", f"the {what} is not UTF-8 and is read as Latin-1", place)
+        doubt = Fault("warning", f"the {what} is not UTF-8 and is read as Latin-1", place, id="DECK-009")
         return DeckText(name, raw.decode("latin-1"), digest, (doubt,))
 
 
@@ -74,7 +74,7 @@ def _refuse_nul(raw: bytes, what: str) -> None:
     message = (
         f"the {what} holds a NUL byte, so it is not text; save it as UTF-8 (is it UTF-16, or a binary file?)"
     )
-    raise DeckError([Fault("error", message, _place_of(raw, where))])
+    raise DeckError([Fault("error", message, _place_of(raw, where), id="DECK-010")])
 
 
 def _place_of(raw: bytes, offset: int) -> Place:
@@ -88,4 +88,4 @@ def _too_large(what: str) -> DeckError:
 
 
 def _unreadable(message: str) -> DeckError:
-    return DeckError([Fault("error", message)])
+    return DeckError([Fault("error", message, id="DECK-011")])

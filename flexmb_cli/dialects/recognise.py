@@ -45,14 +45,16 @@ def recognise(lines: Sequence[str]) -> str:
             return name
     first = next(words(lines), None)
     if first is None:
-        raise DeckError([Fault("error", f"the deck is empty; {_beginnings()}")])
+        raise DeckError([Fault("error", f"the deck is empty; {_beginnings()}", id="DECK-012")])
     message = f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
-    raise DeckError([Fault("error", message, first.place)])
+    raise DeckError([Fault("error", message, first.place, id="DECK-013")])
 
 
 def _reader(name):
     if name not in DIALECTS:
-        raise DeckError([Fault("error", f"there is no dialect {name!r}, only {', '.join(DIALECTS)}")])
+        raise DeckError(
+            [Fault("error", f"there is no dialect {name!r}, only {', '.join(DIALECTS)}", id="DECK-014")]
+        )
     dialect = DIALECTS[name]
     module = f"{__package__}.{dialect.module}"
     try:
@@ -62,7 +64,7 @@ def _reader(name):
         if fault.name != module:
             raise
         message = f"the deck is of dialect {name}, which this version cannot read yet"
-        raise DeckError([Fault("error", message)]) from None
+        raise DeckError([Fault("error", message, id="DECK-015")]) from None
 
 
 def _beginnings():

@@ -52,7 +52,7 @@ class SettableDeck:
                 changes[name] = changed
                 taken.append(f"{name}={changed.text}")
             except number.Misspelt as fault:
-                faults.append(Fault("error", f"--set {setting}: {fault}"))
+                faults.append(Fault("error", f"--set {setting}: {fault}", id="DECK-016"))
         if faults:
             raise DeckError(faults)
         records = self._with_changes(changes)

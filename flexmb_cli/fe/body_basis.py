@@ -46,22 +46,22 @@ def basis_of(given: FlexibleInput, K, S, frame: Frame, findings: Findings) -> Ba
             return _interface_basis(given, K, S, frame)
         return _eigen_basis(given, K, S, frame, available)
     except NegativeStrain as motion:
-        findings.error(given.name, _negative_strain(given, motion.shape), given.stiffness.place)
+        findings.error(given.name, _negative_strain(given, motion.shape), given.stiffness.place, id="FE-001")
     except FreeMotion as motion:
         place = given.place if _clamped_on_a_line(given) else given.stiffness.place
-        findings.error(given.name, _free_motion(given, motion.shape), place)
+        findings.error(given.name, _free_motion(given, motion.shape), place, id="FE-002")
     except IndefiniteMass:
         message = "the mass matrix is not positive definite; is it complete, or of another model?"
-        findings.error(given.name, message, given.mass.place)
+        findings.error(given.name, message, given.mass.place, id="FE-003")
     except modes.TooFewMasses as masses:
-        findings.error(given.name, _too_few_masses(given, masses.count), given.place)
+        findings.error(given.name, _too_few_masses(given, masses.count), given.place, id="FE-004")
     return None
 
 
 def _check_count(given, available, findings):
     if given.modes > available:
         message = f"{given.modes} modes are asked for, and the body has {available}; 0 takes all"
-        findings.error(given.name, message, given.place)
+        findings.error(given.name, message, given.place, id="FE-005")
         return False
     wanted = given.modes or (0 if given.interface else available)
     wanted += 3 * (len(given.attachment) + len(given.interface))
@@ -71,7 +71,7 @@ def _check_count(given, available, findings):
             f"9 numbers for every two of them ({72e-9 * wanted**2:.2g} GB); ask for fewer modes, and for "
             "static shapes (ATTM) of the loaded nodes only"
         )
-        findings.error(given.name, message, given.place)
+        findings.error(given.name, message, given.place, id="FE-006")
         return False
     return True
 

@@ -49,7 +49,7 @@ def _step_doubts(model, bodies):
                 f"the highest mode, {1 / highest:.3g} s; take a step of at most "
                 f"{1 / (STEPS_A_PERIOD * highest):.2g} s, or fewer modes"
             )
-            yield Fault("warning", message, model.time.place, body.name)
+            yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
 def _body(given: VsdfBody, cached) -> tuple[FloatingBody, list[Fault]]:

@@ -99,7 +99,9 @@ def _restored(given, stored):
     left_out["shapes"] = tuple((node, axis) for node, axis in left_out["shapes"])
     body = FlexibleBody(given.name, **arrays, dropped=Dropped(**left_out))
     places = {"mass": given.mass.place, "stiffness": given.stiffness.place, "body": given.place}
-    faults = [Fault("warning", text, places[where], given.name) for where, text in notes["warnings"]]
+    faults = [
+        Fault("warning", text, places[where], given.name, id="FE-008") for where, text in notes["warnings"]
+    ]
     return body, faults
 
 

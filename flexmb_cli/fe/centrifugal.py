@@ -34,7 +34,7 @@ def centrifugal_stiffness(given: FlexibleInput, K, S, frame: Frame, Phi, finding
     material = given.bricks.young, given.bricks.poisson
     body = matching_bricks(frame.r0, rows, material, K)
     if body.deviation > LARGEST_DEVIATION:
-        findings.error(given.name, _foreign(given, body), given.bricks.place)
+        findings.error(given.name, _foreign(given, body), given.bricks.place, id="FE-009")
     pairs = [(i, j) for i in range(3) for j in range(i, 3)]
     forces = np.column_stack([_load(frame.r0, S, i, j) for i, j in pairs])
     displacements = static_shapes(K, S, frame, forces)
@@ -70,13 +70,13 @@ def _element_rows(given, frame, findings):
         found = read_hexahedra(file.path, file.form)
         rows = _rows(given, found)
     except FEFileFault as fault:
-        findings.error(given.name, str(fault), file.place)
+        findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
     volumes = bricks(frame.r0, rows, FORMULATIONS[rows.shape[1]][0]).volumes
     if not (volumes > 0).all():
         number = found.numbers[np.flatnonzero(~(volumes > 0).all(axis=1))[0]]
         message = f"{file.path.name}: element {number} is turned inside out or folded"
-        findings.error(given.name, message, file.place)
+        findings.error(given.name, message, file.place, id="FE-010")
         return None
     return rows
 
@@ -90,6 +90,7 @@ def _rows(given, found: Hexahedra):
         element, node = np.argwhere(missing)[0]
         raise FEFileFault(
             f"element {found.numbers[element]} has node {found.nodes[element, node]}, which no line of the "
-            "node table defines"
+            "node table defines",
+            id="FE-011",
         )
     return rows

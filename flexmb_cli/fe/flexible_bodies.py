@@ -79,7 +79,7 @@ def _read(given, file: FEFile, letter, arrange, findings):
         )
         return arrange(file.path.name, found, given.numbers)
     except FEFileFault as fault:
-        findings.error(given.name, str(fault), file.place)
+        findings.error(given.name, str(fault), file.place, id=fault.id)
         return None
 
 
@@ -168,7 +168,7 @@ def _errors(given, matrices, frame, basis, findings):
             f"{math.sqrt(basis.values[worst]) / math.tau:.4g} Hz, a relative error of about "
             f"{errors[worst]:.0e}; export them with more digits, in double precision"
         )
-        findings.warn(given.name, message, given.stiffness.place)
+        findings.warn(given.name, message, given.stiffness.place, id="FE-012")
     return errors
 
 

@@ -39,7 +39,9 @@ def _check_exchanged(given, S, K, findings):
     of_mass, of_stiffness = (np.abs(A @ translations).max() / _largest(A) for A in (S, K))
     if of_mass <= RIGID_ERROR < of_stiffness:
         message = "it gives no force in a translation, and the stiffness does: are the files exchanged?"
-        findings.error(given.name, f"this mass matrix looks like a stiffness; {message}", given.mass.place)
+        findings.error(
+            given.name, f"this mass matrix looks like a stiffness; {message}", given.mass.place, id="FE-055"
+        )
 
 
 def _largest(matrix):
@@ -60,6 +62,7 @@ def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, fi
             f"the {what} of node {node} along {axis} is {diagonal[row]:.6g}; {hint} "
             f"({wrong.size} of {len(diagonal)} such freedoms)",
             place,
+            id="FE-056",
         )
 
 
@@ -78,12 +81,15 @@ def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
         )
         remedy = "; a condensed mass matrix, or internal freedoms in it? export the matrix of solid elements"
         if severe:
-            findings.error(given.name, message + remedy, given.mass.place)
+            findings.error(given.name, message + remedy, given.mass.place, id="FE-057")
         else:
-            findings.warn(given.name, message + "; their mean is taken", given.mass.place)
+            findings.warn(given.name, message + "; their mean is taken", given.mass.place, id="FE-058")
     if not scalar.sum() > 0:
         findings.error(
-            given.name, f"its mass is {scalar.sum():.6g} kg; it must be above zero", given.mass.place
+            given.name,
+            f"its mass is {scalar.sum():.6g} kg; it must be above zero",
+            given.mass.place,
+            id="FE-059",
         )
     return deviation
 
@@ -143,4 +149,5 @@ def check_reference(given: FlexibleInput, positions: np.ndarray, findings: Findi
             given.name,
             f"the reference nodes {nodes} lie on one line; three that span a plane are needed",
             given.place,
+            id="FE-060",
         )

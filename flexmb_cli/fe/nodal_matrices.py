@@ -56,7 +56,7 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
         matrix, solve = stored(condensed_on(outer, coupling, inner)), solver(inner)
     except Singular:
         raise FEFileFault(
-            f"{name}: the {len(internal)} internal freedoms have no stiffness of their own"
+            f"{name}: the {len(internal)} internal freedoms have no stiffness of their own", id="FE-061"
         ) from None
     return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
 
@@ -69,7 +69,8 @@ def _ordered(name, file, numbers):
     if file.equations is None:
         if file.size != size:
             raise FEFileFault(
-                f"{name} has {file.size} rows; the {len(numbers)} nodes of the table need {size}, three each"
+                f"{name} has {file.size} rows; the {len(numbers)} nodes of the table need {size}, three each",
+                id="FE-062",
             )
         return full, np.arange(size), np.arange(0)
     return full, *_rows_of_nodes(name, file.equations, numbers)
@@ -77,9 +78,9 @@ def _ordered(name, file, numbers):
 
 def _check_finite(name, file):
     if not len(file.values):
-        raise FEFileFault(f"{name} holds no entries")
+        raise FEFileFault(f"{name} holds no entries", id="FE-063")
     if not np.isfinite(file.values).all():
-        raise FEFileFault(f"{name} holds a number that is not finite")
+        raise FEFileFault(f"{name} holds a number that is not finite", id="FE-064")
 
 
 def _symmetric(name, file):
@@ -92,7 +93,8 @@ def _symmetric(name, file):
         row, column = np.unravel_index(int(skew.argmax()), skew.shape)
         raise FEFileFault(
             f"{name} is not symmetric: entries ({row + 1}, {column + 1}) and ({column + 1}, {row + 1}) are "
-            f"{matrix[row, column]:.6g} and {matrix[column, row]:.6g}"
+            f"{matrix[row, column]:.6g} and {matrix[column, row]:.6g}",
+            id="FE-065",
         )
     return (matrix + matrix.T) / 2
 
@@ -115,9 +117,12 @@ def _rows_of_nodes(name, equations, numbers):
 def _refuse_missing(name, missing, numbers, internal):
     node, direction = numbers[missing[0] // 3], missing[0] % 3 + 1
     if missing.size == 3 * len(numbers):
-        raise FEFileFault(f"{name}: none of its {internal} rows belongs to a node of the node table")
+        raise FEFileFault(
+            f"{name}: none of its {internal} rows belongs to a node of the node table", id="FE-066"
+        )
     raise FEFileFault(
         f"{name} has no row for direction {direction} of node {node}, and lacks {missing.size} in all: is "
         "the node held by a boundary condition, or in no element? export the body unsupported, with the "
-        "nodes of its elements only"
+        "nodes of its elements only",
+        id="FE-067",
     )

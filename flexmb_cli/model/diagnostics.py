@@ -16,14 +16,14 @@ class Findings:
         """The faults in the deck's order, those without a place first."""
         return sorted(self.faults, key=lambda fault: fault.place or (0, 0))
 
-    def error(self, subject: str, message: str, place: Place | None) -> None:
+    def error(self, subject: str, message: str, place: Place | None, id: str = "") -> None:
         """Add a fault that forbids a model."""
-        self.faults.append(Fault("error", message, place, subject))
+        self.faults.append(Fault("error", message, place, subject, id=id))
 
-    def warn(self, subject: str, message: str, place: Place | None) -> None:
+    def warn(self, subject: str, message: str, place: Place | None, id: str = "") -> None:
         """Add a doubt."""
-        self.faults.append(Fault("warning", message, place, subject))
+        self.faults.append(Fault("warning", message, place, subject, id=id))
 
-    def note(self, subject: str, message: str, place: Place | None) -> None:
+    def note(self, subject: str, message: str, place: Place | None, id: str = "") -> None:
         """Add what helps to understand the fault before."""
-        self.faults.append(Fault("note", message, place, subject))
+        self.faults.append(Fault("note", message, place, subject, id=id))

@@ -18,10 +18,10 @@ def check_driver_angles(mechanism: Mechanism, findings: Findings) -> None:
         angle, turns = _largest_angle(driver, mechanism.time), _turns_in_a_step(driver, mechanism.time)
         if angle > LARGEST_ANGLE:
             message = f"its angle reaches {angle:.3g} rad; {NO_ANGLE}: C is in rad, B in rad/s, A in rad/s²"
-            findings.error(driver.name, message, driver.place)
+            findings.error(driver.name, message, driver.place, id="MODEL-002")
         elif turns > MANY_TURNS:
             message = f"it turns {turns:.3g} times between two report times, each followed: is B in rad/s?"
-            findings.note(driver.name, message, driver.place)
+            findings.note(driver.name, message, driver.place, id="MODEL-003")
 
 
 def _largest_angle(driver: Driver, grid: TimeGrid) -> float:

@@ -115,11 +115,11 @@ def _report(body, k, motion, values, findings):
     if not turning.any():
         axis = int(np.argmax(np.abs(motion[:3]))) + 1
         message = f"no mass resists its hinge along axis {axis}: BM = {body.mass:g} kg, too little at O_k"
-        findings.error(body.name, message, values.place("mass", k + 1))
+        findings.error(body.name, message, values.place("mass", k + 1), id="MODEL-004")
         return
     axis = int(np.argmax(turning))
     number = values.record("inertia", k + 1).numbers[axis]
-    findings.error(body.name, _sentence(body, axis), number.place)
+    findings.error(body.name, _sentence(body, axis), number.place, id="MODEL-005")
 
 
 def _sentence(body, axis):

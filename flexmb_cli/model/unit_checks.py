@@ -61,15 +61,23 @@ class Extent:
 def unit_doubts(model: DynamicModel | FlexibleMechanism | Tree) -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     extents, gravity = _EXTENTS[type(model)](model), float(np.linalg.norm(model.gravity))
-    notes = [Fault("note", note, body.place, body.name) for body in extents for note in _of_body(body)]
+    notes = [
+        Fault("note", note, body.place, body.name, id="MODEL-010")
+        for body in extents
+        for note in _of_body(body)
+    ]
     if isinstance(model, FlexibleMechanism):
         notes += [*_of_frequencies(model), *_of_densities(model)]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
-        notes.append(Fault("note", f"gravity {gravity:.6g} looks like mm/s²; decks are in SI units, m/s²"))
+        notes.append(
+            Fault(
+                "note", f"gravity {gravity:.6g} looks like mm/s²; decks are in SI units, m/s²", id="MODEL-011"
+            )
+        )
     elif longest and ON_EARTH[0] <= gravity <= ON_EARTH[1] and longest.size > LARGE:
         message = f"a joint is {longest.size:.4g} m from the mass centre: are lengths in mm? Decks are in m"
-        notes.append(Fault("note", message, longest.place, longest.name))
+        notes.append(Fault("note", message, longest.place, longest.name, id="MODEL-012"))
     return notes
 
 
@@ -101,7 +109,7 @@ def _of_frequencies(mechanism: FlexibleMechanism):
                 f"the lowest frequency is {lowest:.3g} Hz in a body of {size:.3g} m, as if sound went at "
                 f"{lowest * size:.1g} m/s or faster: are mass in kg, stiffness in N/m, nodes in m?"
             )
-            yield Fault("note", message, body.place, body.name)
+            yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
 def _of_densities(mechanism: FlexibleMechanism):
@@ -114,12 +122,12 @@ def _of_densities(mechanism: FlexibleMechanism):
         box = f"{body.m:.3g} kg in a box of {sides[0]:.3g} by {sides[1]:.3g} by {sides[2]:.3g} m are"
         if body.m < THIN * volume:
             message = f"{box} less than a thousandth of air: are the nodes in m?"
-            yield Fault("note", message, body.place, body.name)
+            yield Fault("note", message, body.place, body.name, id="MODEL-014")
         elif body.m < FOAM * volume:
             message = (
                 f"{box} {body.m / volume:.2g} kg/m³, less than foam: is the mass in kg, and not in tonnes?"
             )
-            yield Fault("note", message, body.place, body.name)
+            yield Fault("note", message, body.place, body.name, id="MODEL-015")
 
 
 def _sides(points):

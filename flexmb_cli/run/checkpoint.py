@@ -64,7 +64,7 @@ class Journal:
             self._doubt("note", f"torn or damaged at byte {self._end}; the {lost} bytes there are not used")
 
     def _doubt(self, severity, what):
-        self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}"))
+        self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property
     def _head(self):
@@ -126,14 +126,14 @@ class Journal:
         try:
             return open(open_managed(self.path, os.O_RDONLY), "rb")
         except OSError as error:
-            raise OutputError(f"{self.path}: cannot be read: {error.strerror}") from error
+            raise OutputError(f"{self.path}: cannot be read: {error.strerror}", id="RUN-006") from error
 
     def _open(self):
         file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
         obstacle = _obstacle(file)
         if obstacle:
             file.close()
-            raise OutputError(f"{self.path}: {obstacle}")
+            raise OutputError(f"{self.path}: {obstacle}", id="RUN-007")
         self._file = file
         file.truncate(self._end)
         file.seek(self._end)
@@ -157,10 +157,10 @@ class Journal:
             found = dict(json.loads(head))
         except (ValueError, TypeError, RecursionError) as fault:
             message = f"--resume: {self.path} is not the file of a stopped run; remove it"
-            raise ModelError([Fault("error", message)]) from fault
+            raise ModelError([Fault("error", message, id="RUN-008")]) from fault
         other = [name for name in self.identity if found.get(name) != self.identity[name]]
         if other:
-            raise ModelError([Fault("error", self._refusal(found, other))])
+            raise ModelError([Fault("error", self._refusal(found, other), id="RUN-009")])
 
     def _refusal(self, found, names):
         changes = "; ".join(

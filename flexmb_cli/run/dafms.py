@@ -122,7 +122,7 @@ def _doubts(tree):
     """The choice of an integrator is one of Kane's equations."""
     if tree.integration.method != "dop853":
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
-        yield Fault("warning", message)
+        yield Fault("warning", message, id="RUN-010")
 
 
 def identity_of(deck: Deck, tree: Tree, options: RunOptions) -> dict:

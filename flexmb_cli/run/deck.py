@@ -77,7 +77,7 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     outcome.settings = deck.settings
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
-        raise DeckError([Fault("error", message)])
+        raise DeckError([Fault("error", message, id="RUN-011")])
     return replace(deck, options=_told_options(deck.dialect, options), model=model)
 
 
@@ -103,7 +103,7 @@ def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -
             *others, last = [f"--{name}" for name in names]
             told = f"{', '.join(others)} and {last} are" if others else f"{last} is"
             message = f"{told} for {dialect} decks and {'have' if others else 'has'} no effect here"
-            outcome.faults.append(Fault("warning", message))
+            outcome.faults.append(Fault("warning", message, id="RUN-012"))
 
 
 def _doubly_set(changes):
@@ -114,7 +114,11 @@ def _doubly_set(changes):
         words.setdefault(name, []).append(word)
     for name, given in words.items():
         if len(given) > 1:
-            yield Fault("note", f"--set names {name} {len(given)} times: the last counts, {name}={given[-1]}")
+            yield Fault(
+                "note",
+                f"--set names {name} {len(given)} times: the last counts, {name}={given[-1]}",
+                id="RUN-013",
+            )
 
 
 def paths_of(deck: Deck, options: RunOptions):

@@ -45,7 +45,7 @@ class EnergyDrift:
         """A warning where the energy strays by more than errors of the steps do."""
         if not self.largest > max(WRONG * self.scale, self.lost):
             return ()
-        return (Fault("warning", f"{self}, {STRAYS}{self.reasons}"),)
+        return (Fault("warning", f"{self}, {STRAYS}{self.reasons}", id="RUN-014"),)
 
     def __str__(self):
         return f"total energy drifts by {self.largest:.1e} J, {self.measure} {self.scale:.2g} J"

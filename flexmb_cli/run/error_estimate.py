@@ -24,7 +24,7 @@ def finer(tolerance: float) -> float:
 
 def without_estimate() -> Fault:
     """The warning where nothing can be estimated."""
-    return Fault("warning", GIVEN_STEPS)
+    return Fault("warning", GIVEN_STEPS, id="RUN-015")
 
 
 class ErrorEstimate:

@@ -85,4 +85,4 @@ def _record_fault(outcome, fault, options):
     else:
         outcome.exit_code = INTERNAL_FAULT
         told = f"a fault of flexmb itself: {type(fault).__name__}: {fault}; {_REPORT}"
-    outcome.faults.append(Fault("error", told))
+    outcome.faults.append(Fault("error", told, id="RUN-016"))

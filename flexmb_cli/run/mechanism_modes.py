@@ -121,7 +121,7 @@ def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_
         message = (
             f"--at {wish.time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
         )
-        raise ModelError([Fault("error", message)])
+        raise ModelError([Fault("error", message, id="RUN-017")])
 
     if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
         compilation.interpret()

@@ -83,7 +83,7 @@ def _refuse_kinematics(deck):
             "modes need masses and a free motion: cards behind the last number, from DYNAMICS forward on, "
             "give them"
         )
-        raise ModelError([Fault("error", message)])
+        raise ModelError([Fault("error", message, id="RUN-018")])
 
 
 def _as_dict(body: FlexibleBody) -> dict:

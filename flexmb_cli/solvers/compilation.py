@@ -63,14 +63,14 @@ def compile_unit(unit: str) -> None:
 
     folder = _cache.folder_to_write()
     if folder is None:
-        raise OutputError(NO_FOLDER)
+        raise OutputError(NO_FOLDER, id="SOLVE-001")
     target, digest = _objects.target(), _objects.kernel_digest()
     with _cache.alone(folder, unit):
         if not all(map(_entry.is_ready, UNITS[unit])):  # another process was not quicker
             made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])
             _cache.keep(folder, unit, made[target])
     if _cache.content(unit) is None:
-        raise OutputError(f"{folder}: compiled kernels cannot be written")
+        raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 
 
 def list_compiled() -> Iterator[tuple[str, int, str]]:

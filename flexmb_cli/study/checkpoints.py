@@ -49,7 +49,7 @@ class Parts:
                 message = (
                     f"{self.folder}: the folder is not empty and holds no study; remove it or give --parts"
                 )
-                raise ModelError([Fault("error", message)])
+                raise ModelError([Fault("error", message, id="STUDY-001")])
         return StudyLock(self.folder, study)
 
     def begin(self, fresh: bool) -> bool:
@@ -76,7 +76,7 @@ class Parts:
         """Raises OutputError where this process does not see the study's folder."""
         if self._stored_identity() != self.identity:
             message = "not seen by a worker: removed, or not on a disk that all share (--parts names one)"
-            raise OutputError(f"{self.folder}: {message}")
+            raise OutputError(f"{self.folder}: {message}", id="STUDY-002")
 
     def block(self, number: int, cases: range) -> "Part":
         """The part file of a block of `cases`, locked until it is closed."""
@@ -133,7 +133,7 @@ class Parts:
                 f"{self.folder} holds a stopped study that differs in {', '.join(other)}; "
                 "--fresh throws it away, --parts names another folder"
             )
-            raise ModelError([Fault("error", message)])
+            raise ModelError([Fault("error", message, id="STUDY-003")])
 
 
 class Part:

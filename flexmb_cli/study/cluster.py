@@ -25,8 +25,8 @@ CENSUS = 1.0  # s between two looks for new workers, each a message
 class ClusterError(FlexmbError):
     """The Dask cluster cannot be used (exit 2), or was lost (exit 1)."""
 
-    def __init__(self, message: str, exit_code: int = BAD_INPUT):
-        super().__init__(message)
+    def __init__(self, message: str, exit_code: int = BAD_INPUT, id: str = ""):
+        super().__init__(message, id=id)
         self.exit_code = exit_code
 
 
@@ -41,19 +41,19 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], N
         from distributed.comm.addressing import get_address_host_port
     except ImportError:
         message = "--scheduler needs Dask's `distributed`: pip install 'flexmb[cluster]'"
-        raise ClusterError(message) from None
+        raise ClusterError(message, id="STUDY-004") from None
     try:
         # A Client of an address that is none hangs when it is thrown away.
         get_address_host_port(address)
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as fault:
-        raise ClusterError(f"no Dask scheduler answers at {address}: {fault}") from fault
+        raise ClusterError(f"no Dask scheduler answers at {address}: {fault}", id="STUDY-005") from fault
     with client:
         try:
             _Cluster(client, sweep, advance, address).solve(blocks)
         except (CancelledError, OSError) as fault:
             message = f"the Dask scheduler at {address} was lost: {fault}; the same command goes on"
-            raise ClusterError(message, ANALYSIS_FAILED) from fault
+            raise ClusterError(message, ANALYSIS_FAILED, id="STUDY-006") from fault
 
 
 def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
@@ -63,7 +63,9 @@ def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
     """
     version = dict(job.identity)["version"]
     if version != __version__:
-        raise ClusterError(f"a worker has flexmb {__version__}, this study is solved by {version}")
+        raise ClusterError(
+            f"a worker has flexmb {__version__}, this study is solved by {version}", id="STUDY-007"
+        )
     start = time.perf_counter()
     done = [solve_block(job, block) for block in blocks]
     return done, time.perf_counter() - start
@@ -106,7 +108,7 @@ class _Cluster:
             self.client.wait_for_workers(1, timeout=MUSTER)
         except TimeoutError as fault:
             message = f"no worker has joined the Dask scheduler at {self.address} within {MUSTER} s"
-            raise ClusterError(message) from fault
+            raise ClusterError(message, id="STUDY-008") from fault
 
     def _hand_out(self):
         if self.struck:
@@ -145,7 +147,9 @@ class _Cluster:
         except KilledWorker:
             self._give_again(share)
         except ImportError as fault:
-            raise ClusterError(f"the workers of {self.address} need flexmb installed: {fault}") from fault
+            raise ClusterError(
+                f"the workers of {self.address} need flexmb installed: {fault}", id="STUDY-009"
+            ) from fault
         else:
             self.seconds = max(seconds, 1e-6) / len(share)
             for block in done:

@@ -42,7 +42,8 @@ class StudyLock:
             self._file.close()
             raise OutputError(
                 f"{study}: another sweep is writing this study, its cases are in {self.folder}; wait until "
-                "it ends or stop it, or have it solved elsewhere (-o and --parts name other places)"
+                "it ends or stop it, or have it solved elsewhere (-o and --parts name other places)",
+                id="STUDY-010",
             )
         return self._stands()
 

@@ -42,7 +42,7 @@ def _table(source):
         found = _SYNTAX.match(str(fault))
         place = Place(int(found[2]), int(found[3])) if found else None
         message = f"not TOML: {found[1] if found else fault}"
-        raise DeckError([Fault("error", message, place)]) from None
+        raise DeckError([Fault("error", message, place, id="STUDY-011")]) from None
 
 
 def _refuse_deep_names(source):
@@ -50,7 +50,7 @@ def _refuse_deep_names(source):
     for number, line in enumerate(source.lines, 1):
         if line.count(".") > DEEPEST_NAME and any(map(_is_deep, _BETWEEN_NAMES.split(line))):
             message = f"a name of more than {DEEPEST_NAME} parts belongs to no study"
-            raise DeckError([Fault("error", message, Place(number, 1))])
+            raise DeckError([Fault("error", message, Place(number, 1), id="STUDY-012")])
 
 
 def _is_deep(piece):
@@ -177,7 +177,7 @@ class _Reader:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
 
     def _fault(self, name, message):
-        self.faults.append(Fault("error", message, self._place(name), name))
+        self.faults.append(Fault("error", message, self._place(name), name, id="STUDY-013"))
 
     def _place(self, name) -> Place | None:
         """Where the name stands as a key, at best of the table being read."""

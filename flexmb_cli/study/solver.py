@@ -67,7 +67,10 @@ class CaseSolver:
         unknown = [item for item in self.study.parameters if item.name not in self._settable]
         if unknown:
             raise DeckError(
-                [Fault("error", self._settable.unknown(item.name), item.place) for item in unknown]
+                [
+                    Fault("error", self._settable.unknown(item.name), item.place, id="STUDY-014")
+                    for item in unknown
+                ]
             )
 
     def _solution(self, deck) -> Solution:
@@ -114,7 +117,7 @@ class CaseSolver:
                 f"the case has {solution.rows} report times, the study's deck {self.rows}; "
                 "vary no times where series are kept"
             )
-            raise DeckError([Fault("error", message)])
+            raise DeckError([Fault("error", message, id="STUDY-015")])
 
 
 def _told(fault):
@@ -151,7 +154,7 @@ def _one(result, item, faults) -> Quantity | None:
     except ResultError as failure:
         message = str(failure).removesuffix(SHOWS_ALL)
     if message:
-        faults.append(Fault("error", message, item.place, f"result {item.name}"))
+        faults.append(Fault("error", message, item.place, f"result {item.name}", id="STUDY-016"))
         return None
     return found[0]
 

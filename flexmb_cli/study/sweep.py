@@ -162,7 +162,9 @@ def _study_text(path) -> DeckText:
     with told_at(path, text.lines):
         if text.warnings:
             place = text.warnings[0].place
-            raise DeckError([Fault("error", "the study is not UTF-8, which TOML has to be", place)])
+            raise DeckError(
+                [Fault("error", "the study is not UTF-8, which TOML has to be", place, id="STUDY-017")]
+            )
     return text
 
 
@@ -171,7 +173,9 @@ def _readable_deck(path, study) -> DeckText:
     with told_at(path):
         if os.path.exists(path) and not os.path.isfile(path):
             # A pipe would be waited for: the study, which may be a stranger's, chose the name.
-            raise DeckError([Fault("error", "is no regular file, but a folder, a pipe or a device")])
+            raise DeckError(
+                [Fault("error", "is no regular file, but a folder, a pipe or a device", id="STUDY-018")]
+            )
         text = read_text(path)
     with told_at(path, text.lines):
         try:

@@ -156,7 +156,7 @@ def _pyarrow():
         import pyarrow.parquet
     except ImportError:
         message = "a Parquet table needs pyarrow: pip install 'flexmb[parquet]', or name a table .h5"
-        raise MissingParquet(message) from None
+        raise MissingParquet(message, id="STUDY-019") from None
     return pyarrow
 
 

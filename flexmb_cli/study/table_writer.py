@@ -61,7 +61,7 @@ def _every_case(sweep):
         elif not missing:
             yield from found
     if missing:
-        raise OutputError(_told(missing, sweep.job), ANALYSIS_FAILED)
+        raise OutputError(_told(missing, sweep.job), ANALYSIS_FAILED, id="STUDY-020")
 
 
 def _add(ranges, cases):

@@ -72,7 +72,7 @@ def open_study(path) -> Iterator[h5py.File]:
             check_structure(file)
             yield file
     except Damaged as fault:
-        raise ResultError(path, f"a damaged table: {fault}") from fault
+        raise ResultError(path, f"a damaged table: {fault}", id="STUDY-021") from fault
 
 
 def study_columns(table: h5py.File) -> list[StudyColumn]:
@@ -88,7 +88,7 @@ def _column(table, path):
     unit, long_name = attribute(dataset, "units"), attribute(dataset, "long_name")
     if len(dataset) != len(table[CASE]):
         counts = f"{len(dataset)} rows and /case {len(table[CASE])}"
-        raise ResultError(table.filename, f"a damaged table: /{path} has {counts}")
+        raise ResultError(table.filename, f"a damaged table: /{path} has {counts}", id="STUDY-022")
     return StudyColumn(path, unit, long_name, dataset.shape[1] if dataset.ndim > 1 else 0)
 
 
@@ -104,7 +104,7 @@ def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str], file
     for pattern in patterns:
         named = [column for column in columns if column.is_called(pattern)]
         if not named:
-            raise ResultError(file, _unknown(columns, pattern))
+            raise ResultError(file, _unknown(columns, pattern), id="STUDY-023")
         found.update(dict.fromkeys(named))
     return list(found)
 

@@ -90,7 +90,7 @@ class _Work:
 
     def _do_with_fewer(self, reason):
         if not self.given:
-            raise WorkersError(f"no process can be started: {reason}; -j 1 needs none")
+            raise WorkersError(f"no process can be started: {reason}; -j 1 needs none", id="STUDY-024")
         self.jobs = len(self.given)
 
     def _give(self, worker, block):
@@ -123,7 +123,8 @@ class _Work:
         if self.barren == MOST_DEATHS:
             raise WorkersError(
                 f"the processes that should solve cases ended {MOST_DEATHS} times before they began one: "
-                "killed from outside, or out of memory; fewer of them (-j) or none (-j 1) may do"
+                "killed from outside, or out of memory; fewer of them (-j) or none (-j 1) may do",
+                id="STUDY-025",
             )
 
     def _take_back(self, worker):

@@ -135,7 +135,7 @@ class _Work:
 
 
 def _failed(deck, told):
-    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", told)])
+    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", told, id="CLI-008")])
 
 
 def _serve(line, options):

@@ -33,18 +33,28 @@ class Beam:
     def __post_init__(self):
         """Refuse what is no beam."""
         faults = [
-            Fault("error", f"{name} must be above zero, read {value:g}", None, "beam")
+            Fault("error", f"{name} must be above zero, read {value:g}", None, "beam", id="DAFMS-001")
             for name, value in self._positive()
             if not 0 < value < float("inf")
         ]
         if not 0 <= self.tip_mass < float("inf") or not abs(self.offset) < float("inf"):
             faults.append(
-                Fault("error", "offset and tip mass must be finite, the mass not negative", None, "beam")
+                Fault(
+                    "error",
+                    "offset and tip mass must be finite, the mass not negative",
+                    None,
+                    "beam",
+                    id="DAFMS-002",
+                )
             )
         if self.EI_1 is not None and self.EA is None:
             faults.append(
                 Fault(
-                    "error", "deflection along axis 1 needs EA: nodes have axes 3, 2-3 or 1-3", None, "beam"
+                    "error",
+                    "deflection along axis 1 needs EA: nodes have axes 3, 2-3 or 1-3",
+                    None,
+                    "beam",
+                    id="DAFMS-003",
                 )
             )
         if faults:

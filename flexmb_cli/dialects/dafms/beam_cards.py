@@ -21,9 +21,15 @@ def beam_block(beam: Beam, dimension: int = 2) -> str:
     addresses, packed = full_columns(beam.stiffness)
     if addresses[-1] > _LARGEST_ADDRESS:
         message = f"{len(addresses)} elastic coordinates: skyline addresses end at {_LARGEST_ADDRESS} (I5)"
-        raise DeckError([Fault("error", message, None, "beam")])
+        raise DeckError([Fault("error", message, None, "beam", id="DAFMS-004")])
     if not np.isfinite(packed).all():
-        raise DeckError([Fault("error", "the stiffness of an element is too large a number", None, "beam")])
+        raise DeckError(
+            [
+                Fault(
+                    "error", "the stiffness of an element is too large a number", None, "beam", id="DAFMS-005"
+                )
+            ]
+        )
     before = [0.0] * (dimension - 2)
     nodes = range(1, beam.nodes + 1)
     zero = [0.0] * dimension
@@ -81,10 +87,10 @@ def with_beam(deck: Deck, body: int, beam: Beam) -> str:
     counts = deck.section("counts")
     if not 1 <= body < len(counts):
         message = f"body {body}: the deck has bodies 1 to {len(counts) - 1}"
-        raise DeckError([Fault("error", message, None, "beam")])
+        raise DeckError([Fault("error", message, None, "beam", id="DAFMS-006")])
     if 1 in beam.axes and counts[0]["NDM"] == 2:
         message = "deflection along axis 1 needs a deck with NDM = 3"
-        raise DeckError([Fault("error", message, counts[0].at("NDM").place, "beam")])
+        raise DeckError([Fault("error", message, counts[0].at("NDM").place, "beam", id="DAFMS-007")])
     lines = list(deck.source.lines)
     replaced = _replacements(deck, body, beam)
     for first, last, text in sorted(replaced, key=lambda item: item[0], reverse=True):

@@ -32,7 +32,7 @@ def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
         message = (
             f"card '{card}' is missing: it stands before 'END ', with a record for each of {count} bodies"
         )
-        findings.error("", message, _cards_begin(values))
+        findings.error("", message, _cards_begin(values), id="DAFMS-008")
     if missing:
         return ()
     return tuple(_body(values, k, findings) for k in range(1, count + 1))
@@ -52,12 +52,16 @@ def _body(values, k, findings):
     centre = values.values("mass_centre", k, _ZERO)
     if elastic is not None and any(centre):
         place = values.place("mass_centre", k)
-        findings.warn(name, "RC is not used: the nodes of a flexible body say where its mass is", place)
+        findings.warn(
+            name, "RC is not used: the nodes of a flexible body say where its mass is", place, id="DAFMS-009"
+        )
         centre = _ZERO
     torque = values.values("torque", k, _ZERO)
     if any(values.values("pulse", k, (0,))[:1]) and torque[0]:
         place = values.place("torque", k)
-        findings.warn(name, f"HM1 = {torque[0]} of TOQU is replaced by the pulse of DESN", place)
+        findings.warn(
+            name, f"HM1 = {torque[0]} of TOQU is replaced by the pulse of DESN", place, id="DAFMS-010"
+        )
         torque = (0.0, *torque[1:])
     return Body(
         name,
@@ -77,14 +81,14 @@ def _warn_of_unused_cards(values, k, findings):
         asked = values.values(section, k, (0,))
         if any(asked if card == "ELDA" else asked[:1]):
             message = f"{card} is not used: the body is rigid, NUMNP = 0"
-            findings.warn(f"body {k}", message, values.place(section, k))
+            findings.warn(f"body {k}", message, values.place(section, k), id="DAFMS-011")
 
 
 def _mass(values, k, elastic, findings):
     number = values.number("mass", k, "BM")
     mass, name = number.value, f"body {k}"
     if mass < 0:
-        findings.error(name, f"BM = {mass}: a mass is not negative", number.place)
+        findings.error(name, f"BM = {mass}: a mass is not negative", number.place, id="DAFMS-012")
     if elastic is None:
         return mass
     nodes = float(np.sum(elastic.masses))
@@ -94,6 +98,7 @@ def _mass(values, k, elastic, findings):
             f"BM = {mass} kg is less than the {nodes:.6g} kg of its nodes: BM is the mass of the whole body, "
             "nodes included",
             number.place,
+            id="DAFMS-013",
         )
     return max(mass, nodes)
 
@@ -103,7 +108,7 @@ def _inertia(values, k, findings):
     for number in moments:
         if number.value < 0:
             message = f"{number.key} = {number.value}: a moment of inertia is not negative"
-            findings.error(f"body {k}", message, number.place)
+            findings.error(f"body {k}", message, number.place, id="DAFMS-014")
     products = values.values("product", k, _ZERO)
     inertia = np.diag([float(number.value) for number in moments])
     for (i, j), product in zip(((0, 1), (0, 2), (1, 2)), products, strict=True):
@@ -115,6 +120,7 @@ def _inertia(values, k, findings):
             f"PROD and INER give a principal moment of inertia of {lowest:.4g} kg m^2, and no mass has a "
             "negative one: both are about O_k, I12 is -∫ x1 x2 dm",
             values.place("product", k),
+            id="DAFMS-015",
         )
     return inertia
 
@@ -125,7 +131,7 @@ def _elasticity(values, k, findings):
     size = nodes * len(axes)
     if size > LARGEST_BODY:
         message = f"{size} elastic coordinates, more than {LARGEST_BODY}: condense the body first"
-        findings.error(f"body {k}", message, values.number("counts", k, "NUMNP").place)
+        findings.error(f"body {k}", message, values.number("counts", k, "NUMNP").place, id="DAFMS-016")
         return None
     masses = _nodal_masses(values, k, findings)
     stiffness = _stiffness(values, k, findings, axes)
@@ -152,6 +158,7 @@ def _stiffened_from(values, k, positions, findings):
             f"IGS = {asked}: geometric stiffening is that of a straight beam: its nodes have to lie apart on "
             f"one line from O_k, all farther out than the clamped end, RA = {root:g} m",
             values.place("stiffening", k),
+            id="DAFMS-017",
         )
         return None
     return root
@@ -171,7 +178,7 @@ def _nodal_masses(values, k, findings):
     for number in numbers:
         if number.value <= 0:
             message = f"{number.key} = {number.value}: every node needs a mass above zero"
-            findings.error(f"body {k}", message, number.place)
+            findings.error(f"body {k}", message, number.place, id="DAFMS-018")
     return np.array([number.value for number in numbers], float)
 
 
@@ -195,6 +202,7 @@ def _check_definite(matrix, values, k, findings, axes):
             f"{node}, axis {axis}): BKP is the matrix of the body clamped at O_k, upper triangle by columns, "
             "each from its first row down to the diagonal",
             values.record("bkp", k).numbers[jdi - 1].place,
+            id="DAFMS-019",
         )
 
 
@@ -203,7 +211,7 @@ def _damping(values, k, masses, stiffness, findings):
     alpha, beta = values.values("elastic_damping", k, (0.0, 0.0))
     if alpha < 0 or beta < 0:
         message = f"ALPHA = {alpha}, BETA = {beta}: negative damping feeds energy in"
-        findings.error(f"body {k}", message, values.place("elastic_damping", k))
+        findings.error(f"body {k}", message, values.place("elastic_damping", k), id="DAFMS-020")
     if not (alpha or beta):
         return None
     freedoms = len(stiffness) // len(masses)

@@ -62,10 +62,15 @@ def _stop_at_errors(deck, findings):
 def _check_magnitudes(deck, findings):
     for name, number in deck.numbers():
         if not abs(number.value) <= LARGEST:
-            findings.error(name, f"{number.value:g} is too large: numbers end at {LARGEST:g}", number.place)
+            findings.error(
+                name,
+                f"{number.value:g} is too large: numbers end at {LARGEST:g}",
+                number.place,
+                id="DAFMS-021",
+            )
 
 
 def _check_freedom(tree, values, findings):
     if not tree.coordinates:
         message = "no hinge is free and no body is flexible: nothing can move"
-        findings.error("counts", message, values.place("counts"))
+        findings.error("counts", message, values.place("counts"), id="DAFMS-022")

@@ -46,7 +46,7 @@ def faults_of_fields(record: Record) -> list[Fault]:
         message = f"{value.key} must fit {width} columns; read {value.text}"
         if not isinstance(value.value, int):
             message += f"; the nearest that fits is {filled(value.value, width)}"
-        faults.append(Fault("error", message, value.place, record.subject))
+        faults.append(Fault("error", message, value.place, record.subject, id="DAFMS-023"))
     return faults
 
 

@@ -39,7 +39,9 @@ def faults_of(records: Sequence[Record], complete: bool) -> list[Fault]:
 def _faults_of_size(record):
     size = record["NUMNP"] * record["NDF"]
     message = f"{size} elastic coordinates, at most {MOST_TYPED} are asked for: `flexmb beam --into`"
-    return [Fault("error", message, record.place, record.subject)] if size > MOST_TYPED else []
+    return (
+        [Fault("error", message, record.place, record.subject, id="DAFMS-024")] if size > MOST_TYPED else []
+    )
 
 
 def _faults_of_node(records, record):
@@ -49,13 +51,13 @@ def _faults_of_node(records, record):
     kind = by_prefix[f"body.{body.value}"]["kind"]
     if kind == "RIGID":
         message = f"K = {body.value} is no flexible body"
-        return [Fault("error", message, body.place, record.subject)]
+        return [Fault("error", message, body.place, record.subject, id="DAFMS-025")]
     block = by_prefix[f"beam.{body.value}"] if kind == "BEAM" else by_prefix[f"elastic.{body.value}"]
     most = block["nodes"] if kind == "BEAM" else block["NUMNP"]
     if not node or 1 <= node[0].value <= most:
         return []
     message = f"I must be within 1..{most}; read {node[0].text}"
-    return [Fault("error", message, node[0].place, record.subject)]
+    return [Fault("error", message, node[0].place, record.subject, id="DAFMS-026")]
 
 
 def _faults_of_time(before, record):
@@ -67,12 +69,14 @@ def _faults_of_time(before, record):
         return []
     time = record.at("t")
     message = f"t must not be before that of the point above, {before.at('t').text}; read {time.text}"
-    return [Fault("error", message, time.place, record.subject)]
+    return [Fault("error", message, time.place, record.subject, id="DAFMS-027")]
 
 
 def _faults_of_title(record):
     message = f"the heading card has room for 75 characters; read {len(record['text'])}"
-    return [Fault("error", message, record.place, "title")] if len(record["text"]) > 75 else []
+    return (
+        [Fault("error", message, record.place, "title", id="DAFMS-028")] if len(record["text"]) > 75 else []
+    )
 
 
 def _outside(records, record, value):
@@ -80,7 +84,7 @@ def _outside(records, record, value):
     if least is None or least <= value.value <= most:
         return []
     message = f"{value.key} must be within {least}..{most}; read {value.text}"
-    return [Fault("error", message, value.place, record.subject)]
+    return [Fault("error", message, value.place, record.subject, id="DAFMS-029")]
 
 
 def _range(records, record, key):
@@ -109,10 +113,13 @@ def _faults_of_beam(record, dimension):
     try:
         beam: Beam = beam_of({n.key: n.value if n.text else None for n in record.numbers})
     except DeckError as failure:
-        return [Fault("error", fault.message, record.place, record.subject) for fault in failure.faults]
+        return [
+            Fault("error", fault.message, record.place, record.subject, id="DAFMS-030")
+            for fault in failure.faults
+        ]
     message = ""
     if 1 in beam.axes and dimension == 2:
         message = "deflection along axis 1 needs a deck with NDM = 3"
     elif beam.nodes * len(beam.axes) > MOST_OF_BEAM:
         message = f"more than {MOST_OF_BEAM} elastic coordinates: their skyline addresses do not fit I5"
-    return [Fault("error", message, record.place, record.subject)] if message else []
+    return [Fault("error", message, record.place, record.subject, id="DAFMS-031")] if message else []

@@ -20,7 +20,7 @@ def build_hinges(values: DeckValues, bodies: tuple[Body, ...], findings: Finding
     """The hinge of every body, in order; faults go to `findings`."""
     if len(bodies) > 1 and not values.section("parent"):
         message = "card 'CONN' is missing: every body hangs on the inertial frame"
-        findings.warn("", message, values.place("counts"))
+        findings.warn("", message, values.place("counts"), id="DAFMS-032")
     parents = [_parent(values, k, findings) for k in range(1, len(bodies) + 1)]
     return tuple(_hinge(values, bodies, parents, k, findings) for k in range(1, len(bodies) + 1))
 
@@ -33,7 +33,7 @@ def _parent(values, k, findings):
     if not 0 <= number.value < k:
         allowed = "0, the inertial frame" if k == 1 else f"0 (inertial frame) to {k - 1}"
         message = f"L = {number.value}: parents are numbered below their children, here {allowed}"
-        findings.error(f"body {k}", message, number.place)
+        findings.error(f"body {k}", message, number.place, id="DAFMS-033")
         return INERTIAL
     return number.value - 1
 
@@ -74,7 +74,7 @@ def _node(values, bodies, parent, k, point, findings):
         return None
     if not 1 <= stated <= len(positions):
         message = f"NP = {stated} is no node of body {parent + 1}, which has {len(positions)}"
-        findings.error(f"hinge of body {k}", message, own.place)
+        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")
         return None
     if not _same_point(positions[stated - 1], point):
         _report_other_point(values, positions[stated - 1], stated, parent, k, point, findings)
@@ -87,7 +87,7 @@ def _note_unused_node(own, parent, k, findings):
         message = (
             f"NP = {own.at('NP').value} is not used: body {parent + 1} is rigid, and Q(k) says where P_k is"
         )
-        findings.note(f"hinge of body {k}", message, own.at("NP").place)
+        findings.note(f"hinge of body {k}", message, own.at("NP").place, id="DAFMS-035")
 
 
 def _same_point(node, point):
@@ -105,7 +105,7 @@ def _node_of_parents_record(values, parent, positions, point, k, findings):
         f"NP is 0; node {stated} of body {parent + 1} is taken from record {parent + 1} of NOFP, where the "
         f"1992 listing looks: write {stated} in record {k} too"
     )
-    findings.warn(f"hinge of body {k}", message, values.place("hinge_node", k))
+    findings.warn(f"hinge of body {k}", message, values.place("hinge_node", k), id="DAFMS-036")
     return stated
 
 
@@ -115,7 +115,12 @@ def _warn_of_rigid_attachment(values, bodies, parent, k, point, findings):
             f"Q(k) is a point of flexible body {parent + 1} but NP names no node: "
             "the hinge does not follow the body's elastic motion"
         )
-        findings.warn(f"hinge of body {k}", message, values.place("hinge_node", k) or bodies[k - 1].place)
+        findings.warn(
+            f"hinge of body {k}",
+            message,
+            values.place("hinge_node", k) or bodies[k - 1].place,
+            id="DAFMS-037",
+        )
 
 
 def _report_other_point(values, node, stated, parent, k, point, findings):
@@ -124,7 +129,7 @@ def _report_other_point(values, node, stated, parent, k, point, findings):
         f"Q(k) = {_triple(point)} is not where node {stated} of body {parent + 1} lies, {_triple(node)}; "
         f"NP of record {k} is the node of the parent at which this hinge sits"
     )
-    findings.error(f"hinge of body {k}", message, place)
+    findings.error(f"hinge of body {k}", message, place, id="DAFMS-038")
 
 
 def _triple(vector):
@@ -140,14 +145,14 @@ def _attitude(values, section, card, k, findings):
     length = math.hypot(e1, e2, e3, e4)
     if length == 0:
         message = "four zeros are no attitude; not turned is 0.0 0.0 0.0 1.0, the scalar last"
-        findings.error(f"{card} of body {k}", message, record.place)
+        findings.error(f"{card} of body {k}", message, record.place, id="DAFMS-039")
         return UNTURNED
     if abs(length - 1) > _LENGTH:
         message = f"the Euler parameters have length {length:.6g}, not 1; they are normalised"
-        findings.warn(f"{card} of body {k}", message, record.place)
+        findings.warn(f"{card} of body {k}", message, record.place, id="DAFMS-040")
     elif (abs(e1), e2, e3, e4) == (1.0, 0.0, 0.0, 0.0):
         message = "1.0 0.0 0.0 0.0 is half a turn about axis 1: the scalar e4 stands last"
-        findings.note(f"{card} of body {k}", message, record.place)
+        findings.note(f"{card} of body {k}", message, record.place, id="DAFMS-041")
     return tuple(float(e) / length for e in (e4, e1, e2, e3))
 
 

@@ -108,7 +108,13 @@ def _fault(number, line, start, tag):
     wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
     read = line[start:].strip()
     column = start + 1 + len(line[start:]) - len(line[start:].lstrip())
-    return Fault("error", f"{wanted}, read {read!r}", Place(number, column, max(1, len(read))), tag.name)
+    return Fault(
+        "error",
+        f"{wanted}, read {read!r}",
+        Place(number, column, max(1, len(read))),
+        tag.name,
+        id="DAFMS-042",
+    )
 
 
 # FORMAT(2F12.7,5E15.6) of CDGEAR; Y holds the NS speeds, then the NS coordinates.
@@ -179,7 +185,7 @@ def _one_by_one(name, lines, rows):
             sentence = (
                 f"{width or 'some'} numbers under FORMAT(2F12.7,5E15.6) are expected, read {line.strip()!r}"
             )
-            faults.append(Fault("error", sentence, Place(row + 1, 1, max(1, len(line)))))
+            faults.append(Fault("error", sentence, Place(row + 1, 1, max(1, len(line))), id="DAFMS-075"))
         else:
             found.append([value_of(word) for word in words])
     if faults:

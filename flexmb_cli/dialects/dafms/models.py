@@ -59,7 +59,7 @@ def only_model(source: DeckText, model: int) -> DeckText:
     starts = model_starts(lines)
     if not 1 <= model <= len(starts):
         message = f"there is no model {model}: the deck holds {len(starts) or 'none'}"
-        raise DeckError([Fault("error", message)])
+        raise DeckError([Fault("error", message, id="DAFMS-043")])
     last = next((k for k in range(starts[-1], len(lines)) if lines[k].startswith(STOP)), len(lines))
     ends = [*starts[1:], last]
     own = range(starts[model - 1], ends[model - 1])
@@ -79,6 +79,8 @@ def changes_of(changes: tuple[str, ...], source: DeckText, model: int) -> list[s
     strange = [change for change, found in named if found and int(found[1]) > count]
     if strange:
         holds = "one model" if count == 1 else f"{count} models"
-        raise DeckError([Fault("error", f"--set {change}: the deck holds {holds}") for change in strange])
+        raise DeckError(
+            [Fault("error", f"--set {change}: the deck holds {holds}", id="DAFMS-044") for change in strange]
+        )
     own = max(model, 1)
     return [found[2] if found else change for change, found in named if not found or int(found[1]) == own]

@@ -27,14 +27,20 @@ def build_time(values: DeckValues, findings: Findings) -> TimeGrid:
     """IT output intervals of length H, from t = 0."""
     steps, step = values.number("time", 0, "IT"), values.number("time", 0, "H")
     if steps.value < 1:
-        findings.error("time", f"IT = {steps.value} integration steps, need at least 1", steps.place)
+        findings.error(
+            "time", f"IT = {steps.value} integration steps, need at least 1", steps.place, id="DAFMS-045"
+        )
     if steps.value >= MOST_ROWS:
-        findings.error("time", f"IT = {steps.value}: more than {MOST_ROWS} report times", steps.place)
+        findings.error(
+            "time", f"IT = {steps.value}: more than {MOST_ROWS} report times", steps.place, id="DAFMS-046"
+        )
     if not step.value > 0 or not math.isfinite(step.value):
         message = f"H = {step.value} s: the length of a step must be above zero"
-        findings.error("time", message, step.place)
+        findings.error("time", message, step.place, id="DAFMS-047")
     elif fault := unsteppable(steps.value * step.value, step.value):
-        findings.error("time", f"H = {step.value:g} s, IT = {steps.value}: {fault}", step.place)
+        findings.error(
+            "time", f"H = {step.value:g} s, IT = {steps.value}: {fault}", step.place, id="DAFMS-048"
+        )
     return TimeGrid(0.0, steps.value * step.value, step.value, steps.place)
 
 
@@ -43,13 +49,15 @@ def build_integration(values: DeckValues, findings: Findings) -> Integration:
     rtol, atol = values.values("tolerance", 0, (0.0, 0.0))
     if rtol < 0 or atol < 0 or rtol >= 1:
         message = f"RTOL = {rtol}, ATOL = {atol}: tolerances lie above 0, RTOL below 1"
-        findings.error("TOLR", message, values.place("tolerance"))
+        findings.error("TOLR", message, values.place("tolerance"), id="DAFMS-049")
     elif rtol and (fault := too_fine(rtol)):
-        findings.error("TOLR", f"RTOL: {fault}", values.place("tolerance"))
+        findings.error("TOLR", f"RTOL: {fault}", values.place("tolerance"), id="DAFMS-050")
     (method,) = values.values("method", 0, (1,))
     if not 1 <= method <= len(METHODS):
         choice = ", ".join(f"{i} {name}" for i, name in enumerate(METHODS, 1))
-        findings.error("METH", f"METH = {method} is no integrator: {choice}", values.place("method"))
+        findings.error(
+            "METH", f"METH = {method} is no integrator: {choice}", values.place("method"), id="DAFMS-051"
+        )
         return Integration()
     relative, absolute = default_tolerances(METHODS[method - 1])
     return Integration(METHODS[method - 1], rtol or relative, atol or absolute)
@@ -75,11 +83,11 @@ def _where(drive):
 def _check_first_coordinates(values, q, findings):
     if not values.section("speed"):
         message = "card 'Y(L)' is missing: the motion starts at rest from zero coordinates"
-        findings.warn("", message, values.place("counts"))
+        findings.warn("", message, values.place("counts"), id="DAFMS-052")
     for m, record in enumerate(values.section("first_coordinate")):
         if abs(record["X"] - q[m]) > 1.1e-5 and not _is_set(values, m):
             message = f"X({m + 1}) = {record['X']} is not used: Y(L) gives {q[m]} for this coordinate"
-            findings.warn("X(L)", message, record.place)
+            findings.warn("X(L)", message, record.place, id="DAFMS-053")
             return
 
 
@@ -93,7 +101,7 @@ def _set_driven(values, state, m, drive, name, findings):
     for vector, section, wanted in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
         if vector[m] and abs(vector[m] - wanted) > 1.1e-5 + 1e-6 * abs(wanted):
             message = f"{section} {m + 1} ({name}) is {vector[m]} in Y(L), but PRES starts it at {wanted}"
-            findings.warn("Y(L)", message, values.place(section, m + 1))
+            findings.warn("Y(L)", message, values.place(section, m + 1), id="DAFMS-054")
         vector[m] = wanted
 
 
@@ -110,7 +118,7 @@ def _check_angles(values, coordinates, hinges, q, findings):
         echo = _quadruple(c.axis, q[m])
         if abs(np.dot(echo, hinge.attitude)) < math.cos(_ANGLE / 2):
             message = f"EULT is not used: the angle {q[m]} rad in Y(L) rules (coordinate {m + 1})"
-            findings.warn(f"body {c.body + 1}", message, values.place("attitude", c.body + 1))
+            findings.warn(f"body {c.body + 1}", message, values.place("attitude", c.body + 1), id="DAFMS-055")
 
 
 def _quadruple(axis, angle):

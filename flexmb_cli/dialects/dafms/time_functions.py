@@ -44,7 +44,7 @@ def _dampers(hinged, findings):
     for record, where in hinged.entries("damper"):
         if record["CS"] < 0:
             message = f"CS = {record['CS']}: a negative damper feeds energy in"
-            findings.warn(record.subject, message, record.at("CS").place)
+            findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
         dampers.append(Spring(*where, damping=record["CS"], place=record.place))
     return dampers
 
@@ -68,22 +68,22 @@ class _HingeCards:
         body, freedom = record.at("K"), record.at("A")
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
-            self.findings.error(record.subject, message, body.place)
+            self.findings.error(record.subject, message, body.place, id="DAFMS-057")
             return None
         if not 1 <= freedom.value <= 6:
             message = f"A = {freedom.value}: 1-3 are rotations, 4-6 translations of a hinge"
-            self.findings.error(record.subject, message, freedom.place)
+            self.findings.error(record.subject, message, freedom.place, id="DAFMS-058")
             return None
         motion, axis = (ROTATION, freedom.value) if freedom.value <= 3 else (TRANSLATION, freedom.value - 3)
         hinge = self.hinges[body.value - 1]
         free = hinge.rotations if motion == ROTATION else hinge.translations
         if axis not in free:
             message = f"A = {freedom.value}: {motion} {axis} of the hinge of body {body.value} is not free"
-            self.findings.error(record.subject, message, freedom.place)
+            self.findings.error(record.subject, message, freedom.place, id="DAFMS-059")
             return None
         if motion == ROTATION and len(free) == 3 and record.section in ("spring", "prescribed"):
             message = f"the hinge of body {body.value} has three free rotations: none of them is an angle"
-            self.findings.error(record.subject, message, body.place)
+            self.findings.error(record.subject, message, body.place, id="DAFMS-060")
             return None
         return body.value - 1, motion, axis
 
@@ -94,7 +94,7 @@ def _table(record, findings):
     for before, number in pairwise(times):
         if number.value < before.value:
             message = f"{number.key} = {number.value} lies before {before.key} = {before.value}"
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="DAFMS-061")
     return Table(tuple(t.value for t in times), tuple(f.value for f in efforts))
 
 
@@ -104,7 +104,7 @@ def _check_drives(drives, findings):
         where = (drive.body, drive.motion, drive.axis)
         if where in seen:
             message = f"{drive.motion} {drive.axis} of the hinge of body {drive.body + 1} is prescribed twice"
-            findings.error("PRES", message, drive.place)
+            findings.error("PRES", message, drive.place, id="DAFMS-062")
         seen.add(where)
 
 
@@ -116,15 +116,15 @@ def _check_rotations(values, bodies, findings):
         elastic = bodies[record["K"] - 1].elastic if 1 <= record["K"] <= len(bodies) else None
         if elastic is None or 3 * elastic.coordinates != len(record.numbers) - 2:
             message = f"K = {record['K']}: this is not the body whose rotations are given"
-            findings.error(record.subject, message, record.place)
+            findings.error(record.subject, message, record.place, id="DAFMS-063")
             continue
         count = len(elastic.masses)
         if not 1 <= node.value <= count:
             message = f"I = {node.value}: body {record['K']} has nodes 1 to {count}"
-            findings.error(record.subject, message, node.place)
+            findings.error(record.subject, message, node.place, id="DAFMS-064")
         if where in seen:
             message = f"node {where[1]} of body {where[0]} is given twice, first on line {seen[where]}"
-            findings.error(record.subject, message, node.place)
+            findings.error(record.subject, message, node.place, id="DAFMS-065")
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
@@ -138,10 +138,10 @@ def _pulses(values, bodies, findings):
         record = values.record("pulse", k)
         if law != 1:
             message = f"IDS = {law}: only law 1, the pulse, is known; it is taken, as DAFMS does"
-            findings.warn(f"DESN of body {k}", message, record.place)
+            findings.warn(f"DESN of body {k}", message, record.place, id="DAFMS-066")
         if length <= 0:
             message = f"TIME = {length}: the pulse must last longer than zero"
-            findings.error(f"DESN of body {k}", message, record.at("TIME").place)
+            findings.error(f"DESN of body {k}", message, record.at("TIME").place, id="DAFMS-067")
             continue
         torques.append(BodyTorque(k - 1, 1, pulse(height, length), record.place))
     return torques
@@ -153,10 +153,10 @@ def _torque_tables(values, bodies, findings):
         body, axis = record.at("K"), record.at("A")
         if not 1 <= body.value <= len(bodies):
             message = f"K = {body.value}: there are bodies 1 to {len(bodies)}"
-            findings.error(record.subject, message, body.place)
+            findings.error(record.subject, message, body.place, id="DAFMS-068")
         elif axis.value not in (1, 2, 3):
             message = f"A = {axis.value}: the torque acts about inertial axis 1, 2 or 3"
-            findings.error(record.subject, message, axis.place)
+            findings.error(record.subject, message, axis.place, id="DAFMS-069")
         else:
             torques.append(BodyTorque(body.value - 1, axis.value, _table(record, findings), record.place))
     return torques
@@ -174,15 +174,17 @@ def _closure(record, bodies, findings):
         if not least <= number.value <= len(bodies):
             message = f"{number.key} = {number.value}: there are bodies {least} to {len(bodies)}"
             message += "; the inertial frame goes second, as KB = 0" if number.value == 0 else ""
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="DAFMS-070")
     if first.value == second.value:
         message = f"KA = KB = {first.value}: a closure joins two bodies"
-        findings.error(record.subject, message, second.place)
+        findings.error(record.subject, message, second.place, id="DAFMS-071")
     if len(findings.faults) > before:
         return None
     directions = tuple(axis for axis in (1, 2, 3) if _flag(record, axis, findings))
     if not directions and len(findings.faults) == before:
-        findings.error(record.subject, "C1, C2, C3 are all 0: nothing is closed", record.at("C1").place)
+        findings.error(
+            record.subject, "C1, C2, C3 are all 0: nothing is closed", record.at("C1").place, id="DAFMS-072"
+        )
     return Closure(
         record.subject,
         first.value - 1,
@@ -199,7 +201,12 @@ def _closure(record, bodies, findings):
 def _flag(record, axis, findings):
     number = record.at(f"C{axis}")
     if number.value not in (0, 1):
-        findings.error(record.subject, f"{number.key} is a flag, 0 or 1, read {number.value}", number.place)
+        findings.error(
+            record.subject,
+            f"{number.key} is a flag, 0 or 1, read {number.value}",
+            number.place,
+            id="DAFMS-073",
+        )
     return number.value == 1
 
 
@@ -212,6 +219,6 @@ def _closure_node(record, key, body, bodies, findings):
     if not 1 <= number.value <= count:
         where = f"body {body} has {count} nodes" if body else "the inertial frame has no nodes"
         message = f"{key} = {number.value}, but {where}; 0 takes the vector"
-        findings.error(record.subject, message, number.place)
+        findings.error(record.subject, message, number.place, id="DAFMS-074")
         return None
     return number.value - 1

@@ -38,7 +38,7 @@ def _check_body_numbers(values, count, findings):
             lowest = 0 if section == "node" else 1
             if not lowest <= number.value <= count:
                 message = f"body number {number.value} is outside {lowest}..{count}"
-                findings.error(record.subject, message, number.place)
+                findings.error(record.subject, message, number.place, id="VSDF-001")
 
 
 def _body(values, k, folder, findings) -> VsdfBody:
@@ -65,11 +65,11 @@ def _attitude(record, findings):
     length = math.hypot(*p)
     if not length:
         message = "the Euler parameters are all zero; write 1 0 0 0 for a body that is not turned"
-        findings.error(record.subject, message, record.at("e0").place)
+        findings.error(record.subject, message, record.at("e0").place, id="VSDF-002")
         return 1.0, 0.0, 0.0, 0.0
     if abs(length - 1.0) > _UNIT_LENGTH:
         message = f"the Euler parameters have length {length:.7g} and are scaled to length 1"
-        findings.warn(record.subject, message, record.at("e0").place)
+        findings.warn(record.subject, message, record.at("e0").place, id="VSDF-003")
     return tuple(e / length for e in p)
 
 
@@ -77,11 +77,16 @@ def _rigid(values, k, record, pose, _folder, findings):
     for section, word in (*FLEXIBLE_ONLY, *LISTS):
         for given in values.section(section):
             if given["body"] == k:
-                findings.error(given.subject, f"{word} is for FLEX bodies; body {k} is RIGD", given.place)
+                findings.error(
+                    given.subject, f"{word} is for FLEX bodies; body {k} is RIGD", given.place, id="VSDF-004"
+                )
     rigid = values.record("rigid", k)
     if rigid is None:
         findings.error(
-            record.subject, "a RIGD body needs a card RIGI with its mass and inertia", record.place
+            record.subject,
+            "a RIGD body needs a card RIGI with its mass and inertia",
+            record.place,
+            id="VSDF-005",
         )
     mass = _rigid_mass(rigid, findings) if rigid else None
     nodes = given_nodes(values, k, findings)
@@ -91,19 +96,19 @@ def _rigid(values, k, record, pose, _folder, findings):
 def _rigid_mass(record, findings) -> RigidMass:
     if not record["mass"] > 0:
         message = f"the mass must be above zero; read {record.at('mass').text}"
-        findings.error(record.subject, message, record.at("mass").place)
+        findings.error(record.subject, message, record.at("mass").place, id="VSDF-006")
     xx, yy, zz, xy, yz, zx = (float(record[f"J{ij}"]) for ij in ("xx", "yy", "zz", "xy", "yz", "zx"))
     inertia = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
     moments = np.linalg.eigvalsh(inertia)
     if not moments[0] > 0:
         message = f"the principal moments of inertia must be above zero; the least is {moments[0]:.6g} kg m^2"
-        findings.error(record.subject, message, record.at("Jxx").place)
+        findings.error(record.subject, message, record.at("Jxx").place, id="VSDF-007")
     elif moments[2] > (moments[0] + moments[1]) * (1 + _TRIANGLE):
         message = (
             f"no body has the principal moments {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m^2: "
             "the largest must not exceed the sum of the others (the moments are about the centre of mass)"
         )
-        findings.error(record.subject, message, record.at("Jxx").place)
+        findings.error(record.subject, message, record.at("Jxx").place, id="VSDF-008")
     return RigidMass(float(record["mass"]), record.vector("c"), inertia)
 
 

@@ -45,7 +45,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "outputs": build_outputs(values, bodies, ground, findings),
     }
     if not bodies:
-        findings.error("", "the deck has no body", None)
+        findings.error("", "the deck has no body", None, id="VSDF-009")
     check_motion_laws(parts["motions"], time, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
@@ -57,24 +57,26 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
 def _time(values, findings):
     record = values.record("time")
     if record is None:
-        findings.error("", "card 'TIME' is missing", None)
+        findings.error("", "card 'TIME' is missing", None, id="VSDF-010")
         return TimeGrid(0.0, 0.0, 1.0)
     end, output = float(record["end"]), float(record["output"])
     if end < 0:
-        findings.error("TIME", f"the last time must not be negative; read {end:g}", record.at("end").place)
+        findings.error(
+            "TIME", f"the last time must not be negative; read {end:g}", record.at("end").place, id="VSDF-011"
+        )
     elif not output > 0:
         message = f"the time between rows must be above zero; read {record.at('output').text}"
-        findings.error("TIME", message, record.at("output").place)
+        findings.error("TIME", message, record.at("output").place, id="VSDF-012")
     elif end / output + 1 > MOST_ROWS + 0.5:
         message = f"{end / output:.3g} rows are more than {MOST_ROWS}; take a larger time between rows"
-        findings.error("TIME", message, record.at("output").place)
+        findings.error("TIME", message, record.at("output").place, id="VSDF-013")
     elif fault := unsteppable(end, output):
-        findings.error("TIME", fault, record.place)
+        findings.error("TIME", fault, record.place, id="VSDF-014")
     elif 0 < end < output:
         message = f"rows are {output:g} s apart and the run ends at {end:g} s: only that of t = 0 is written"
-        findings.warn("TIME", message, record.at("output").place)
+        findings.warn("TIME", message, record.at("output").place, id="VSDF-015")
     elif told := TimeGrid(0.0, end, output).left_out:
-        findings.note("TIME", told, record.at("end").place)
+        findings.note("TIME", told, record.at("end").place, id="VSDF-016")
     return TimeGrid(0.0, end, output, record.place)
 
 
@@ -82,7 +84,9 @@ def _integrator(values, findings):
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:
-        findings.error("TIME", f"a step must not be negative; read {step:g}", time.at("step").place)
+        findings.error(
+            "TIME", f"a step must not be negative; read {step:g}", time.at("step").place, id="VSDF-017"
+        )
     if record is None:
         return Integrator("GALF", step, SPECTRAL_RADIUS)
     given, method = record.at("rho"), record["method"]
@@ -90,14 +94,14 @@ def _integrator(values, findings):
     parameter = float(given.value) if given.text else default
     if method == "GALF" and not 0 <= parameter <= 1:
         message = f"the spectral radius lies between 0 and 1; read {given.text}"
-        findings.error("INTG", message, given.place)
+        findings.error("INTG", message, given.place, id="VSDF-018")
     if method != "GALF" and not 0 < parameter < 1:
         message = f"the tolerance lies between 0 and 1; read {given.text}"
-        findings.error("INTG", message, given.place)
+        findings.error("INTG", message, given.place, id="VSDF-019")
     if method != "GALF" and step > 0:
         message = f"{method} chooses its steps by the tolerance; the step of {step:g} s is not used"
-        findings.warn("TIME", message, time.at("step").place)
+        findings.warn("TIME", message, time.at("step").place, id="VSDF-020")
     if record["stabilise"]:
         message = "constraint stabilisation is not used: every step is projected onto the constraints"
-        findings.warn("INTG", message, record.at("stabilise").place)
+        findings.warn("INTG", message, record.at("stabilise").place, id="VSDF-021")
     return Integrator(method, step, parameter)

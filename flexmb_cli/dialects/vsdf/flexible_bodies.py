@@ -31,12 +31,14 @@ def flexible_body(
     for section, word in (("rigid", "RIGI"), ("node", "NODE")):
         for given in values.section(section):
             if given["body"] == k:
-                findings.error(given.subject, f"{word} is for RIGD bodies; body {k} is FLEX", given.place)
+                findings.error(
+                    given.subject, f"{word} is for RIGD bodies; body {k} is FLEX", given.place, id="VSDF-022"
+                )
     table = _node_table(values, k, record, folder, findings)
     files = {name: _file(values.record(name, k), folder) for name, _ in FLEXIBLE_ONLY[:4]}
     for name, word in FLEXIBLE_ONLY[1:3]:
         if files[name] is None:
-            findings.error(record.subject, f"a FLEX body needs a card {word}", record.place)
+            findings.error(record.subject, f"a FLEX body needs a card {word}", record.place, id="VSDF-023")
     _check_mapping(values.record("mapping", k), files, findings)
     _check_shapes(values, k, findings)
     if table is None or None in (files["mass_matrix"], files["stiffness_matrix"]):
@@ -74,7 +76,7 @@ def _check_mapping(record, files, findings):
     if record and forms and not forms & set(NEEDS_MAPPING):
         which = " and ".join(NEEDS_MAPPING)
         message = f"the mapping is not read: only matrices of format {which} have one; remove the card"
-        findings.error(record.subject, message, record.place)
+        findings.error(record.subject, message, record.place, id="VSDF-024")
 
 
 def _check_shapes(values, k, findings):
@@ -83,18 +85,18 @@ def _check_shapes(values, k, findings):
     for record in values.section("attachment"):
         if record["body"] == k and k in bodies:
             message = f"ATTM is not read beside CRBN of body {k}; name its nodes on CRBN, or remove CRBN"
-            findings.error(record.subject, message, record.place)
+            findings.error(record.subject, message, record.place, id="VSDF-025")
 
 
 def _node_table(values, k, record, folder, findings):
     given = _file(values.record("node_table", k), folder)
     if given is None:
-        findings.error(record.subject, "a FLEX body needs a card FEMN", record.place)
+        findings.error(record.subject, "a FLEX body needs a card FEMN", record.place, id="VSDF-026")
         return None
     try:
         return read_node_table(given.path, given.form)
     except FEFileFault as fault:
-        findings.error(record.subject, str(fault), given.place)
+        findings.error(record.subject, str(fault), given.place, id=fault.id)
         return None
 
 
@@ -110,10 +112,12 @@ def _reference(record, nodes, k, findings):
                 if number.value
                 else f"reference node {number.key} is missing; give three, or none for mean axes"
             )
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="VSDF-027")
     values = tuple(number.value for number in numbers)
     if len(set(values)) < 3 and 0 not in values:
-        findings.error(record.subject, "the three reference nodes must differ", numbers[0].place)
+        findings.error(
+            record.subject, "the three reference nodes must differ", numbers[0].place, id="VSDF-028"
+        )
         return ()
     return values if all(value in nodes for value in values) else ()
 
@@ -121,7 +125,9 @@ def _reference(record, nodes, k, findings):
 def _modes(record, findings):
     number = record.at("modes")
     if number.value < 0:
-        findings.error(record.subject, f"a number of modes is 0 or more; read {number.text}", number.place)
+        findings.error(
+            record.subject, f"a number of modes is 0 or more; read {number.text}", number.place, id="VSDF-029"
+        )
         return 0
     return number.value
 
@@ -145,7 +151,7 @@ def _damping(record, findings):
     for key in ("alpha", "beta", "ratio"):
         if record[key] < 0:
             message = f"{key} = {record.at(key).text}: negative damping feeds energy in"
-            findings.error(record.subject, message, record.at(key).place)
+            findings.error(record.subject, message, record.at(key).place, id="VSDF-030")
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
@@ -157,11 +163,13 @@ def _unit_loads(values, k, folder, findings):
         number = record.at("load")
         if not 4 <= number.value <= 12:
             message = f"unit load {number.value}: only 4 to 12 (xx xy xz yx yy yz zx zy zz) are used"
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="VSDF-031")
             continue
         i, j = divmod(number.value - 4, 3)
         if any((load.i, load.j) == (i, j) for load in loads):
-            findings.error(record.subject, f"unit load {number.value} is given twice", number.place)
+            findings.error(
+                record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
+            )
         loads.append(UnitLoad(i, j, _file(record, folder)))
     return tuple(loads)
 
@@ -173,29 +181,29 @@ def _bricks(record, file, findings) -> BrickMaterial | None:
     young, poisson = float(record["E"]), float(record["nu"])
     if not young > 0:
         message = f"Young's modulus must be above zero; read {record.at('E').text}"
-        findings.error(record.subject, message, record.at("E").place)
+        findings.error(record.subject, message, record.at("E").place, id="VSDF-033")
     if not -1 < poisson < 0.5:
         message = f"Poisson's ratio lies between -1 and 0.5; read {record.at('nu').text}"
-        findings.error(record.subject, message, record.at("nu").place)
+        findings.error(record.subject, message, record.at("nu").place, id="VSDF-034")
     return BrickMaterial(file, young, poisson, record.at("E").place)
 
 
 def _stiffened(record, given, findings):
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
-        findings.error(record.subject, message, record.at("on").place)
+        findings.error(record.subject, message, record.at("on").place, id="VSDF-035")
     if record is None or not record["on"]:
         if given.unit_loads:
             message = f"FEMG is not used: GEOS does not switch stiffening on for {given.name}"
-            findings.warn(given.name, message, given.unit_loads[0].file.place)
+            findings.warn(given.name, message, given.unit_loads[0].file.place, id="VSDF-036")
         return False
     if given.unit_loads and given.bricks:
         message = "stiffening comes either from the matrices of FEMG or from bricks; leave E out, or FEMG"
-        findings.error(record.subject, message, record.at("E").place)
+        findings.error(record.subject, message, record.at("E").place, id="VSDF-037")
     if not given.unit_loads and not given.bricks:
         message = (
             "centrifugal stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the "
             "bricks in the node table's file"
         )
-        findings.error(record.subject, message, record.at("on").place)
+        findings.error(record.subject, message, record.at("on").place, id="VSDF-038")
     return True

@@ -129,7 +129,7 @@ def _outside(record, value, least, most):
     if int(least) <= value.value <= most:
         return []
     message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"
-    return [Fault("error", message, value.place, record.subject)]
+    return [Fault("error", message, value.place, record.subject, id="VSDF-039")]
 
 
 def _faults_of_list(record, value):
@@ -138,5 +138,7 @@ def _faults_of_list(record, value):
         try:
             number.integer(text)
         except number.Misspelt as fault:
-            faults.append(Fault("error", f"each of the nodes {fault}", value.place, record.subject))
+            faults.append(
+                Fault("error", f"each of the nodes {fault}", value.place, record.subject, id="VSDF-040")
+            )
     return faults

@@ -43,22 +43,27 @@ TURNING, SLIDING = ("revolute", "cylindrical", "screw"), ("translational", "cyli
 def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) -> End | None:
     """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
     if not 0 <= body.value <= len(bodies):
-        findings.error(subject, f"body number {body.value} is outside 0..{len(bodies)}", body.place)
+        findings.error(
+            subject, f"body number {body.value} is outside 0..{len(bodies)}", body.place, id="VSDF-041"
+        )
         return None
     index = end_of_body(body.value)
     owner = ground if index == GROUND else bodies[index]
     if not owner.nodes:
         # A body whose node table failed has a fault of its own.
         if index == GROUND:
-            findings.error(subject, f"the ground has no node {node.value}", node.place)
+            findings.error(subject, f"the ground has no node {node.value}", node.place, id="VSDF-042")
         elif owner.rigid is not None:
             findings.error(
-                subject, f"{owner.name} has no node {node.value}; cards NODE give some", node.place
+                subject,
+                f"{owner.name} has no node {node.value}; cards NODE give some",
+                node.place,
+                id="VSDF-043",
             )
         return None
     if not owner.members(node.value):
         name = "the ground" if index == GROUND else owner.name
-        findings.error(subject, f"{name} has no node {node.value}", node.place)
+        findings.error(subject, f"{name} has no node {node.value}", node.place, id="VSDF-044")
         return None
     return End(index, node.value)
 
@@ -74,7 +79,10 @@ def _joint(record, bodies, ground, findings):
     if record["a"] == record["b"]:
         which = "the ground" if record["a"] == 0 else f"body {record['a']}"
         findings.error(
-            record.subject, f"a and b are both {which}; two bodies are needed", record.at("b").place
+            record.subject,
+            f"a and b are both {which}; two bodies are needed",
+            record.at("b").place,
+            id="VSDF-045",
         )
         return None
     before = len(findings.faults)
@@ -102,7 +110,7 @@ def _side(record, letter, count, bodies, ground, findings):
     for node in nodes:
         if node.value == 0:
             message = f"{record['kind']} needs {count} nodes on {letter}; {node.key} is missing"
-            findings.error(record.subject, message, node.place)
+            findings.error(record.subject, message, node.place, id="VSDF-046")
         else:
             end = find_end(bodies, ground, body, node, record.subject, findings)
             if not 0 <= body.value <= len(bodies):
@@ -117,7 +125,7 @@ def _with_ground(record, word, a, b, bodies, findings):
     if word.kind in ("universal", "spherical-spherical", "revolute-spherical"):
         letter = "a" if a is None else "b"
         message = f"{word.word} needs nodes on the ground, cards NODE of body 0; {letter}1 is missing"
-        findings.error(record.subject, message, record.at(f"{letter}1").place)
+        findings.error(record.subject, message, record.at(f"{letter}1").place, id="VSDF-047")
         return None, None
     points = tuple(
         End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node)))) for end in ends
@@ -142,10 +150,10 @@ def _check_axis(record, letter, ends, bodies, ground, findings):
     names = f"nodes {letter}1 and {letter}2"
     if not length > _COINCIDENT:
         message = f"{names} are the same point, so the axis between them has no direction"
-        findings.error(record.subject, message, record.at(f"{letter}2").place)
+        findings.error(record.subject, message, record.at(f"{letter}2").place, id="VSDF-048")
     elif H and not np.linalg.norm(np.cross(Q - P, H[0] - P)) > _COINCIDENT * length:
         message = f"node {letter}3 lies on the axis through {names}; it must lie across it"
-        findings.error(record.subject, message, record.at(f"{letter}3").place)
+        findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
 
 
 def _size(record, word, a, b, bodies, ground, findings):
@@ -154,7 +162,7 @@ def _size(record, word, a, b, bodies, ground, findings):
     if word.kind == "screw":
         if not given.text:
             message = "SCRW needs its pitch in size, m/rad; write 0.0 for a screw without advance"
-            findings.error(record.subject, message, given.place)
+            findings.error(record.subject, message, given.place, id="VSDF-050")
         return float(given.value)
     if word.kind not in ("spherical-spherical", "revolute-spherical"):
         return math.nan
@@ -164,7 +172,7 @@ def _size(record, word, a, b, bodies, ground, findings):
         size = float(np.linalg.norm(R - P))
     if not size > 0:
         message = "the distance must be above zero; for coinciding points take SPHE"
-        findings.error(record.subject, message, given.place)
+        findings.error(record.subject, message, given.place, id="VSDF-051")
     return size
 
 
@@ -179,10 +187,10 @@ def _pin(record, bodies, ground, findings):
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
         message = f"mask {mask.text} wanted as three digits 0 or 1 for x y z, such as 111 or 101"
-        findings.error(record.subject, message, mask.place)
+        findings.error(record.subject, message, mask.place, id="VSDF-052")
         return None
     if record["body"] == 0:
-        findings.error(record.subject, "the ground is held already", record.place)
+        findings.error(record.subject, "the ground is held already", record.place, id="VSDF-053")
         return None
     end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
     given = [record.at(f"p.{axis}") for axis in "xyz"]
@@ -206,14 +214,16 @@ def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw 
         tables[number] = None
         if number < 1:
             message = f"tables are numbered from 1; read {records[0].at('table').text}"
-            findings.error(f"table {number}", message, records[0].place)
+            findings.error(f"table {number}", message, records[0].place, id="VSDF-054")
         times = [record["t"] for record in records]
         late = next((i for i in range(1, len(times)) if not times[i] > times[i - 1]), None)
         if len(records) < 2:
-            findings.error(f"table {number}", "a table needs two points at least", records[0].place)
+            findings.error(
+                f"table {number}", "a table needs two points at least", records[0].place, id="VSDF-055"
+            )
         elif late is not None:
             message = f"times must ascend; {times[late]:g} s follows {times[late - 1]:g} s"
-            findings.error(f"table {number}", message, records[late].at("t").place)
+            findings.error(f"table {number}", message, records[late].at("t").place, id="VSDF-056")
         else:
             tables[number] = table_law(times, [record["f"] for record in records])
     return tables
@@ -236,14 +246,14 @@ def _target_exists(record, bodies, joints, kinds, findings):
     what, count = ("joint", joints) if relative else ("body", bodies)
     if not 1 <= target.value <= count:
         message = f"{what} number {target.value} is outside 1..{count}"
-        findings.error(record.subject, message, target.place)
+        findings.error(record.subject, message, target.place, id="VSDF-057")
         return False
     fitting = TURNING if kind == "ANGL" else SLIDING
     found = kinds.get(f"joint {target.value}")
     if relative and found and found not in fitting:
         what = "angle" if kind == "ANGL" else "stroke"
         message = f"joint {target.value} is {found} and has no {what}; {', '.join(fitting)} joints have one"
-        findings.error(record.subject, message, target.place)
+        findings.error(record.subject, message, target.place, id="VSDF-058")
         return False
     return True
 
@@ -253,17 +263,17 @@ def _law(record, tables, findings):
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= law.value <= TABLE:
         message = f"law {law.value} is outside 1..4 (1 polynomial, 2 spin-up, 3 sine, 4 table)"
-        findings.error(record.subject, message, law.place)
+        findings.error(record.subject, message, law.place, id="VSDF-059")
         return None
     if law.value == TABLE:
         return find_table(record, record.at("c0"), tables, findings)
     if law.value == SINE and not record.at("c2").text:
         message = "the sine needs c2, rad/s; it stands still without"
-        findings.error(record.subject, message, record.at("c2").place)
+        findings.error(record.subject, message, record.at("c2").place, id="VSDF-060")
         return None
     if law.value == SPIN_UP and not constants[1] > 0:
         message = "the spin-up time c1 must be above zero"
-        findings.error(record.subject, message, record.at("c1").place)
+        findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
     return MotionLaw(law.value, constants)
 
@@ -273,5 +283,5 @@ def find_table(record, number, tables, findings) -> MotionLaw | None:
     found = tables.get(int(number.value))
     if number.value not in tables:
         message = f"there is no table {number.value:g}; cards TABL give some"
-        findings.error(record.subject, message, number.place)
+        findings.error(record.subject, message, number.place, id="VSDF-062")
     return found

@@ -100,7 +100,9 @@ class _Scan:
         words = split_fields(line[start:], edits)
         if words is None or _is_nameless(words, edits):
             sentence = f"{len(edits)} numbers are expected, read {line[start:].strip()!r}"
-            self.faults.append(Fault("error", sentence, Place(number, start + 1, max(1, len(line) - start))))
+            self.faults.append(
+                Fault("error", sentence, Place(number, start + 1, max(1, len(line) - start)), id="VSDF-087")
+            )
             return ["0"] * len(edits)
         return words
 

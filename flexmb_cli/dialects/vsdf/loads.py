@@ -17,7 +17,9 @@ def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings)
         follows = _follows(record, findings)
         factor = _factor(record, tables, findings)
         if end and end.body == GROUND:
-            findings.error(record.subject, "a force on the ground moves nothing", record.at("body").place)
+            findings.error(
+                record.subject, "a force on the ground moves nothing", record.at("body").place, id="VSDF-063"
+            )
         elif end:
             force = record.vector("F")
             forces.append(NodeForce(record.subject, end, force, follows, factor, record.place))
@@ -28,7 +30,7 @@ def _follows(record, findings):
     number = record.at("follows")
     if number.value not in (0, 1):
         message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
-        findings.error(record.subject, message, number.place)
+        findings.error(record.subject, message, number.place, id="VSDF-064")
     return number.value == 1
 
 
@@ -46,10 +48,10 @@ def build_torques(values: DeckValues, bodies, tables, findings: Findings) -> tup
         follows, factor = _follows(record, findings), _factor(record, tables, findings)
         if not 1 <= body.value <= len(bodies):
             message = f"body number {body.value} is outside 1..{len(bodies)}"
-            findings.error(record.subject, message, body.place)
+            findings.error(record.subject, message, body.place, id="VSDF-065")
         elif bodies[body.value - 1].flexible is not None:
             message = f"body {body.value} is FLEX, its nodes do not turn; give a pair of forces instead"
-            findings.error(record.subject, message, body.place)
+            findings.error(record.subject, message, body.place, id="VSDF-066")
         else:
             torque = record.vector("M")
             index = end_of_body(body.value)
@@ -68,11 +70,11 @@ def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tup
         ]
         if ends[0] and ends[0] == ends[1]:
             message = "both ends are the same node"
-            findings.error(record.subject, message, record.at("nb").place)
+            findings.error(record.subject, message, record.at("nb").place, id="VSDF-067")
         elif all(ends) and _in_one_solid(*ends, bodies):
             what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"
             message = f"both ends are on {what}, so their distance never changes"
-            findings.error(record.subject, message, record.at("b").place)
+            findings.error(record.subject, message, record.at("b").place, id="VSDF-068")
         elif all(ends):
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
@@ -88,7 +90,7 @@ def _check_not_negative(record, keys, findings):
     for key in keys:
         if record[key] < 0:
             message = f"{key} must not be negative; read {record.at(key).text}"
-            findings.error(record.subject, message, record.at(key).place)
+            findings.error(record.subject, message, record.at(key).place, id="VSDF-069")
 
 
 def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple[JointSpring, ...]:
@@ -101,12 +103,12 @@ def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple
         number = record.at("joint")
         if not 1 <= number.value <= count:
             message = f"joint number {number.value} is outside 1..{count}"
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="VSDF-070")
             continue
         kind = kinds.get(f"joint {number.value}", "revolute")
         if kind not in (*TURNING, *SLIDING):
             message = f"joint {number.value} is {kind} and has neither angle nor stroke"
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="VSDF-071")
             continue
         springs.append(
             JointSpring(

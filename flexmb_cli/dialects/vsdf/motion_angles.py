@@ -23,14 +23,14 @@ def check_motion_laws(motions: tuple[Motion, ...], grid: TimeGrid, findings: Fin
                 f"its law or a derivative is beyond {LARGEST_RATE:.0e}, or no number; of a table, two points "
                 "lie too close"
             )
-            findings.error(motion.name, message, motion.place)
+            findings.error(motion.name, message, motion.place, id="VSDF-072")
         elif motion.kind in TURNS and np.abs(values).max() > LARGEST_ANGLE:
             angle = np.abs(values).max()
             message = f"its angle reaches {angle:.3g} rad; {NO_ANGLE}: constants are in rad and s"
-            findings.error(motion.name, message, motion.place)
+            findings.error(motion.name, message, motion.place, id="VSDF-073")
         elif motion.kind in TURNS and (turns := np.abs(rates).max() * grid.step / math.tau) > MANY_TURNS:
             message = f"it turns {turns:.3g} times between two report times: are its constants in rad and s?"
-            findings.note(motion.name, message, motion.place)
+            findings.note(motion.name, message, motion.place, id="VSDF-074")
 
 
 def _sampled(law, grid):

@@ -16,10 +16,12 @@ def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.
         number = record["node"]
         if number in nodes:
             owner = f"body {k}" if k else "the ground"
-            findings.error(record.subject, f"{owner} already has a node {number}", record.at("node").place)
+            findings.error(
+                record.subject, f"{owner} already has a node {number}", record.at("node").place, id="VSDF-075"
+            )
         if number < 1:
             message = f"node numbers begin at 1; read {number}"
-            findings.error(record.subject, message, record.at("node").place)
+            findings.error(record.subject, message, record.at("node").place, id="VSDF-076")
         nodes[number] = np.array(record.vector("r"))
     return nodes
 
@@ -35,9 +37,11 @@ def sets_of(values: DeckValues, k: int, nodes: dict, findings: Findings) -> dict
         _check_once(record, sets.get(number.value, ()), findings)
         if number.value in nodes:
             message = f"{number.value} is a node of body {k}; a set needs a number of its own"
-            findings.error(record.subject, message, number.place)
+            findings.error(record.subject, message, number.place, id="VSDF-077")
         elif number.value < 1:
-            findings.error(record.subject, f"sets are numbered from 1; read {number.text}", number.place)
+            findings.error(
+                record.subject, f"sets are numbered from 1; read {number.text}", number.place, id="VSDF-078"
+            )
         elif members:
             sets[number.value] = sets.get(number.value, ()) + members
     return sets
@@ -48,7 +52,9 @@ def _check_once(record, before, findings):
     seen = set(before)
     for number in record.numbers[2:]:
         if number.value in seen:
-            findings.error(record.subject, f"node {number.value} is in the set already", number.place)
+            findings.error(
+                record.subject, f"node {number.value} is in the set already", number.place, id="VSDF-079"
+            )
         seen.add(number.value)
 
 
@@ -61,5 +67,7 @@ def members_of(record: Record, nodes: dict, k: int, findings: Findings) -> tuple
         if number.value in nodes:
             members.append(number.value)
         else:
-            findings.error(record.subject, f"body {k} has no node {number.value}", number.place)
+            findings.error(
+                record.subject, f"body {k} has no node {number.value}", number.place, id="VSDF-080"
+            )
     return tuple(members)

@@ -204,10 +204,10 @@ class _Reader:
         self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))
 
     def _error(self, subject, message, place, guide=()):
-        self.faults.append(Fault("error", message, place, subject, tuple(guide)))
+        self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))
 
     def _warn(self, subject, message, place):
-        self.faults.append(Fault("warning", message, place, subject))
+        self.faults.append(Fault("warning", message, place, subject, id="VSDF-082"))
 
 
 def _hint(word: str) -> str:

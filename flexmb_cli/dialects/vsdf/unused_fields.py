@@ -32,7 +32,7 @@ def refuse_unread(values: DeckValues, findings: Findings) -> None:
         for record in values.section(section):
             if not any(record.at(key).text for key in keys):
                 message = f"{', '.join(keys)} are all empty, so the card does nothing"
-                findings.error(record.subject, message, record.at(keys[0]).place)
+                findings.error(record.subject, message, record.at(keys[0]).place, id="VSDF-083")
     _doubt_switched_off(values, findings)
 
 
@@ -40,7 +40,7 @@ def _refuse(record, key, reason, findings):
     number = record.at(key)
     if number.value:
         message = f"{key} is {number.text} and is not read: {reason}; leave the field empty"
-        findings.error(record.subject, message, number.place)
+        findings.error(record.subject, message, number.place, id="VSDF-084")
 
 
 def _of_body(record) -> Iterator[tuple[str, str]]:
@@ -96,7 +96,7 @@ def _doubt_switched_off(values, findings):
     for record in values.section("stiffening"):
         if not record["on"] and record["E"]:
             message = "E and nu are not used: stiffening is switched off, on is 0"
-            findings.warn(record.subject, message, record.at("E").place)
+            findings.warn(record.subject, message, record.at("E").place, id="VSDF-085")
 
 
 def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
@@ -112,4 +112,4 @@ def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
         message = (
             "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field"
         )
-        findings.warn(f"table {number.value}", message, number.place)
+        findings.warn(f"table {number.value}", message, number.place, id="VSDF-086")

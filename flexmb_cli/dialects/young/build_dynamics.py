@@ -67,10 +67,10 @@ def _check_bodies(deck, bodies, findings):
             for number in numbers:
                 if not 1 <= number.value <= bodies:
                     message = f"body number {number.value} is outside 1..{bodies}"
-                    findings.error(record.subject, message, number.place)
+                    findings.error(record.subject, message, number.place, id="YOUNG-001")
             if len(numbers) == 2 and numbers[0].value == numbers[1].value:
                 message = f"I and J are both body {numbers[0].value}; two bodies are needed"
-                findings.error(record.subject, message, numbers[1].place)
+                findings.error(record.subject, message, numbers[1].place, id="YOUNG-002")
 
 
 def _check_once(deck, findings):
@@ -83,14 +83,14 @@ def _check_once(deck, findings):
             if other is not record:
                 what = f"body {key}" if key else "the deck"
                 message = f"{what} already has {other.subject}; remove one of them"
-                findings.error(record.subject, message, record.place)
+                findings.error(record.subject, message, record.place, id="YOUNG-003")
 
 
 def _mass(record: Record, findings) -> MassProperties:
     inertia = tuple(float(record[element]) for element in ELEMENTS)
     if not record["m"] >= 0.0:
         message = f"the mass must not be negative; read {record['m']:g}"
-        findings.error(record.subject, message, record.at("m").place)
+        findings.error(record.subject, message, record.at("m").place, id="YOUNG-004")
     _check_inertia(record, inertia, findings)
     return MassProperties(
         record.subject, record["body"] - 1, float(record["m"]), record.vector("centre"), inertia, record.place
@@ -105,20 +105,20 @@ def _check_inertia(record, inertia, findings):
     shown = ", ".join(f"{moment:.6g}" for moment in moments)
     if moments[0] < -slack:
         message = f"the inertia tensor must have no negative principal moment; they are {shown} kg m^2"
-        findings.error(record.subject, message, place)
+        findings.error(record.subject, message, place, id="YOUNG-005")
     elif moments[2] > moments[0] + moments[1] + slack:
         message = (
             f"no body has principal moments of inertia {shown} kg m^2: the largest exceeds the sum of "
             "the others"
         )
-        findings.warn(record.subject, message, place)
+        findings.warn(record.subject, message, place, id="YOUNG-006")
 
 
 def _following(record, findings):
     found = record.at("following")
     if found.value not in (0, 1):
         message = f"following must be 0 (global axes) or 1 (body axes); read {found.value}"
-        findings.error(record.subject, message, found.place)
+        findings.error(record.subject, message, found.place, id="YOUNG-007")
     return found.value == 1
 
 
@@ -171,7 +171,7 @@ def _line(record, stiffness, free_length):
 def _doubt_negative(record, key, findings):
     if record[key] < 0.0:
         message = f"{key.replace('_', ' ')} {record[key]:g} is negative"
-        findings.warn(record.subject, message, record.at(key).place)
+        findings.warn(record.subject, message, record.at(key).place, id="YOUNG-008")
 
 
 def _velocity(record: Record) -> InitialVelocity:
@@ -190,7 +190,7 @@ def _tolerance(deck, findings):
                 continue
             if not (math.isfinite(number.value) and LEAST_TOLERANCE <= number.value <= MOST_TOLERANCE):
                 message = f"must lie between {LEAST_TOLERANCE:g} and {MOST_TOLERANCE:g}; read {number.text}"
-                findings.error(section, message, number.place)
+                findings.error(section, message, number.place, id="YOUNG-009")
             found = float(number.value)
     return found
 
@@ -200,9 +200,9 @@ def _check_method(deck, findings):
     for record in deck.section("radau"):
         if deck.section("generalised-alpha"):
             message = "the deck asks for GALF as well; remove one of them"
-            findings.error(record.subject, message, record.place)
+            findings.error(record.subject, message, record.place, id="YOUNG-010")
         if analysis_of(deck) != FORWARD:
-            findings.warn(record.subject, "is not used: nothing is integrated", record.place)
+            findings.warn(record.subject, "is not used: nothing is integrated", record.place, id="YOUNG-011")
 
 
 def _alpha_steps(deck, findings):
@@ -211,12 +211,16 @@ def _alpha_steps(deck, findings):
         return None
     step, radius = records[0].at("step"), records[0].at("radius")
     if not (math.isfinite(step.value) and step.value >= 0.0):
-        findings.error(records[0].subject, f"a step must not be negative; read {step.text}", step.place)
+        findings.error(
+            records[0].subject, f"a step must not be negative; read {step.text}", step.place, id="YOUNG-012"
+        )
     if not 0.0 <= radius.value <= 1.0:
         message = f"the spectral radius lies between 0 and 1; read {radius.text}"
-        findings.error(records[0].subject, message, radius.place)
+        findings.error(records[0].subject, message, radius.place, id="YOUNG-013")
     if analysis_of(deck) != FORWARD:
-        findings.warn(records[0].subject, "is not used: nothing is integrated", records[0].place)
+        findings.warn(
+            records[0].subject, "is not used: nothing is integrated", records[0].place, id="YOUNG-014"
+        )
     return AlphaSteps(float(step.value), float(radius.value))
 
 
@@ -224,7 +228,7 @@ def _check_time(model, findings):
     grid = model.mechanism.time
     fault = unsteppable(max(abs(grid.start), abs(grid.end)), grid.step)
     if fault and model.analysis == FORWARD:
-        findings.error("time", fault, grid.place)
+        findings.error("time", fault, grid.place, id="YOUNG-015")
 
 
 def _doubt_massless(model, findings):
@@ -232,7 +236,7 @@ def _doubt_massless(model, findings):
     heavy = {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
         if number not in at_rest | heavy:
-            findings.warn(body.name, "has no MASS card and is taken as massless", body.place)
+            findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
 def _note_loads_at_rest(model, findings):
@@ -246,11 +250,13 @@ def _note_loads_at_rest(model, findings):
             names = " and ".join(bodies[number].name for number in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
-            findings.note(item.name, message, item.place)
+            findings.note(item.name, message, item.place, id="YOUNG-017")
 
 
 def _doubt_idle_velocities(model, findings):
     if model.analysis == FORWARD:
         return
     for item in model.velocities:
-        findings.warn(item.name, "is not used: the drivers prescribe all velocities", item.place)
+        findings.warn(
+            item.name, "is not used: the drivers prescribe all velocities", item.place, id="YOUNG-018"
+        )

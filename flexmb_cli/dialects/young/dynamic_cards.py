@@ -176,7 +176,7 @@ def _nearly_opening(deck):
     )
     for n, line in _lines_behind(deck):
         if found := NEARLY.fullmatch(line):
-            yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))))
+            yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))), id="YOUNG-019")
 
 
 @dataclass
@@ -212,7 +212,7 @@ class _Cards:
         self._finish(card)
 
     def error(self, place: Place, subject: str, message: str):
-        self.faults.append(Fault("error", message, place, subject))
+        self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
 
     def _opening_record(self):
         line = self.source.lines[self.opening - 1]
@@ -251,7 +251,9 @@ class _Cards:
         try:
             value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
             if doubt:
-                self.faults.append(Fault("warning", f"{column.key}: {doubt}", word.place, subject))
+                self.faults.append(
+                    Fault("warning", f"{column.key}: {doubt}", word.place, subject, id="YOUNG-021")
+                )
         except number.Misspelt as fault:
             self.error(word.place, subject, f"{column.key} {fault}")
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)

@@ -60,7 +60,7 @@ def lines_begin_records(words: Sequence[Word], sizes: Sequence[int], behind: Wor
 def completed(deck: Deck) -> Deck:
     """Return the deck with the numbers that the final version reads, and a note."""
     records = tuple(_COMPLETED.get(record.section, _unchanged)(record) for record in deck.records)
-    note = Fault("note", NOTE, deck.one("counts").place, "counts")
+    note = Fault("note", NOTE, deck.one("counts").place, "counts", id="YOUNG-022")
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 
 

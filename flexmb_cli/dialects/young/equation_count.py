@@ -33,16 +33,18 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
     groups = _groups(len(mechanism.bodies), fixed, links)
     off = [group for group in groups if group.excess]
     if equations != coordinates:
-        findings.error("counts", _total(equations, coordinates, len(mechanism.bodies)), place)
+        findings.error("counts", _total(equations, coordinates, len(mechanism.bodies)), place, id="YOUNG-023")
     elif any(group.excess < 0 for group in off):
         message = "the equations are as many as the coordinates, but in the wrong places"
-        findings.error("counts", message, place)
+        findings.error("counts", message, place, id="YOUNG-024")
     else:
         return
     for group in off[:SHOWN_GROUPS]:
-        findings.note("", group.sentence, mechanism.bodies[group.bodies[0]].place)
+        findings.note("", group.sentence, mechanism.bodies[group.bodies[0]].place, id="YOUNG-025")
     if len(off) > SHOWN_GROUPS:
-        findings.note("", f"{len(off) - SHOWN_GROUPS} more groups of bodies are not in balance", place)
+        findings.note(
+            "", f"{len(off) - SHOWN_GROUPS} more groups of bodies are not in balance", place, id="YOUNG-026"
+        )
 
 
 def imbalance(counts: Mapping[str, int]) -> str:

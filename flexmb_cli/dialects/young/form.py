@@ -89,7 +89,7 @@ def _cell(section, column, turning):
 def _faults_of_title(record):
     brace = next((brace for brace in "{}" if brace in record["text"]), "")
     message = f"the title becomes a comment, which cannot hold {brace}"
-    return [Fault("error", message, record.place, "title")] if brace else []
+    return [Fault("error", message, record.place, "title", id="YOUNG-027")] if brace else []
 
 
 def _faults_of_counts(record, complete):
@@ -98,8 +98,8 @@ def _faults_of_counts(record, complete):
         least = 1 if count.key == "NBODY" else 0
         if not least <= count.value <= MOST:
             message = f"{count.key} must be within {least}..{MOST}; read {count.text}"
-            faults.append(Fault("error", message, count.place, "counts"))
+            faults.append(Fault("error", message, count.place, "counts", id="YOUNG-028"))
     if complete and not faults:
         wrong = imbalance({n.key: n.value for n in record.numbers})
-        faults = [Fault("error", wrong, record.place, "counts")] if wrong else []
+        faults = [Fault("error", wrong, record.place, "counts", id="YOUNG-029")] if wrong else []
     return faults

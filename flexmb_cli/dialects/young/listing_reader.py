@@ -111,7 +111,9 @@ class _Scan:
         if match is None:
             place = Place(number, line.index("TIME") + 1, len(line.strip()))
             self.faults.append(
-                Fault("error", f"a time is expected behind TIME=, read {line.strip()!r}", place)
+                Fault(
+                    "error", f"a time is expected behind TIME=, read {line.strip()!r}", place, id="YOUNG-030"
+                )
             )
             return
         self.time.append(float(match[1]))
@@ -201,7 +203,7 @@ def _read_one_by_one(key, texts, numbers, columns, faults):
         words = _split_row(rest, columns)
         if not 1 <= index <= LARGEST_INDEX:
             sentence = f"a number of a {columns.item} is expected first, read {text[:offset].strip()!r}"
-            faults.append(Fault("error", sentence, Place(number, 1, offset), key))
+            faults.append(Fault("error", sentence, Place(number, 1, offset), key, id="YOUNG-059"))
         elif words is None:
             faults.append(_row_fault(key, index, rest, number, offset, columns))
         else:
@@ -247,7 +249,7 @@ def _row_fault(key, index, rest, number, offset, columns):
     place = Place(number, offset + (shown.start() if shown else 0) + 1, len(shown[0]) if shown else 1)
     wanted = f"{len(columns.names)} numbers are expected ({columns.names[0]} … {columns.names[-1]})"
     read = f"{bad[0]!r} is no number of this table" if bad else f"{len(words)} are there"
-    return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}")
+    return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}", id="YOUNG-031")
 
 
 def _units(text, columns):

@@ -49,7 +49,7 @@ def _fits_doubles(record, findings):
     for number in huge:
         found = f"{number.key} is {number.text or number.value}"
         message = f"{found}; numbers beyond {LARGEST:g} cannot be computed with"
-        findings.error(record.subject, message, number.place)
+        findings.error(record.subject, message, number.place, id="YOUNG-032")
     return not huge
 
 
@@ -58,12 +58,12 @@ def _names_bodies(record, bodies, findings):
     outside = [key for key in keys if not 1 <= record[key] <= bodies]
     for key in outside:
         message = f"body number {record[key]} is outside 1..{bodies}"
-        findings.error(record.subject, message, record.at(key).place)
+        findings.error(record.subject, message, record.at(key).place, id="YOUNG-033")
     if outside:
         return False
     if "J" in keys and record["I"] == record["J"]:
         message = f"I and J are both body {record['I']}; two bodies are needed"
-        findings.error(record.subject, message, record.at("J").place)
+        findings.error(record.subject, message, record.at("J").place, id="YOUNG-034")
         return False
     return True
 
@@ -72,7 +72,7 @@ def _names_direction(record, findings):
     if "direction" not in record or 1 <= record["direction"] <= 6:
         return True
     message = f"direction {record['direction']} is outside 1..6 (1 2 3: along x y z; 4 5 6: about x y z)"
-    findings.error(record.subject, message, record.at("direction").place)
+    findings.error(record.subject, message, record.at("direction").place, id="YOUNG-035")
     return False
 
 
@@ -86,11 +86,12 @@ def _body(record: Record, findings) -> Body:
             record.subject,
             "the Euler parameters are all zero; write 1 0 0 0 for a body that is not turned",
             record.at("e0").place,
+            id="YOUNG-036",
         )
         return Body(record.subject, r, (1.0, 0.0, 0.0, 0.0), record.place)
     if abs(length - 1.0) > DOUBTFUL_LENGTH:
         message = f"the Euler parameters have length {length:.6g} and are scaled to length 1"
-        findings.warn(record.subject, message, record.at("e0").place)
+        findings.warn(record.subject, message, record.at("e0").place, id="YOUNG-037")
     scale = max(map(abs, p))
     q = [e / scale for e in p]
     length = math.hypot(*q)
@@ -102,15 +103,15 @@ def _time(record: Record, findings) -> TimeGrid:
     span = grid.end - grid.start
     if grid.step <= 0.0:
         message = f"the step dT must be greater than zero; read {record.at('step').text}"
-        findings.error("time", message, record.at("step").place)
+        findings.error("time", message, record.at("step").place, id="YOUNG-038")
     elif span < 0.0:
         message = f"the end Te = {grid.end:.15g} s lies before the start Ti = {grid.start:.15g} s"
-        findings.error("time", message, record.at("end").place)
+        findings.error("time", message, record.at("end").place, id="YOUNG-039")
     elif span / grid.step + 1.0 > MOST_ROWS + 0.5:
-        findings.error("time", _too_many_rows(grid, span), record.at("step").place)
+        findings.error("time", _too_many_rows(grid, span), record.at("step").place, id="YOUNG-040")
     elif span > 0.0 and grid.start + grid.step == grid.start:
         message = f"the step dT = {grid.step:.15g} s is lost in the round-off of Ti = {grid.start:.15g} s"
-        findings.error("time", message, record.at("step").place)
+        findings.error("time", message, record.at("step").place, id="YOUNG-041")
     return grid
 
 
@@ -159,7 +160,7 @@ def _check_vector(record, name, side, vector, findings):
     place = record.at(f"{name}.x").place
     if not any(vector):
         message = f"{name} and P_{side} are the same point, so the vector between them has no direction"
-        findings.error(record.subject, message, place)
+        findings.error(record.subject, message, place, id="YOUNG-042")
 
 
 def _across_the_axis(record, vectors, findings):
@@ -167,7 +168,7 @@ def _across_the_axis(record, vectors, findings):
         s, h = vectors.get(f"s_{side}"), vectors.get(f"h_{side}")
         if s and h and _parallel(s, h):
             message = f"H_{side} lies on the axis from P_{side} to Q_{side}; h_{side} must point across it"
-            findings.error(record.subject, message, record.at(f"H_{side}.x").place)
+            findings.error(record.subject, message, record.at(f"H_{side}.x").place, id="YOUNG-043")
 
 
 def _parallel(a, b):
@@ -205,13 +206,13 @@ def _doubt_degrees(record, key, findings):
     angle = record[key]
     if abs(angle) > DOUBTFUL_ANGLE:
         message = f"angles are in rad; {key} {angle:.6g} would be {angle / math.tau:.3g} turns"
-        findings.warn(record.subject, message, record.at(key).place)
+        findings.warn(record.subject, message, record.at(key).place, id="YOUNG-044")
 
 
 def _distance(record: Record, findings) -> Distance:
     if record["direction"] >= _FIRST_ANGLE and abs(record["value"]) > 2.0:
         message = f"Euler parameters differ by 2 at most; read {record.at('value').text}"
-        findings.error(record.subject, message, record.at("value").place)
+        findings.error(record.subject, message, record.at("value").place, id="YOUNG-045")
     return Distance(
         record.subject,
         record["I"] - 1,

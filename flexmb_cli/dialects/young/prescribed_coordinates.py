@@ -62,12 +62,12 @@ def _first_grounds(mechanism, findings):
             continue
         if ground.values == other.values:
             message = f"body {ground.body + 1} is already {other.name}; these six equations are redundant"
-            findings.warn(ground.name, message, ground.place)
+            findings.warn(ground.name, message, ground.place, id="YOUNG-046")
         else:
             message = (
                 f"body {ground.body + 1} is already {other.name}, at another position; remove one of them"
             )
-            findings.error(ground.name, message, ground.place)
+            findings.error(ground.name, message, ground.place, id="YOUNG-047")
     return first.values()
 
 
@@ -112,20 +112,20 @@ def _check_pair(first, second, findings):
     if _moves(first) or _moves(second):
         if _law(first) == _law(second):
             message = f"{what} is already moved the same way by {first.name}; this equation is redundant"
-            findings.warn(second.name, message, second.place)
+            findings.warn(second.name, message, second.place, id="YOUNG-048")
             return
         verb = "moved" if first.driver else "held"
         message = f"{what} is already {verb} by {first.name}; remove one of them"
-        findings.error(second.name, message, second.place)
+        findings.error(second.name, message, second.place, id="YOUNG-049")
     elif abs(first.imposed - second.imposed) <= SAME * max(1.0, abs(first.imposed)):
         message = f"{what} is already held at this value by {first.name}; this equation is redundant"
-        findings.warn(second.name, message, second.place)
+        findings.warn(second.name, message, second.place, id="YOUNG-050")
     else:
         message = (
             f"{what} is already held at {first.value:.15g} by {first.name}; "
             f"{second.value:.15g} contradicts it"
         )
-        findings.error(second.name, message, second.place)
+        findings.error(second.name, message, second.place, id="YOUNG-051")
 
 
 def _moves(hold):
@@ -147,7 +147,7 @@ def _check_rotational_drivers(holds, findings):
         message = (
             f"body {first.body + 1} is already turned by {first.name}; a body takes one rotational driver"
         )
-        findings.error(second.name, message, second.place)
+        findings.error(second.name, message, second.place, id="YOUNG-052")
     for hold in holds if drivers else ():
         # The driver sets e0 and one of e1, e2, e3 to a cosine and a sine: the others must be zero.
         other = hold.direction > 3 and not hold.driver and hold.direction != drivers[0].direction
@@ -156,7 +156,7 @@ def _check_rotational_drivers(holds, findings):
                 f"{drivers[0].name} turns body {hold.body + 1} about one axis, "
                 f"so {_NAMES[hold.direction]} must be 0; read {hold.value:.15g}"
             )
-            findings.error(hold.name, message, hold.place)
+            findings.error(hold.name, message, hold.place, id="YOUNG-053")
 
 
 def _check_attitude(holds, findings):
@@ -168,4 +168,4 @@ def _check_attitude(holds, findings):
             f"no attitude of body {last.body + 1} has these angles: the squares of sin(angle/2) "
             f"add up to {total:.6g}, more than 1"
         )
-        findings.error(last.name, message, last.place)
+        findings.error(last.name, message, last.place, id="YOUNG-054")

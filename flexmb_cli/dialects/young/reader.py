@@ -44,7 +44,9 @@ def _read_earlier(source):
     behind = reading.words[reading.taken] if len(reading.words.texts) > reading.taken else None
     sizes = [len(record.values) for record in deck.records]
     if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
-        raise DeckError([Fault("error", "its lines do not begin with records of the earlier version")])
+        raise DeckError(
+            [Fault("error", "its lines do not begin with records of the earlier version", id="YOUNG-055")]
+        )
     return completed(deck)
 
 
@@ -84,17 +86,17 @@ class _Reading:
 
     def error(self, word: Word, subject: str, message: str):
         self.errors += 1
-        self.faults.append(Fault("error", message, word.place, subject))
+        self.faults.append(Fault("error", message, word.place, subject, id="YOUNG-056"))
 
     def warn(self, word: Word, subject: str, message: str):
-        self.faults.append(Fault("warning", message, word.place, subject))
+        self.faults.append(Fault("warning", message, word.place, subject, id="YOUNG-057"))
 
     def early_end(self, subject: str, message: str):
         # An unclosed comment swallows the rest of the deck: its own fault says enough.
         if any("never closed" in fault.message for fault in self.faults):
             return
         self.errors += 1
-        self.faults.append(Fault("error", message, end_of(self.source.lines), subject))
+        self.faults.append(Fault("error", message, end_of(self.source.lines), subject, id="YOUNG-058"))
 
 
 def _read_counts(reading):

@@ -23,7 +23,7 @@ def read_abaqus(path: Path) -> MatrixFile:
         raise line_fault(name, 1, "this is a Matrix Market file: the format is MM")
     body, numbers = filled(lines, comment="*")
     if not body:
-        raise FEFileFault(f"{name} holds no entries")
+        raise FEFileFault(f"{name} holds no entries", id="FE-013")
     comma = "," in body[0]
     width = len(body[0].split("," if comma else None))
     if width not in (3, 5):
@@ -52,13 +52,16 @@ def _by_nodes(name, where, values):
     turning = (where[:, 1::2] > 3).any(axis=1)
     if (values[turning] != 0.0).any():
         node = where[turning, 0][0]
-        raise FEFileFault(f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements")
+        raise FEFileFault(
+            f"{name}: node {node} has rotations (direction 4 to 6); mesh with solid elements", id="FE-014"
+        )
     where, values = where[~turning], values[~turning]
     held = np.flatnonzero(np.abs(values) > LARGEST_STIFFNESS)
     if held.size:
         node, direction = where[held[0], :2]
         raise FEFileFault(
             f"{name}: {values[held[0]]:.0e} at node {node}, direction {direction}, is a boundary condition; "
-            "generate the matrices without *BOUNDARY"
+            "generate the matrices without *BOUNDARY",
+            id="FE-015",
         )
     return labelled(where, values)

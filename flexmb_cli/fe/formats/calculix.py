@@ -19,14 +19,15 @@ def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
     """The matrix at `path` whose rows are `equations` (size, 2), node and direction."""
     lines, numbers = filled(lines_of(path))
     if not lines:
-        raise FEFileFault(f"{path.name} is empty")
+        raise FEFileFault(f"{path.name} is empty", id="FE-016")
     entries = table(path.name, lines, numbers, 3, "row, column and value")
     where = whole(path.name, entries[:, :2], numbers, "row and column")
     check_range(path.name, where, numbers, len(equations))
     if where.max() < len(equations):
         raise FEFileFault(
             f"{path.name} has {where.max()} rows and its .dof file {len(equations)} equations; "
-            "they are of different models"
+            "they are of different models",
+            id="FE-017",
         )
     kept = entries[:, 2] != 0.0
     rows, columns = where[kept].T - 1
@@ -50,5 +51,5 @@ def read_freedoms(path: Path) -> np.ndarray:
             raise line_fault(path.name, number, message)
         found.append((int(match[1]), int(match[2])))
     if not found:
-        raise FEFileFault(f"{path.name} is empty")
+        raise FEFileFault(f"{path.name} is empty", id="FE-018")
     return np.array(found, dtype=np.int64)

@@ -37,16 +37,18 @@ def read_hexahedra(path: Path, form: str) -> Hexahedra:
     """
     readers = {"INP": _inp_elements, "CDB": _cdb_elements, "BDF": _bdf_elements}
     if form not in readers:
-        raise FEFileFault(f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has")
+        raise FEFileFault(
+            f"{path.name}: a node table of format {form} has no elements; INP, CDB or BDF has", id="FE-019"
+        )
     found = list(readers[form](path))
     if not found:
-        raise FEFileFault(f"{path.name} holds no elements in format {form}")
+        raise FEFileFault(f"{path.name} holds no elements in format {form}", id="FE-020")
     counts = {len(nodes) for _, nodes, _ in found}
     for number, nodes, line in found:
         if len(nodes) not in COUNTS or len(set(nodes)) < len(nodes):
             raise line_fault(path.name, line, f"element {number} is no hexahedron of 8 or 20 different nodes")
     if len(counts) > 1:
-        raise FEFileFault(f"{path.name} mixes elements of 8 and of 20 nodes; one kind is wanted")
+        raise FEFileFault(f"{path.name} mixes elements of 8 and of 20 nodes; one kind is wanted", id="FE-021")
     numbers, nodes, _ = zip(*found, strict=True)
     return Hexahedra(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
 
@@ -108,7 +110,7 @@ def _cdb_elements(path):
         if len(words) >= _CDB_HEAD and len(words) >= _CDB_HEAD + words[_CDB_COUNT]:
             yield words[_CDB_HEAD - 1], words[_CDB_HEAD : _CDB_HEAD + words[_CDB_COUNT]], first
             words = []
-    raise FEFileFault(f"{path.name}: EBLOCK does not end with -1; is the file cut off?")
+    raise FEFileFault(f"{path.name}: EBLOCK does not end with -1; is the file cut off?", id="FE-022")
 
 
 _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")

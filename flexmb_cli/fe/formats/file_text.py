@@ -33,17 +33,17 @@ def bytes_of(path: Path) -> bytes:
             # Some files of /proc have no length and no end, or nothing to give just now.
             return stream.read(found.st_size) or b""
     except FileNotFoundError:
-        raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}") from None
+        raise FEFileFault(f"{path.name}: no such file in {path.parent or '.'}", id="FE-023") from None
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or "the name is not a file name"
-        raise FEFileFault(f"{path.name} cannot be read: {reason}") from None
+        raise FEFileFault(f"{path.name} cannot be read: {reason}", id="FE-024") from None
 
 
 def _check_kind(name, found):
     if not stat.S_ISREG(found.st_mode):
-        raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device")
+        raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device", id="FE-025")
     if found.st_size >= LARGEST:
-        raise FEFileFault(f"{name} is larger than the {LARGEST // 2**30} GB that can be read")
+        raise FEFileFault(f"{name} is larger than the {LARGEST // 2**30} GB that can be read", id="FE-026")
 
 
 def integer(text: str) -> int:
@@ -77,7 +77,7 @@ def text_of(path: Path) -> str:
     """The file's text.  Raises FEFileFault when there is none, or it is binary."""
     raw = bytes_of(path)
     if is_binary(raw):
-        raise FEFileFault(f"{path.name} is a binary file; let the program write it as text")
+        raise FEFileFault(f"{path.name} is a binary file; let the program write it as text", id="FE-027")
     return raw.decode("latin-1")
 
 
@@ -115,12 +115,12 @@ def _point_at_fault(name, lines, numbers, columns, meaning, delimiter):
         for word in words:
             if not _is_finite(word):
                 raise line_fault(name, number, f"{meaning} wanted; '{_short(word)}' is no finite number")
-    raise FEFileFault(f"{name} cannot be read as {meaning}")
+    raise FEFileFault(f"{name} cannot be read as {meaning}", id="FE-028")
 
 
 def line_fault(name: str, number: int, message: str) -> FEFileFault:
     """The fault of one line of the file `name`."""
-    return FEFileFault(f"{name}, line {number}: {message}")
+    return FEFileFault(f"{name}, line {number}: {message}", id="FE-029")
 
 
 def _is_finite(word):

@@ -26,7 +26,7 @@ def read_matrix(
     found = _read(path, form, letter, mapping, mapping_form)
     if found.size > len(found.values):
         message = f"{found.size} rows and {len(found.values)} entries: rows without any are no body's"
-        raise FEFileFault(f"{path.name} has {message}")
+        raise FEFileFault(f"{path.name} has {message}", id="FE-030")
     return found
 
 
@@ -34,7 +34,8 @@ def _read(path, form, letter, mapping, mapping_form) -> MatrixFile:
     if form in NEEDS_MAPPING:
         if mapping is None or mapping_form != NEEDS_MAPPING[form]:
             raise FEFileFault(
-                f"format {form} needs the equation mapping: add a card FEMP of format {NEEDS_MAPPING[form]}"
+                f"format {form} needs the equation mapping: add a card FEMP of format {NEEDS_MAPPING[form]}",
+                id="FE-031",
             )
         reader = read_harwell_boeing if form == "HB" else read_calculix
         return reader(path, _MAPPINGS[mapping_form](mapping))

@@ -26,7 +26,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     """
     name, lines = path.name, lines_of(path)
     if len(lines) < 4:
-        raise FEFileFault(f"{name} ends before the fourth line of a Harwell-Boeing heading")
+        raise FEFileFault(f"{name} ends before the fourth line of a Harwell-Boeing heading", id="FE-032")
     _, pointers, indices, values, right_sides = _integers(name, lines[1], 2, 0, 5)
     kind = lines[2][:3].upper()
     size, columns, count, _ = _integers(name, lines[2], 3, 14, 4)
@@ -57,10 +57,12 @@ def read_mapping(path: Path) -> np.ndarray:
             raise line_fault(path.name, number, message)
         found[int(match[1])] = int(match[2]), _DIRECTIONS[label]
     if not found:
-        raise FEFileFault(f"{path.name} holds no line 'equation node UX|UY|UZ'; is it the mapping file?")
+        raise FEFileFault(
+            f"{path.name} holds no line 'equation node UX|UY|UZ'; is it the mapping file?", id="FE-033"
+        )
     if sorted(found) != list(range(1, len(found) + 1)):
         gap = next(i for i in range(1, len(found) + 1) if i not in found)
-        raise FEFileFault(f"{path.name} maps {len(found)} equations, but not equation {gap}")
+        raise FEFileFault(f"{path.name} maps {len(found)} equations, but not equation {gap}", id="FE-034")
     return np.array([found[i] for i in range(1, len(found) + 1)], dtype=np.int64)
 
 
@@ -87,7 +89,8 @@ def _check_kind(name, kind, size, columns, equations):
     if size != len(equations):
         raise FEFileFault(
             f"{name} has {size} rows and its mapping file {len(equations)} equations; "
-            "they are of different models"
+            "they are of different models",
+            id="FE-035",
         )
 
 
@@ -105,7 +108,9 @@ def _numbers(name, lines, start, count, form, wanted):
     letter, width = form
     section = lines[start : start + count]
     if len(section) < count:
-        raise FEFileFault(f"{name} ends at line {len(lines)}, {count - len(section)} lines too early")
+        raise FEFileFault(
+            f"{name} ends at line {len(lines)}, {count - len(section)} lines too early", id="FE-036"
+        )
     read = integer if letter == "I" else real
     parted = _parted(section, read, wanted)
     return _cut(name, section, start, width, read, wanted) if parted is None else parted
@@ -131,7 +136,7 @@ def _cut(name, section, start, width, read, wanted):
     ]
     if len(cells) < wanted:
         message = f"{wanted} numbers wanted, {len(cells)} found in fields of {width} columns (line 4)"
-        raise FEFileFault(f"{name}, lines {start + 1}-{start + len(section)}: {message}")
+        raise FEFileFault(f"{name}, lines {start + 1}-{start + len(section)}: {message}", id="FE-037")
     values = []
     for cell, number in cells[:wanted]:
         try:
@@ -153,10 +158,12 @@ def _matrix(name, kind, size, pointers, rows, values, equations):
     else:
         lengths = np.diff(pointers)
         if pointers[0] != 1 or (lengths < 0).any() or lengths.sum() != len(values):
-            raise FEFileFault(f"{name}: the column pointers do not add up to {len(values)} entries")
+            raise FEFileFault(
+                f"{name}: the column pointers do not add up to {len(values)} entries", id="FE-038"
+            )
         columns = np.repeat(np.arange(size), lengths)
     rows = rows - 1
     if (rows < 0).any() or (rows >= size).any():
-        raise FEFileFault(f"{name}: a row index lies outside 1..{size}")
+        raise FEFileFault(f"{name}: a row index lies outside 1..{size}", id="FE-039")
     mirrored = kind == "RSA" and not full and not (rows < columns).any()
     return MatrixFile(size, rows, columns, values, mirrored, equations)

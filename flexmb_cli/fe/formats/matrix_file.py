@@ -6,7 +6,14 @@ import numpy as np
 
 
 class FEFileFault(Exception):
-    """A file of a finite-element program cannot be used; the text names file, line, rule and remedy."""
+    """A file of a finite-element program cannot be used; the text names file, line, rule and remedy.
+
+    `id` is the stable identifier of the fault.
+    """
+
+    def __init__(self, message: str, id: str = ""):
+        super().__init__(message)
+        self.id = id
 
 
 @dataclass(frozen=True)
@@ -44,10 +51,10 @@ def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]])
     """The full matrix of strings: first row and column, from 0, and the values that follow each other."""
     for row, column, values in strings:
         if not 0 <= column < size:
-            raise FEFileFault(f"{name}: column {column + 1} lies outside 1..{size}")
+            raise FEFileFault(f"{name}: column {column + 1} lies outside 1..{size}", id="FE-068")
         if row < 0 or row + len(values) > size:
             message = f"rows {row + 1} to {row + len(values)} of column {column + 1} lie outside 1..{size}"
-            raise FEFileFault(f"{name}: {message}")
+            raise FEFileFault(f"{name}: {message}", id="FE-069")
     rows = [np.arange(row, row + len(values)) for row, _, values in strings]
     columns = [np.full(len(values), column) for _, column, values in strings]
     parts = [np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns)]

@@ -19,7 +19,7 @@ def read_matrix_market(path: Path) -> MatrixFile:
     layout, symmetric = _kind(path.name, lines)
     start = next((i for i, line in enumerate(lines) if i and line.strip() and line[0] != "%"), None)
     if start is None:
-        raise FEFileFault(f"{path.name} ends before the line of its size")
+        raise FEFileFault(f"{path.name} ends before the line of its size", id="FE-040")
     reader = _coordinate if layout == "coordinate" else _array
     body = lines[start + 1 :]
     while body and not body[-1].strip():
@@ -74,5 +74,5 @@ def _array(name, line, body, number, symmetric):
 def _check_count(name, found, announced):
     if found != announced:
         raise FEFileFault(
-            f"{name} announces {announced} entries and holds {found}; was it cut off, or edited?"
+            f"{name} announces {announced} entries and holds {found}; was it cut off, or edited?", id="FE-041"
         )

@@ -22,7 +22,7 @@ def read_dmig(path: Path, letter: str) -> MatrixFile:
         name = card.fields[0].upper()
         matrices.setdefault(name, []).append(card)
     if not matrices:
-        raise FEFileFault(f"{path.name} holds no DMIG card")
+        raise FEFileFault(f"{path.name} holds no DMIG card", id="FE-042")
     name = chosen(path, list(matrices), letter)
     header, *columns = matrices[name]
     symmetric = _check_header(path, name, header)
@@ -40,7 +40,8 @@ def chosen(path: Path, names: list[str], letter: str) -> str:
         return names[0]
     if len(fitting) != 1:
         raise FEFileFault(
-            f"{path.name} holds the matrices {', '.join(names)}; exactly one must begin with {letter}"
+            f"{path.name} holds the matrices {', '.join(names)}; exactly one must begin with {letter}",
+            id="FE-043",
         )
     return fitting[0]
 

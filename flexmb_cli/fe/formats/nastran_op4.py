@@ -19,7 +19,7 @@ def read_op4(path: Path, letter: str) -> MatrixFile:
     raw = bytes_of(path)
     found = binary_matrices(path.name, raw) if is_binary(raw) else _text_matrices(path)
     if not found:
-        raise FEFileFault(f"{path.name} is empty")
+        raise FEFileFault(f"{path.name} is empty", id="FE-044")
     return found[chosen(path, list(found), letter)]
 
 

@@ -34,7 +34,9 @@ class _Layout:
         try:
             return struct.unpack_from(f"{self.order}{count}{kind}", record, first * self.word)
         except struct.error:
-            raise FEFileFault(f"{self.file}: a record of {len(record)} bytes is too short") from None
+            raise FEFileFault(
+                f"{self.file}: a record of {len(record)} bytes is too short", id="FE-045"
+            ) from None
 
     def value(self, kind: int) -> np.dtype:
         """A real number of type 1 (single, which in words of eight bytes is double) or 2 (double)."""
@@ -59,7 +61,8 @@ def _layout(file, raw) -> _Layout:
             return _Layout(file, order, length // _HEADING_WORDS)
     raise FEFileFault(
         f"{file} is a binary file, but no OP4: its first record is not of 24 or 48 bytes (an OP2? write "
-        "OP4 by OUTPUT4, binary or as text)"
+        "OP4 by OUTPUT4, binary or as text)",
+        id="FE-046",
     )
 
 
@@ -71,7 +74,7 @@ def _records(layout: _Layout, raw) -> Iterator[bytes]:
         end = at + 4 + length
         if length < 0 or raw[end : end + 4] != raw[at : at + 4]:
             message = f"the record at byte {at} has no end where its length says; was the file cut off?"
-            raise FEFileFault(f"{layout.file}: {message}")
+            raise FEFileFault(f"{layout.file}: {message}", id="FE-047")
         yield raw[at + 4 : end]
         at = end + 4
 
@@ -88,18 +91,20 @@ def _read_one(layout: _Layout, heading, records) -> tuple[str, MatrixFile]:
         held = len(record) // layout.word - 3
         if column < 1 or words > held:
             message = f"matrix {name}, column {column}: {words} words are told and {held} are there"
-            raise FEFileFault(f"{layout.file}: {message}")
+            raise FEFileFault(f"{layout.file}: {message}", id="FE-048")
         strings += _column(layout, record, (column, row, words), rows < 0, layout.value(kind))
-    raise FEFileFault(f"{layout.file}: matrix {name} of {columns} columns does not end; is the file cut off?")
+    raise FEFileFault(
+        f"{layout.file}: matrix {name} of {columns} columns does not end; is the file cut off?", id="FE-049"
+    )
 
 
 def _check(layout: _Layout, name, columns, rows, kind):
     if kind not in REAL:
         what = "is complex" if kind in _COMPLEX else f"has type {kind}"
-        raise FEFileFault(f"{layout.file}: matrix {name} {what}; a real one wanted, type 1 or 2")
+        raise FEFileFault(f"{layout.file}: matrix {name} {what}; a real one wanted, type 1 or 2", id="FE-050")
     if abs(rows) != columns or columns < 1:
         message = f"matrix {name} must be square; it has {abs(rows)} rows, {columns} columns"
-        raise FEFileFault(f"{layout.file}: {message}")
+        raise FEFileFault(f"{layout.file}: {message}", id="FE-051")
 
 
 def _column(layout: _Layout, record, head, big, value: np.dtype):
@@ -116,7 +121,7 @@ def _column(layout: _Layout, record, head, big, value: np.dtype):
             (packed,) = layout.integers(record, at, 1)
             at, length, first = at + 1, packed // PACKED - 1, packed % PACKED
         if length < 1 or at + length > end:
-            raise FEFileFault(f"{layout.file}: column {column} has a string of {length} words")
+            raise FEFileFault(f"{layout.file}: column {column} has a string of {length} words", id="FE-052")
         values = np.frombuffer(record, value, length * layout.word // value.itemsize, at * layout.word)
         yield first - 1, column - 1, values
         at += length

@@ -30,7 +30,7 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     readers = {"TXT": _plain_nodes, "CDB": cdb_nodes, "INP": _inp_nodes, "BDF": _bdf_nodes}
     found = list(readers[form](path))
     if not found:
-        raise FEFileFault(f"{path.name} holds no nodes in format {form}")
+        raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
     numbers = np.array([number for number, _, _ in found], dtype=np.int64)
     _check_twice(path.name, found, numbers)
     for node, position, line in found:
@@ -47,7 +47,7 @@ def _check_twice(name, found, numbers):
     if (counts > 1).any():
         twice = int(values[counts > 1][0])
         lines = [str(line) for number, _, line in found if number == twice][:2]
-        raise FEFileFault(f"{name}: node {twice} stands on lines {' and '.join(lines)}")
+        raise FEFileFault(f"{name}: node {twice} stands on lines {' and '.join(lines)}", id="FE-054")
 
 
 def _plain_nodes(path):

@@ -208,7 +208,7 @@ def _refuse_two_turns(motions):
                 f"{turned[0].kind} and {motion.kind} both turn body {body + 1}; one axis can be turned about "
                 "while the others are held at 0; prescribe two turns by joints with ANGL"
             )
-            faults.append(Fault("error", message, motion.place, motion.name))
+            faults.append(Fault("error", message, motion.place, motion.name, id="MODEL-001"))
     if faults:
         raise ModelError(faults)
 

@@ -17,7 +17,7 @@ def _one_way(tree):
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
             "share; run the deck by --formulation kane, or without UNCO"
         )
-        yield Fault("error", message)
+        yield Fault("error", message, id="MODEL-006")
 
 
 def _weights(tree):
@@ -29,7 +29,7 @@ def _weights(tree):
                 "GSTF with gravity: in absolute coordinates a beam is stiffened by turning only; set GRAV "
                 "to zero, or run the deck by --formulation kane"
             )
-            yield Fault("error", message, body.place, body.name)
+            yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
 
 def _dampers(tree):
@@ -63,4 +63,4 @@ def _foreign_hinge(tree, item, kind, what):
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; run the deck by "
         "--formulation kane"
     )
-    return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}")
+    return Fault("error", message, item.place, f"{kind} of {tree.bodies[item.body].name}", id="MODEL-008")

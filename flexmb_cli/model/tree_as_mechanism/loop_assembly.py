@@ -114,4 +114,6 @@ def _failure(tree, gaps):
         f"the loops cannot be closed at the start: a gap of {gaps[worst]:.3g} m is left; bring Y(L) nearer "
         "to a closed position"
     )
-    return AnalysisError(Fault("error", message, closure.place, closure.name), tree.time.start)
+    return AnalysisError(
+        Fault("error", message, closure.place, closure.name, id="MODEL-009"), tree.time.start
+    )

@@ -25,7 +25,9 @@ def accept(reference, result) -> None:
     try:
         source = open(result, "rb")  # noqa: SIM115
     except OSError as error:
-        raise TableError(str(result), [Fault("error", f"cannot be read: {error.strerror}")]) from error
+        raise TableError(
+            str(result), [Fault("error", f"cannot be read: {error.strerror}", id="DIFF-001")]
+        ) from error
     with source:
         place = Replacement(reference)
         try:
@@ -38,7 +40,7 @@ def accept(reference, result) -> None:
 
 
 def _refuse(result, message):
-    raise TableError(str(result), [Fault("error", message)])
+    raise TableError(str(result), [Fault("error", message, id="DIFF-002")])
 
 
 def _ending(path):

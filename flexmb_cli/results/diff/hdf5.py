@@ -68,7 +68,7 @@ def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude
         kinds = [_kind_of_file(path, file) for path, file in ((path_a, a), (path_b, b))]
         if kinds[0] != kinds[1]:
             message = f"it is {kinds[1]}, {path_a} is {kinds[0]}; compare two of a kind"
-            raise TableError(path_b, [Fault("error", message)])
+            raise TableError(path_b, [Fault("error", message, id="DIFF-003")])
         with _understood_in(f"{path_a} or {path_b}"):
             _compare_files(report, a, b, tolerances, same_attitude)
     return report
@@ -80,7 +80,7 @@ def open_sound(path: str) -> Iterator[h5py.File]:
     try:
         file = h5py.File(path, "r")
     except OSError as error:
-        raise TableError(path, [Fault("error", f"damaged HDF5 file: {error}")]) from error
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {error}", id="DIFF-004")]) from error
     with file:
         with _understood_in(path):
             check_structure(file)
@@ -95,7 +95,7 @@ def _kind_of_file(path, file):
         if conventions.startswith(begins) and TOLD_BY[begins] in file:
             return what
     message = "this HDF5 file is no result of flexmb: it lacks the attribute Conventions of one, or its rows"
-    raise TableError(path, [Fault("error", message)])
+    raise TableError(path, [Fault("error", message, id="DIFF-005")])
 
 
 @contextmanager
@@ -104,7 +104,7 @@ def _understood_in(path):
         with understood():
             yield
     except Damaged as fault:
-        raise TableError(path, [Fault("error", f"damaged HDF5 file: {fault}")]) from fault
+        raise TableError(path, [Fault("error", f"damaged HDF5 file: {fault}", id="DIFF-006")]) from fault
 
 
 def _compare_files(report, a, b, tolerances, same_attitude):

@@ -60,18 +60,19 @@ def _compared(path_a, path_b, tolerances: Tolerances, same_attitude: bool, expla
 
         if tolerances.last_digit:
             message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
-            raise ToleranceError(message)
+            raise ToleranceError(message, id="DIFF-007")
         return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
     if any(kinds):
         other = path_b if kinds[0] else path_a
         if None in kinds:
             read_listing(other)  # it words why the file cannot be opened
         message = "this is no HDF5 result, the other file is; compare two tables, or two HDF5 results"
-        raise TableError(str(other), [Fault("error", message)])
+        raise TableError(str(other), [Fault("error", message, id="DIFF-008")])
     a, b = (read_listing(path) for path in (path_a, path_b))
     if a.form != b.form:
         raise TableError(
-            b.name, [Fault("error", f"it is of another kind ({b.form}) than {a.name} ({a.form})")]
+            b.name,
+            [Fault("error", f"it is of another kind ({b.form}) than {a.name} ({a.form})", id="DIFF-009")],
         )
     return compare_listings(a, b, tolerances, same_attitude, explain)
 
@@ -121,7 +122,7 @@ def read_listing(path) -> Listing:
             "no OUT table is found in it: there is neither a line TIME= nor an echo of a YOUNG deck, "
             "no echo of a DAFMS deck (==N==NDM==) and no time series of one, no listing of a VSDF deck"
         )
-        raise TableError(name, [Fault("error", message)])
+        raise TableError(name, [Fault("error", message, id="DIFF-010")])
     return listing
 
 

@@ -121,7 +121,9 @@ def parse_kinds(settings) -> dict[str, Tolerance]:
         else:
             kinds[kind] = Tolerance(*numbers)
     if faults:
-        raise ToleranceError(faults[0], tuple(Fault("error", message) for message in faults))
+        raise ToleranceError(
+            faults[0], tuple(Fault("error", message, id="DIFF-011") for message in faults), id="DIFF-012"
+        )
     return kinds
 
 

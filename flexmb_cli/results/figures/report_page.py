@@ -96,7 +96,7 @@ def report_page(result: h5py.File, library: str) -> str:
     Raises `ResultError` when the file has no deck.
     """
     if "deck" not in result:
-        raise ResultError(result.filename, "this is no result of a run: it has no deck")
+        raise ResultError(result.filename, "this is no result of a run: it has no deck", id="RESULT-001")
     moving = _animation(result)
     drawn = _curves(result)
     check_shapes(result, AUDITED, {})

@@ -72,7 +72,9 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     """
     _check_shapes(result)
     if "body/position" not in result or not len(range(*rows.indices(len(result["time"])))):
-        raise ResultError(result.filename, "there are no bodies to draw: the result has no rows")
+        raise ResultError(
+            result.filename, "there are no bodies to draw: the result has no rows", id="RESULT-002"
+        )
     motion = _Motion(result, rows)
     joints = [motion.joint(j) for j in range(len(motion.joint_body))]
     scene = Scene(
@@ -90,7 +92,9 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     drawn = [_drawn(motion, number, marks, extent) for number, marks in numbered if marks.shape[1]]
     scene = replace(scene, bodies=tuple(drawn))
     if not np.all(np.isfinite(scene.places)):
-        raise ResultError(result.filename, "it cannot be drawn: there are positions that are not finite")
+        raise ResultError(
+            result.filename, "it cannot be drawn: there are positions that are not finite", id="RESULT-003"
+        )
     return scene
 
 

@@ -27,16 +27,22 @@ def output_error(path: str, error: OSError) -> OutputError:
     """A full disk ends the run (exit 1); a place that cannot be written is a wrong command (exit 2)."""
     number = error.errno
     if number in FULL:
-        return OutputError(f"{path}: no space left for the result; free some and run again", ANALYSIS_FAILED)
+        return OutputError(
+            f"{path}: no space left for the result; free some and run again", ANALYSIS_FAILED, id="RESULT-004"
+        )
     if number == errno.EIO:
-        return OutputError(f"{path}: the disk reports a failure while the result is written", ANALYSIS_FAILED)
+        return OutputError(
+            f"{path}: the disk reports a failure while the result is written",
+            ANALYSIS_FAILED,
+            id="RESULT-005",
+        )
     if number in (errno.EMFILE, errno.ENFILE):
         told = "too many files are open; `ulimit -n` tells how many may be"
-        return OutputError(f"{path}: cannot be written: {told}", ANALYSIS_FAILED)
+        return OutputError(f"{path}: cannot be written: {told}", ANALYSIS_FAILED, id="RESULT-006")
     reason = _reason(number, error)
     if number == errno.ENOENT and os.path.isdir(os.path.dirname(os.path.realpath(path))):
         reason = "its folder takes no new files"  # such as /proc
-    return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT)
+    return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT, id="RESULT-007")
 
 
 def _reason(number, error):

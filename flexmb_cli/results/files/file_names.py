@@ -85,7 +85,8 @@ def refuse_shared(results) -> None:
     tables = [deck for deck, paths in results if paths.out == STANDARD_OUTPUT]
     if len(tables) > 1:
         raise OutputError(
-            f"{tables[0]} and {tables[1]} would both write to standard output; run them one by one"
+            f"{tables[0]} and {tables[1]} would both write to standard output; run them one by one",
+            id="RESULT-008",
         )
 
 
@@ -93,7 +94,8 @@ def _refuse_overwriting(deck, path, decks):
     victim = decks.get(_identity(path))
     if victim is not None:
         raise OutputError(
-            f"{deck}: its result {path} would overwrite the deck {victim}; choose another folder"
+            f"{deck}: its result {path} would overwrite the deck {victim}; choose another folder",
+            id="RESULT-009",
         )
 
 
@@ -106,8 +108,10 @@ def _refuse_second(results, number, path, owners):
         return
     deck, other = results[number][0], results[first][0]
     if first == number:
-        raise OutputError(f"{deck}: two of its results would be the same file {path}")
-    raise OutputError(f"{other} and {deck} would both write {path}; run them with different output folders")
+        raise OutputError(f"{deck}: two of its results would be the same file {path}", id="RESULT-010")
+    raise OutputError(
+        f"{other} and {deck} would both write {path}; run them with different output folders", id="RESULT-011"
+    )
 
 
 def _is_plain(path):

@@ -23,7 +23,7 @@ def matlab_bytes(result: h5py.File) -> bytes:
     content["info"] = {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
     if _size(content) > LARGEST:
         limit = "larger than the 2 GB of a MATLAB 5 file; MATLAB reads the result itself (h5read)"
-        raise ResultError(result.filename, limit)
+        raise ResultError(result.filename, limit, id="RESULT-012")
     return variable_bytes("flexmb", content)
 
 

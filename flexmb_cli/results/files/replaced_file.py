@@ -199,7 +199,7 @@ def sync_folders(files) -> None:
             sync_folder(folder)
         except OSError as error:
             message = f"{path}: written, but the disk does not confirm that it is there: {error.strerror}"
-            raise OutputError(message, ANALYSIS_FAILED) from error
+            raise OutputError(message, ANALYSIS_FAILED, id="RESULT-013") from error
 
 
 def is_unfinished(path: str) -> bool:

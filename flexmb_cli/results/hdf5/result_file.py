@@ -98,7 +98,9 @@ class ResultFile:
     def __init__(self, path, deck: Deck, layout: Layout):
         self._place = Replacement(path)
         if self._place.direct:
-            raise OutputError(f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none")
+            raise OutputError(
+                f"{path}: an HDF5 file can only be a regular file; --no-h5 writes none", id="RESULT-014"
+            )
         self._written = 0
         self._status, self._message, self._notes = COMPLETE, "", ()
         self._waiting: list[Values] = []

@@ -31,9 +31,9 @@ class ResultError(FlexmbError):
 
     exit_code = 2
 
-    def __init__(self, file, *sentences: str):
+    def __init__(self, file, *sentences: str, id: str = ""):
         first = f"{file}: {sentences[0]}" if file else sentences[0]
-        super().__init__(first, tuple(Fault("error", sentence) for sentence in sentences))
+        super().__init__(first, tuple(Fault("error", sentence, id=id) for sentence in sentences))
         self.file = str(file)
 
 
@@ -63,23 +63,29 @@ def open_result(path) -> Iterator[h5py.File]:
     try:
         file = h5py.File(path, "r")
     except FileNotFoundError:
-        raise ResultError(path, "no such file") from None
+        raise ResultError(path, "no such file", id="RESULT-015") from None
     except IsADirectoryError:
-        raise ResultError(path, "it is a folder") from None
+        raise ResultError(path, "it is a folder", id="RESULT-016") from None
     except OSError as error:
-        raise ResultError(path, _other_kind(path, error)) from error
+        raise ResultError(path, _other_kind(path, error), id="RESULT-017") from error
     try:
         with file, understood():
             check_structure(file)
             if attribute(file, "Conventions").startswith("flexmb-study"):
-                raise ResultError(path, "this is the table of a study, which flexmb table prints; no result")
+                raise ResultError(
+                    path,
+                    "this is the table of a study, which flexmb table prints; no result",
+                    id="RESULT-018",
+                )
             if not isinstance(file.get(TIME), h5py.Dataset):
-                raise ResultError(path, "this HDF5 file is no result of flexmb: it has no dataset /time")
+                raise ResultError(
+                    path, "this HDF5 file is no result of flexmb: it has no dataset /time", id="RESULT-019"
+                )
             check_shapes(file, {TIME: "t"}, {})
             _check_times(file[TIME])
             yield file
     except Damaged as fault:
-        raise ResultError(path, f"a damaged result: {fault}") from fault
+        raise ResultError(path, f"a damaged result: {fault}", id="RESULT-020") from fault
 
 
 def _check_times(times):
@@ -126,7 +132,7 @@ def resolve(result: h5py.File, patterns: Iterable[str], file="", where: str = ""
         if not matched:
             unknown.append(f"{where}{_unknown(known, pattern)}")
     if unknown:
-        raise ResultError(file, *unknown)
+        raise ResultError(file, *unknown, id="RESULT-021")
     return list(found)
 
 
@@ -173,7 +179,7 @@ def _elements(result, path, rows, index):
         with understood():
             box = result[path][(rows, *map(slice, low.tolist(), high.tolist()))]
     except Damaged as fault:
-        raise ResultError(result.filename, f"/{path} {fault}") from fault
+        raise ResultError(result.filename, f"/{path} {fault}", id="RESULT-022") from fault
     _refuse_other_length(result, path)
     return box[(slice(None), *(index - low).T)] if index.shape[1] else box[:, None]
 
@@ -187,7 +193,9 @@ def refuse_uneven(result: h5py.File) -> None:
 def _refuse_other_length(result, path):
     if len(result[path]) != len(result[TIME]):
         counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
-        raise ResultError(result.filename, f"a damaged result: /{path} has {counts}; run the deck again")
+        raise ResultError(
+            result.filename, f"a damaged result: /{path} has {counts}; run the deck again", id="RESULT-023"
+        )
 
 
 def _quantity(family, index):

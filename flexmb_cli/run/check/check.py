@@ -109,7 +109,7 @@ def check_deck(path: str, options: RunOptions, jacobian: str | None = None) -> C
 
 def _refuse_jacobian(jacobian, reason):
     if jacobian is not None:
-        raise ModelError([Fault("error", f"--jacobian: {reason}")])
+        raise ModelError([Fault("error", f"--jacobian: {reason}", id="RUN-001")])
 
 
 def _check_mechanism(report, options, jacobian):
@@ -145,7 +145,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     if equations > ASSEMBLY_LIMIT:
         report.counts = parts_of(mechanism) | {"coordinates": equations}
         message = f"{equations} coordinates are more than the {ASSEMBLY_LIMIT} that check assembles; run does"
-        report.outcome.faults.append(Fault("note", message))
+        report.outcome.faults.append(Fault("note", message, id="RUN-002"))
         return
     if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
         compilation.interpret()
@@ -200,12 +200,12 @@ def _jacobian_at(mechanism, time):
     start = mechanism.time.start
     if not time >= start:
         message = f"--jacobian {time:g}: the motion begins at t = {start:g} s"
-        raise ModelError([Fault("error", message)])
+        raise ModelError([Fault("error", message, id="RUN-003")])
     if time - start > FARTHEST_STEPS * mechanism.time.step:
         message = (
             f"--jacobian {time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
         )
-        raise ModelError([Fault("error", message)])
+        raise ModelError([Fault("error", message, id="RUN-004")])
     grid = replace(mechanism.time, end=time, step=max(time - start, 1.0))
     analysis = KinematicAnalysis(replace(mechanism, time=grid))
     for _ in analysis.rows():

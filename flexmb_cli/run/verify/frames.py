@@ -57,17 +57,19 @@ def _refuse_unequal(deck):
         nodes = [record[f"n{k}"] for k in (1, 2, 3)]
         if record["modes"]:
             message = "verify compares two frames of the same body, which takes all modes: give 0 modes"
-            faults.append(Fault("error", message, record.at("modes").place, record.subject))
+            faults.append(Fault("error", message, record.at("modes").place, record.subject, id="RUN-019"))
         if not all(nodes) or record["number"] in clamped:
             message = "verify exchanges the reference nodes n1 and n2: give three, and neither CLMP nor CRBN"
-            faults.append(Fault("error", message, record.place, record.subject))
+            faults.append(Fault("error", message, record.place, record.subject, id="RUN-020"))
     if not elastic:
-        faults.append(Fault("error", "verify compares two frames of a FLEX body; the deck has none"))
+        faults.append(
+            Fault("error", "verify compares two frames of a FLEX body; the deck has none", id="RUN-021")
+        )
     numbers = {record["number"] for record in elastic}
     for motion in deck.section("motion"):
         if motion["kind"] not in ("ANGL", "STRK") and motion["object"] in numbers:
             message = "it moves the frame of a FLEX body, which is another in the second model"
-            faults.append(Fault("error", message, motion.place, motion.subject))
+            faults.append(Fault("error", message, motion.place, motion.subject, id="RUN-022"))
     if faults:
         raise ModelError(faults)
 

@@ -139,7 +139,7 @@ class ConstrainedMotion:
                 f"a table has points {finest:.3g} s apart, and steps of {self.stepper.length:g} s may pass "
                 "over them: take a step below that, or 0 for steps that end at them"
             )
-            self.warnings.append(Fault("warning", message))
+            self.warnings.append(Fault("warning", message, id="SOLVE-003"))
 
     def start(self) -> Mobility:
         """Assemble positions and speeds at the first time and choose the first step.

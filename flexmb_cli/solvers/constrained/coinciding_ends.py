@@ -29,4 +29,4 @@ def _fault(spring, free_length, t):
         f"its ends coincide at t = {t:.6g} s, where its free length of {free_length:.6g} m gives it a force "
         "without a direction; move an end, or give it the free length 0"
     )
-    return Fault("error", message, spring.place, spring.name)
+    return Fault("error", message, spring.place, spring.name, id="SOLVE-004")

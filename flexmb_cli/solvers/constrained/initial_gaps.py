@@ -75,4 +75,4 @@ def _deformed(mechanism, arrays, q):
                 f"it is bent by up to {most * length:.2g} m at the start, strains and all, since its joints "
                 "cannot meet otherwise; correct positions or nodes if that is not meant"
             )
-            yield Fault("warning", message, body.place, body.name)
+            yield Fault("warning", message, body.place, body.name, id="SOLVE-005")

@@ -69,7 +69,7 @@ class GeneralisedAlpha:
             f"the iterations of {clock['rejections']} steps of {self.length:g} s did not converge, and the "
             "steps were divided; take a smaller step"
         )
-        return [Fault("warning", message)]
+        return [Fault("warning", message, id="SOLVE-006")]
 
 
 class RadauSteps:

@@ -105,4 +105,4 @@ def inertia_failure(analysis, t: float) -> AnalysisError:
         f"at t = {t:.6g} s {', '.join(names[:3])} can move without any mass or inertia resisting "
         f"(smallest inertia {values[0]:.3g}); give masses and inertias to what can move"
     )
-    return AnalysisError(Fault("error", message), t)
+    return AnalysisError(Fault("error", message, id="SOLVE-007"), t)

@@ -113,7 +113,7 @@ def _doubt_change(analysis, u, wanted, given):
         own = slice(6 * item.body, 6 * item.body + 6)
         if np.max(change[own]) > 0.0:
             message = f"does not fit the joints and is changed to {_shown(analysis, u[own], item)}"
-            analysis.warnings.append(Fault("warning", message, item.place, item.name))
+            analysis.warnings.append(Fault("warning", message, item.place, item.name, id="SOLVE-008"))
 
 
 def _shown(analysis, u, item):

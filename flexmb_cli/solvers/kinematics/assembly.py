@@ -67,7 +67,7 @@ def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
         f"{equations} equations flexmb does not look for which (of {most} at most): leave bodies out until "
         "it does"
     )
-    return AnalysisError(Fault("error", message), t)
+    return AnalysisError(Fault("error", message, id="SOLVE-009"), t)
 
 
 def _few(iterations):

@@ -25,7 +25,9 @@ def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
     """Raise ModelError naming the driven bodies that the first row shows tilted."""
     tilted = [d for d in _turning(mechanism) if _tilt(first, d).max() > UPRIGHT]
     if tilted:
-        raise ModelError([Fault("error", _message(d, _tilt(first, d)[0]), d.place, d.name) for d in tilted])
+        raise ModelError(
+            [Fault("error", _message(d, _tilt(first, d)[0]), d.place, d.name, id="SOLVE-010") for d in tilted]
+        )
 
 
 def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
@@ -48,7 +50,7 @@ def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
                 f"the joints do not let body {driver.body + 1} turn about the global {axis} axis, as this "
                 "driver asks; drive the direction that the joints leave free, or turn the mechanism"
             )
-            raise ModelError([Fault("error", message, driver.place, driver.name)])
+            raise ModelError([Fault("error", message, driver.place, driver.name, id="SOLVE-011")])
 
 
 def _can_turn(driver, q, motions):
@@ -66,7 +68,7 @@ def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
         if tilt.max() > UPRIGHT:
             k = int(np.argmax(tilt > UPRIGHT))
             message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, tilt[k])}"
-            fault = Fault("error", message, driver.place, about=driver.name)
+            fault = Fault("error", message, driver.place, about=driver.name, id="SOLVE-012")
             raise AnalysisError(fault, float(rows.time[k]))
     return rows
 

@@ -78,4 +78,4 @@ def undetermined(t: float) -> AnalysisError:
         f"at t = {t:.6g} s the position is singular: joints and drivers do not determine all velocities, "
         "so no unique forces belong to the motion"
     )
-    return AnalysisError(Fault("error", message), t)
+    return AnalysisError(Fault("error", message, id="SOLVE-013"), t)

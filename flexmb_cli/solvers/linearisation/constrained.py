@@ -104,7 +104,7 @@ class ConstrainedLinearised(LinearisedMotion):
             message = (
                 f"at t = {self.t:.6g} s the mechanism is at a singular position: it cannot be linearised"
             )
-            raise AnalysisError(Fault("error", message), self.t)
+            raise AnalysisError(Fault("error", message, id="SOLVE-014"), self.t)
 
     def acceleration_at(self, d, w) -> np.ndarray:
         """Return u' (n,) where the position is displaced by d and the speeds by w."""

@@ -32,7 +32,7 @@ def settle(analysis, linearised) -> None:
         f"no equilibrium was found in {MOST_ITERATIONS} iterations; begin nearer to it, or see "
         "whether drivers or forces keep the mechanism moving"
     )
-    raise AnalysisError(Fault("error", message), motion.t)
+    raise AnalysisError(Fault("error", message, id="SOLVE-015"), motion.t)
 
 
 def _downhill(stiffness, accelerations):

@@ -97,7 +97,7 @@ class TreeLinearised(LinearisedMotion):
         free = np.flatnonzero(~self.arrays.given)
         rank = _rank(jacobian)
         if free.size - rank != len(L):
-            raise AnalysisError(Fault("error", _singular(self.t)), self.t)
+            raise AnalysisError(Fault("error", _singular(self.t), id="SOLVE-016"), self.t)
         motions = np.zeros((self.scale.size, len(L)))
         kernel = np.linalg.svd(jacobian[:, free])[2][rank:].T if rank else np.eye(free.size)
         motions[free] = kernel
@@ -182,7 +182,7 @@ class TreeLinearised(LinearisedMotion):
                 break
             z = self.displaced(self._correction(z, gap), z)
         if not np.max(np.abs(gap)) <= STAYS_OPEN * size:
-            raise AnalysisError(Fault("error", _singular(t)), t)
+            raise AnalysisError(Fault("error", _singular(t), id="SOLVE-017"), t)
         z[: self.u.size] += self._correction(z, self._measured(z)["rate"].copy())
         return z
 
@@ -234,7 +234,7 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
     reached = float(analysis.clock["t"][0])
     if abs(reached - time) > 1e-9 * max(abs(time), 1.0):
         message = f"the integration ended at t = {reached:.6g} s instead of {time:.6g} s"
-        raise AnalysisError(Fault("error", message), reached)
+        raise AnalysisError(Fault("error", message, id="SOLVE-018"), reached)
 
 
 def set_laws_at(analysis: TreeAnalysis, t: float) -> None:

@@ -119,14 +119,20 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
 
 def _refuse_foreign(mechanism):
     faults = [
-        Fault("error", "a screw joint is not carried over to natural coordinates", joint.place, joint.name)
+        Fault(
+            "error",
+            "a screw joint is not carried over to natural coordinates",
+            joint.place,
+            joint.name,
+            id="SOLVE-019",
+        )
         for joint in mechanism.joints
         if joint.kind not in LINES
     ]
     message = "an Euler parameter that is held is carried over to natural coordinates at 0 only"
     for item in (*mechanism.simplified, *mechanism.distances):
         if item.direction > 3 and (item.value or item in mechanism.distances):
-            faults.append(Fault("error", message, item.place, item.name))
+            faults.append(Fault("error", message, item.place, item.name, id="SOLVE-020"))
     if faults:
         raise ModelError(faults)
 

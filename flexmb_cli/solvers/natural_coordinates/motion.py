@@ -71,7 +71,9 @@ class NaturalMotion:
 
             found = solve_ivp(slope, (t, grid.time(k + 1)), np.append(X, V), "DOP853", rtol=1e-10, atol=1e-12)
             if not found.success:
-                raise AnalysisError(Fault("error", f"natural coordinates: {found.message}"), t)
+                raise AnalysisError(
+                    Fault("error", f"natural coordinates: {found.message}", id="SOLVE-021"), t
+                )
             X, V = np.split(found.y[:, -1], 2)
         return _rows(rows)
 
@@ -87,7 +89,7 @@ class NaturalMotion:
                 break
         if not np.max(np.abs(self.equations.residual(X, t))) <= 1e-9:
             message = f"at t = {t:.6g} s Newton's method in natural coordinates ends at a gap"
-            raise AnalysisError(Fault("error", message), t)
+            raise AnalysisError(Fault("error", message, id="SOLVE-022"), t)
         return X
 
     def _moved_to(self, X, t, end):

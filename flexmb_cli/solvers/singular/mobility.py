@@ -42,8 +42,8 @@ class Gap:
 def about(severity: str, message: str, *owners: Equation) -> Fault:
     """A fault whose message names equations itself, at the place of the first; without any, at none."""
     if not owners:
-        return Fault(severity, message)
-    return Fault(severity, message, owners[0].place, about=owners[0].owner)
+        return Fault(severity, message, id="SOLVE-023")
+    return Fault(severity, message, owners[0].place, about=owners[0].owner, id="SOLVE-024")
 
 
 def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap]:

@@ -229,7 +229,7 @@ def _no_inertia(tree, t, coordinate):
         f"'{c.name}' while all that hangs on it moves freely; give {body.name} more inertia about its "
         "origin than its nodes account for"
     )
-    return Fault("error", message, body.place, body.name)
+    return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
 def _step_vanished(tree, t, step, worst):
@@ -241,7 +241,7 @@ def _step_vanished(tree, t, step, worst):
         f"at t = {t:.6g} s the step length fell to {step:.1e} s; the {kind} with the largest error is "
         f"'{name}'; the motion or a load grows without bound there, or the tolerance is finer than round-off"
     )
-    return Fault("error", message, place, tree.bodies[c.body].name if c else "")
+    return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")
 
 
 def with_tolerance(tree: Tree, tolerance: float) -> Tree:

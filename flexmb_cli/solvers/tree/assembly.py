@@ -61,7 +61,7 @@ def _one_way_fault(tree):
         "closed loops need the coupled equations: where bodies of a loop deflect, their rigid motion has "
         "to give way, and UNCO keeps elastic motion from asking for it; drop UNCO (or LOOP)"
     )
-    return Fault("error", message, closure.place, closure.name)
+    return Fault("error", message, closure.place, closure.name, id="SOLVE-027")
 
 
 def closure_of_row(tree: Tree, row: int):
@@ -77,7 +77,9 @@ def _assembly_failure(tree, rows):
         f"at t = {t:.6g} s the loop cannot be closed: the two points stay {gap:.3g} m apart along "
         f"axis {rows['axis'][worst] + 1}; check lengths, the two points and the initial coordinates"
     )
-    return AnalysisError(Fault("error", message, closure.place, closure.name), t, {"gap": gap})
+    return AnalysisError(
+        Fault("error", message, closure.place, closure.name, id="SOLVE-028"), t, {"gap": gap}
+    )
 
 
 def pivot_shares(arrays: TreeArrays) -> np.ndarray:
@@ -102,4 +104,4 @@ def stray(tree: Tree, shares: np.ndarray, repeated: np.ndarray, t: float, worst:
         f"begins there, and closing the loop leads to it however short the step is{motion}; end the run "
         "before it, or change the lengths"
     )
-    return Fault("error", message, closure.place, closure.name)
+    return Fault("error", message, closure.place, closure.name, id="SOLVE-029")

@@ -68,4 +68,4 @@ def _step_failure(t, method):
         f"at t = {t:.6g} s {method} finds no step that meets the tolerance; the motion or a load grows "
         "without bound there, or the tolerance is finer than round-off"
     )
-    return AnalysisError(Fault("error", message), float(t))
+    return AnalysisError(Fault("error", message, id="SOLVE-030"), float(t))

@@ -1,0 +1,91 @@
+"""Write docs/reference/messages.md: the stable identifier of every fault, with its words of today.
+
+python docs/_ext/fault_messages.py
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+PACKAGE = TOP / "flexmb_cli"
+PAGE = TOP / "docs" / "reference" / "messages.md"
+# What makes a fault, and which of its arguments is the message.
+MAKERS = {
+    "Fault": 1, "error": 1, "warn": 1, "note": 1, "OutputError": 0, "UnsafePlace": 0, "ResultError": 1,
+    "ToleranceError": 0, "ClusterError": 0, "WorkersError": 0, "MissingParquet": 0, "FEFileFault": 0,
+}  # fmt: skip
+HEAD = """# Messages
+
+Every message has an identifier that stays the same when its words change: with `--json` it is the key `id`
+of a fault. An identifier that is no longer used is not given to another message. `…` stands for what depends
+on the input. `python docs/_ext/fault_messages.py` makes this page; a test compares it with the program.
+
+| identifier | message |
+|---|---|
+"""
+
+
+def makers() -> Iterator[tuple[Path, ast.Call, ast.AST]]:
+    """Yield every call that makes a fault: its file, the call, the function around it."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and _maker(node):
+                around = [f for f in functions if f.lineno <= node.lineno <= f.end_lineno]
+                yield path, node, max(around, key=lambda f: f.lineno, default=tree)
+
+
+def _maker(call):
+    if isinstance(call.func, ast.Name):
+        name = call.func.id
+        return name if name in MAKERS and name not in ("error", "warn", "note") else None
+    if isinstance(call.func, ast.Attribute) and call.func.attr in ("error", "warn", "note"):
+        return call.func.attr if ast.unparse(call.func.value).endswith("findings") else None
+    return None
+
+
+def identifier(call: ast.Call) -> str | None:
+    """Return the identifier that a call gives, None without one; what another fault carries is ""."""
+    given = next((word.value for word in call.keywords if word.arg == "id"), None)
+    return given.value if isinstance(given, ast.Constant) else None if given is None else ""
+
+
+def words(call: ast.Call, around: ast.AST) -> str:
+    """Return the message of a call, with … for what depends on the input."""
+    place = MAKERS[_maker(call)]
+    node = call.args[place] if len(call.args) > place else None
+    if isinstance(node, ast.Name):
+        before = [
+            each.value
+            for each in ast.walk(around)
+            if isinstance(each, ast.Assign)
+            and each.lineno <= call.lineno
+            and any(isinstance(target, ast.Name) and target.id == node.id for target in each.targets)
+        ]
+        node = before[-1] if before else node
+    return " ".join(_text(node).split()) or "…"
+
+
+def _text(node):
+    if isinstance(node, ast.Constant):
+        return str(node.value)
+    if isinstance(node, ast.JoinedStr):
+        return "".join(_text(part) for part in node.values)
+    if isinstance(node, ast.BinOp):
+        return _text(node.left) + _text(node.right)
+    if isinstance(node, ast.IfExp):
+        return f"{_text(node.body)} / {_text(node.orelse)}"
+    return "…"
+
+
+def page() -> str:
+    """Return the text of the page."""
+    found = {identifier(call): words(call, around) for _, call, around in makers() if identifier(call)}
+    rows = (f"| {name} | {text.replace('|', chr(92) + '|')} |\n" for name, text in sorted(found.items()))
+    return HEAD + "".join(rows)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
