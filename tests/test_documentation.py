@@ -17,7 +17,7 @@ PAGES = [
     TOP / "README.md",
     *sorted(page for page in DOCS.rglob("*.md") if not {"_build", "gallery.md"} & set(page.parts)),
     *sorted((TOP / "decks").rglob("*.md")),
-    *(TOP / name for name in ("SECURITY.md", "CHANGELOG.md")),
+    *(TOP / name for name in ("CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")),
 ]
 
 

@@ -36,6 +36,7 @@ def test_control_characters_of_a_deck_do_not_reach_the_terminal():
 
 def test_a_fault_as_a_record_has_line_and_column_or_none():
     assert Fault("error", "m", Place(2, 3, 4), "body 1").as_dict() == {
+        "id": "",
         "severity": "error",
         "object": "body 1",
         "message": "m",
