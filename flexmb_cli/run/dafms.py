@@ -15,7 +15,7 @@ from .absolute_march import AbsoluteMarch
 from .checkpoint import Journal
 from .dafms_tree import tree_of
 from .energy_drift import EnergyDrift
-from .error_estimate import ErrorEstimate, finer, with_errors
+from .error_estimate import FINER, ErrorEstimate, finer, why_no_estimate, with_errors
 from .exit_status import reason_of
 from .keeping import keep_blocks
 from .outcome import ABSOLUTE, Outcome, RunOptions, Stop, Terminated, refuse_warnings
@@ -35,6 +35,7 @@ def run_dafms(
         journal, march = _beginning(deck, tree, paths, options, outcome, listener)
     with Stop.later():
         if options.estimate_error:
+            outcome.faults += why_no_estimate(tree.integration.rtol)
             march.estimate = error_estimate(tree)
         files = _ResultFiles(deck, tree, paths, options, stdout)
         files.notes = sentences(doubts)
@@ -88,6 +89,8 @@ def _keep_rows(tree, march, journal, files, options, outcome, listener):
 
 def _doubts_of_energy(tree, march, options, outcome):
     doubts = () if tree.one_way else march.drift.doubts
+    if march.estimate is not None:
+        doubts = (*doubts, *march.estimate.doubts)
     outcome.faults += doubts
     refuse_warnings(outcome, options)
     return doubts
@@ -146,7 +149,8 @@ def error_estimate(tree: Tree) -> ErrorEstimate:
     from ..solvers.tree.points import point_motion
 
     given = tree.integration
-    second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=finer(given.atol)))
+    # An absolute tolerance has no round-off to heed.
+    second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=FINER * given.atol))
     rows = TreeAnalysis(second).rows()
     return ErrorEstimate(tree_values(second, block, point_motion(second, block)) for block in rows)
 

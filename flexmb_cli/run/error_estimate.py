@@ -5,15 +5,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import Fault
+from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"
 NOT_ESTIMATED = ("time", "audit/")
-GIVEN_STEPS = (
-    "--estimate-error has no effect: no step of this run is chosen by a tolerance; compare with a run of "
-    "half the step (GALF) by flexmb diff"
+NO_EFFECT = "--estimate-error has no effect: "
+NO_STEPS = NO_EFFECT + "nothing is integrated, every row is solved to round-off"
+GIVEN_STEPS = NO_EFFECT + (
+    "the steps have a given length (GALF); compare with a run of half the step by flexmb diff, or give the "
+    "step as 0 for steps chosen by a tolerance"
+)
+TOO_FINE = (
+    "--estimate-error tells too little: no second run can be finer than a tolerance of {:g}, where round-off "
+    "is all that is left; ask for the errors of a run to {:g}"
+)
+STOPPED = (
+    "--estimate-error: the second, finer run stops, and errors are estimated up to t = {:.6g} s only: {}"
 )
 
 
@@ -22,9 +31,12 @@ def finer(tolerance: float) -> float:
     return max(FINER * tolerance, FINEST)
 
 
-def without_estimate() -> Fault:
-    """The warning where nothing can be estimated."""
-    return Fault("warning", GIVEN_STEPS, id="RUN-015")
+def why_no_estimate(tolerance: float) -> list[Fault]:
+    """The warning where no tolerance is finer."""
+    least = FINEST / FINER
+    return (
+        [Fault("warning", TOO_FINE.format(tolerance, least), id="RUN-015")] if tolerance < 0.1 * least else []
+    )
 
 
 class ErrorEstimate:
@@ -33,20 +45,29 @@ class ErrorEstimate:
     def __init__(self, second: Iterator[dict]):
         self.second = second
         self.waiting: dict = {}
+        self.doubts: list[Fault] = []  # that the second run stopped
         self.largest: dict = {}  # by path: error, its time, s, and the largest size of the quantity
 
     def of(self, values: dict) -> dict:
-        """Values with the largest error (T,) of every quantity at every time."""
-        count = len(values["time"])
-        other = self._next(count)
-        errors = {PLACE + path: _apart(values[path], other[path]) for path in values if _is_estimated(path)}
+        """Values with the largest error (T,) of each quantity in time, nan past the second run's stop."""
+        other = self._next(values["time"])
+        errors = {
+            PLACE + path: _apart(values[path], other.get(path, ())) for path in values if _is_estimated(path)
+        }
         self._note(values, errors)
         return {**values, **errors}
 
-    def _next(self, count):
-        """The next `count` rows of the second run."""
-        while not self.waiting or len(self.waiting["time"]) < count:
-            block = next(self.second)
+    def _next(self, times):
+        """The rows of the second run at these times, fewer where it stops."""
+        count = len(times)
+        while len(self.waiting.get("time", ())) < count and not self.doubts:
+            try:
+                block = next(self.second)
+            except AnalysisError as failure:
+                self.doubts.append(
+                    Fault("warning", STOPPED.format(failure.time, failure.args[0]), id="RUN-023")
+                )
+                break
             if self.waiting:
                 block = {path: np.concatenate([self.waiting[path], block[path]]) for path in block}
             self.waiting = dict(block)
@@ -56,7 +77,9 @@ class ErrorEstimate:
 
     def _note(self, values, errors):
         for name, error in errors.items():
-            path, k = name.removeprefix(PLACE), int(np.argmax(error))
+            if np.isnan(error).all():
+                continue
+            path, k = name.removeprefix(PLACE), int(np.nanargmax(error))
             size = float(np.max(np.abs(values[path]), initial=0.0))
             most, when, before = self.largest.get(path, (-1.0, 0.0, 0.0))
             if error[k] > most:
@@ -96,7 +119,7 @@ class EstimatingCount:
     @property
     def doubts(self) -> tuple[Fault, ...]:
         """What the rows make doubtful."""
-        return self.count.doubts
+        return (*self.count.doubts, *self.estimate.doubts)
 
     def __str__(self):
         return str(self.count)
@@ -106,10 +129,12 @@ def with_estimate(solution, second, outcome):
     """A Solution with its errors against the same one at a tighter tolerance, if that chooses its steps."""
     stepper = getattr(second.analysis, "stepper", None)
     if stepper is None or not stepper.chosen:
-        outcome.faults.append(without_estimate())
+        outcome.faults.append(Fault("warning", GIVEN_STEPS if stepper else NO_STEPS, id="RUN-024"))
         return solution
     clock = second.analysis.clock
-    clock["rtol"] = clock["atol"] = finer(float(clock["rtol"][0]))
+    tolerance = float(clock["rtol"][0])
+    outcome.faults += why_no_estimate(tolerance)
+    clock["rtol"] = clock["atol"] = finer(tolerance)
     return estimated(solution, second.analysis, outcome)
 
 
@@ -145,5 +170,9 @@ def _is_estimated(path):
 
 
 def _apart(a, b):
-    """The largest distance in each row of a and b (T, ...)."""
-    return np.max(np.abs(a - b).reshape(len(a), -1), axis=1, initial=0.0)
+    """The largest distance in each row of a and b (T, ...); nan in rows that only a has."""
+    found = np.full(len(a), np.nan)
+    count = len(b)
+    if count:
+        found[:count] = np.max(np.abs(a[:count] - b).reshape(count, -1), axis=1, initial=0.0)
+    return found
