@@ -15,6 +15,8 @@ from flexmb_cli.kernels import _arguments, _entry, _jit, _objects, signatures
 from flexmb_cli.kernels._jit import kernel
 from flexmb_cli.kernels.constrained import speeds
 from flexmb_cli.kernels.linalg import lu
+from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.outcome import RunOptions
 
 PACKAGE = Path(_jit.__file__).parents[1]
 compiled = pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
@@ -54,11 +56,50 @@ def test_every_kernel_that_python_calls_has_a_signature():
             assert signatures.unit_of(f"{module}.{function}"), f"{module}.{function}"
 
 
+@pytest.mark.parametrize("name", signatures.TUPLES)
+def test_every_tuple_has_the_fields_of_its_class(name):
+    place, words = signatures.TUPLES[name]
+    module, _, kind = place.partition(":")
+    fields = getattr(importlib.import_module(f"flexmb_cli.{module}"), kind)._fields
+    assert len(words.split()) == len(fields), dict(zip(fields, words.split(), strict=False))
+
+
 def test_every_signature_is_that_of_a_kernel():
     for unit in signatures.UNITS:
         for entry, name, parameters in _entry.unit_entries(unit):
             function = getattr(entry, "py_func", entry)
             assert function.__code__.co_argcount == len(parameters), name
+
+
+# A deck of each analysis, shortened, and how it is solved.
+ANALYSES = {
+    "young/IN1-1-1.dat": (),
+    "young/dynamics/IN-ANDREWS.dat": ("time.end=0.0001",),
+    "young/dynamics/IN-RSSR-MASS.dat": (),
+    "dafms/pendulum.DAT": ("time.IT=2",),
+    "vsdf/pendulum.vsdf": ("time.end=0.0001",),
+}
+
+
+@compiled
+@pytest.mark.parametrize("deck", ANALYSES)
+def test_runs_hand_over_what_the_signatures_describe(tmp_path, monkeypatch, deck):
+    """A field more in a tuple of work arrays, and each kernel would be compiled anew on its own, in no wheel."""
+    taken, call = set(), _entry.Entry.__call__
+
+    def checked(entry, *values):
+        unit = signatures.unit_of(entry._name)
+        if unit is not None:
+            taken.add(entry._name)
+            parameters = signatures.unit_parameters(unit)[entry._name]
+            assert _arguments.Words(parameters).pack(values), entry._name
+        return call(entry, *values)
+
+    monkeypatch.setattr(_entry.Entry, "__call__", checked)
+    options = RunOptions(folder=str(tmp_path), changes=ANALYSES[deck])
+    outcome = run_deck(str(PACKAGE.parent / "decks" / deck), options)
+    assert outcome.exit_code == 0, outcome.faults
+    assert taken
 
 
 def test_numbers_arrays_and_tuples_are_packed_as_described():
