@@ -131,6 +131,33 @@ def driven_about_z(joint):
     )
 
 
+@pytest.mark.parametrize(
+    ("law", "unit"), [((0.0, 0.9, 0.0), "0.81 rad/s;"), ((0.0, 0.0, 0.9), "0.81 rad/s²;")]
+)
+def test_a_driven_body_that_its_joint_begins_to_tilt_is_refused_at_its_only_row(law, unit):
+    """The cross of a universal joint holds the body's axis w = (-1, 0.9, 0) square to the ground's z.
+
+    At rest it is. Turned about x by a small θ, w leaves the plane by 0.9 θ, which only a turn about y by
+    0.9 θ undoes: |p| = 1 in the first row, but the body turns about y at 0.9 of the driver's rates, 0.9.
+    """
+    joint = Joint("universal", "universal 1", 0, 1, (0.0,) * 3, (0.0,) * 3, Z, (-1.0, 0.9, 0.0))
+    mechanism = replace(
+        driven_about_z(joint),
+        time=TimeGrid(0.0, 0.0, 1.0),
+        bodies=(GROUND, turned_about_z("body 2", 0.0, 0.0, 0.0)),
+        simplified=(Simplified("simplified 1", 1, 6, 0.0),),
+        drivers=(Driver("driver 1", 1, 4, *law),),
+    )
+    rows, failure = until_failure(mechanism)
+    assert rows is None
+    assert isinstance(failure, ModelError)
+    assert "driver 1" in str(failure)
+    assert "global x axis" in str(failure)
+    assert unit in str(failure)
+    upright = replace(joint, s_j=(-1.0, 0.0, 0.0))
+    assert solved(replace(mechanism, joints=(upright,))).time.size == 1
+
+
 def test_an_axis_of_the_other_sense_is_no_tilt():
     """Parallel means along one line: opposite directions are allowed."""
     joint = Joint("revolute", "revolute 1", 0, 1, (0.0,) * 3, (0.0,) * 3, Z, (0.0, 0.0, -2.0))

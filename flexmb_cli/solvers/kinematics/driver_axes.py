@@ -1,8 +1,9 @@
 """Attitudes of bodies with a rotational driver.
 
 The driver's two rows, e_k = sin(θ/2) and e0 = cos(θ/2), stand in place of the body's normalisation:
-the other two parameters must come out 0 from the joints.  If they do not, the joints tilt the body
-against its driver's axis, |p| is not 1 and the position is no position.
+the other two parameters must come out 0 from the joints, and so must their rates.  If they do not, the
+joints tilt the body against its driver's axis: |p| is not 1 or does not stay 1, and the position is no
+position, or the rates are no motion.
 """
 
 from dataclasses import replace
@@ -19,15 +20,27 @@ from .rows import Rows, twice_g
 from .system import kinematic_system
 
 UPRIGHT = 1e-9
+TILTED = 5e-5  # of an Euler parameter, or of its rates: |p| is UPRIGHT beyond 1
+UNITS = "rad", "rad/s", "rad/s²"
 
 
 def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
     """Raise ModelError naming the driven bodies that the first row shows tilted."""
+<<<<<<< HEAD:flexmb_cli/solvers/kinematics/driver_axes.py
     tilted = [d for d in _turning(mechanism) if _tilt(first, d).max() > UPRIGHT]
     if tilted:
         raise ModelError(
             [Fault("error", _message(d, _tilt(first, d)[0]), d.place, d.name, id="SOLVE-010") for d in tilted]
         )
+=======
+    faults = [
+        Fault("error", _message(driver, off[0], tilted[0]), driver.place, driver.name)
+        for driver, off, tilted in _tilts(mechanism, first)
+        if tilted[0].any()
+    ]
+    if faults:
+        raise ModelError(faults)
+>>>>>>> w-f2:flexmb_cli/solve/tilt.py
 
 
 def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
@@ -63,12 +76,20 @@ def _can_turn(driver, q, motions):
 
 def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
     """The rows, if no driven body tilts in them; raises AnalysisError at the first that does."""
+<<<<<<< HEAD:flexmb_cli/solvers/kinematics/driver_axes.py
     for driver in _turning(mechanism):
         tilt = _tilt(rows, driver)
         if tilt.max() > UPRIGHT:
             k = int(np.argmax(tilt > UPRIGHT))
             message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, tilt[k])}"
             fault = Fault("error", message, driver.place, about=driver.name, id="SOLVE-012")
+=======
+    for driver, off, tilted in _tilts(mechanism, rows):
+        if tilted.any():
+            k = int(np.argmax(tilted.any(axis=1)))
+            message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, off[k], tilted[k])}"
+            fault = Fault("error", message, driver.place, about=driver.name)
+>>>>>>> w-f2:flexmb_cli/solve/tilt.py
             raise AnalysisError(fault, float(rows.time[k]))
     return rows
 
@@ -77,14 +98,24 @@ def _turning(mechanism):
     return [driver for driver in mechanism.drivers if driver.direction > 3]
 
 
-def _tilt(rows, driver: Driver):
-    return np.abs(np.linalg.norm(rows.euler_parameters[:, driver.body], axis=-1) - 1.0)
+def _tilts(mechanism, rows):
+    """Every rotational driver, the parts of p, ṗ, p̈ of its body off the axis (T, 3), whether too large.
+
+    The rates are compared with the fastest Euler parameter of the row: so far goes their round-off.
+    """
+    orders = rows.euler_parameters, rows.euler_parameter_rates, rows.euler_parameter_accelerations
+    _, rate, second = (np.max(np.abs(order), axis=(1, 2)) for order in orders)
+    sizes = 1.0 + np.stack([0.0 * rate, rate, second + rate**2], axis=-1)
+    for driver in _turning(mechanism):
+        others = [k for k in (1, 2, 3) if k != driver.direction - 3]
+        off = np.stack([np.linalg.norm(order[:, driver.body, others], axis=-1) for order in orders], axis=-1)
+        yield driver, off, off > TILTED * sizes
 
 
-def _message(driver: Driver, tilt):
-    axis = "xyz"[driver.direction - 4]
+def _message(driver: Driver, off, tilted):
+    axis, k = "xyz"[driver.direction - 4], int(np.argmax(tilted))
     return (
         f"the joints turn body {driver.body + 1} away from the global {axis} axis that this driver turns "
-        f"it about (Euler parameters of length {1.0 + tilt:.6g} instead of 1); align the joint's axis with "
+        f"it about, by {2.0 * off[k]:.3g} {UNITS[k]}; align the joint's axis with "
         f"{axis}, or describe the body in axes in which its attitude is a turn about it"
     )
