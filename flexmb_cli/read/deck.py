@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..errors import Fault, Place
+from .lines import Lines
 
 
 @dataclass(frozen=True)
@@ -19,10 +20,10 @@ class DeckText:
     sha256: str
     warnings: tuple[Fault, ...] = ()
 
-    @property
-    def lines(self) -> list[str]:
+    @cached_property
+    def lines(self) -> Lines:
         """The text's lines without their ends (LF, CR LF or CR)."""
-        return self.text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        return Lines(self.text)
 
 
 @dataclass(frozen=True)

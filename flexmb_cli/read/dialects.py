@@ -1,5 +1,6 @@
 """The dialects: what each begins with, and its reader."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -10,6 +11,7 @@ from ..errors import DeckError, Fault
 from . import number
 from .card import Word, words
 from .deck import Deck, DeckText
+from .lines import as_lines
 
 AUTO = "auto"
 CHOOSES = "--dialect chooses one"
@@ -70,14 +72,13 @@ def _beginnings():
 
 
 def _begins_vsdf(lines):
-    first = next((line for line in lines if line.strip()), "")
-    return first.lstrip()[:4].upper() == "VSDF"
+    return re.match(r"\s*VSDF", as_lines(lines).text, re.IGNORECASE) is not None
 
 
 def _begins_dafms(lines):
     # Cards before the first macro are skipped by the historic program, but they are never many.
     # Blank lines stand in the place of a deck's other models.
-    beginning = islice((line for line in lines[1:] if line.strip()), 19)
+    beginning = islice((line for line in islice(lines, 1, None) if line.strip()), 19)
     macro = any(line[:4].upper() in _DAFMS_MACROS for line in beginning)
     return macro and not lines[0].strip(" 0123456789+-")
 

@@ -29,11 +29,17 @@ def read_young(source: DeckText) -> Deck:
     Raises DeckError with all misspelt numbers, or for a deck that ends too early.
     """
     reading = _Reading(source, YOUNG_SECTIONS)
-    reading.words.reach(1)
-    if are_eleven_counts(reading.words.texts):
+    if are_eleven_counts(_words_of_first_line(reading.words)):
         with suppress(DeckError):
             return _read_earlier(source)
     return _read(reading)
+
+
+def _words_of_first_line(words):
+    """The words of the first line that has any, no more than a few of them."""
+    words.reach(len(COUNTS.columns))
+    few = list(words.upto(len(COUNTS.columns)))
+    return [word.text for word in few if word.line == few[0].line and word.text != UNCLOSED]
 
 
 def _read_earlier(source):
@@ -41,9 +47,9 @@ def _read_earlier(source):
     reading = _Reading(source, EARLIER_SECTIONS)
     deck = _read(reading)
     reading.words.reach(reading.taken + 1)
-    behind = reading.words[reading.taken] if len(reading.words.texts) > reading.taken else None
+    behind = reading.words[reading.taken] if len(reading.words) > reading.taken else None
     sizes = [len(record.values) for record in deck.records]
-    if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
+    if not lines_begin_records([*reading.words.upto(reading.taken)], sizes, behind):
         raise DeckError([Fault("error", "its lines do not begin with records of the earlier version")])
     return completed(deck)
 
@@ -73,13 +79,13 @@ class _Reading:
 
     def take(self, wanted: int) -> range:
         """Places of the next `wanted` words, fewer at the end of the deck."""
-        first, texts = self.taken, self.words.texts
+        first = self.taken
         self.words.reach(first + wanted)
-        self.taken = min(first + wanted, len(texts))
-        if self.taken > first and texts[self.taken - 1] == UNCLOSED:
+        self.taken = min(first + wanted, len(self.words))
+        if self.taken > first and self.words[self.taken - 1].text == UNCLOSED:
             self.taken -= 1
             self.error(self.words[self.taken], "", "a comment is opened here and never closed with }")
-            texts.pop()
+            self.words.drop_last()
         return range(first, self.taken)
 
     def error(self, word: Word, subject: str, message: str):
@@ -198,7 +204,7 @@ class _Read(Record):
 
 
 def _record(reading, section, number_of_record, found):
-    texts = reading.words.texts[found.start : found.stop]
+    texts = reading.words.texts(found.start, found.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
         values, doubts = zip(*read, strict=True) if read else ((), ())
@@ -252,7 +258,7 @@ def _words_behind(reading):
     """The rest of the last number's line and the next line; nothing when the number ends its line."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
-    known = min(end + 2 * LONGEST_RECORD, len(reading.words.texts))
+    known = min(end + 2 * LONGEST_RECORD, len(reading.words))
     behind = [reading.words[place] for place in range(end, known)]
     last = reading.words[end - 1].line
     if not behind or behind[0].line != last:
@@ -265,7 +271,7 @@ def _slip_of_counts(reading, record):
     """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
     reading.take(2 * len(BODIES.columns))
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
-    taken = reading.words.upto(reading.taken)
+    taken = [*reading.words.upto(reading.taken)]
     first_lines = sorted({word.line for word in taken})[:2]
     near = [word for word in taken if word.line in first_lines]
     return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
