@@ -1,6 +1,6 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -103,6 +103,7 @@ class Record:
 class Deck:
     """A deck that was read without error: its records in reading order, and what was doubtful.
 
+    `records` is a tuple, or `ManyRecords` where they are too many to be kept.
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
     proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each,
     `options` what the run was told of how to solve it, "rtol=1e-06" for instance; `model`: which of several
@@ -111,15 +112,17 @@ class Deck:
 
     dialect: str
     source: DeckText
-    records: tuple[Record, ...]
+    records: Sequence[Record]
     warnings: tuple[Fault, ...] = field(default=())
     slips: tuple[Fault, ...] = field(default=())
     settings: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
     model: int = 0
 
-    def section(self, name: str) -> list[Record]:
+    def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""
+        if not isinstance(self.records, tuple):
+            return self.records.section(name)
         return [record for record in self.records if record.section == name]
 
     def one(self, name: str) -> Record:

@@ -7,14 +7,15 @@ never looked at, as in the historic program.
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import islice
 
 from ..errors import DeckError, Fault, Place
-from . import number
+from . import many_records, number
 from .card import UNCLOSED, Word, Words, end_of
 from .deck import Deck, DeckText, Number, Record
 from .line_custom import slips, with_slip_named
+from .many_records import Block, ManyRecords
 from .young_eleven import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .young_sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
@@ -56,12 +57,12 @@ def _read_earlier(source):
 
 def _read(reading):
     counts = _read_counts(reading)
-    records = [counts, *_read_sections(reading, counts)]
+    records = _read_sections(reading, counts)
     slipped = _slips_of(reading, counts)
     faults = _in_order([*reading.faults, *slipped])
     if reading.errors:
         raise DeckError(with_slip_named(faults, slipped))
-    return Deck(DIALECT, reading.source, tuple(records), tuple(faults), slipped)
+    return Deck(DIALECT, reading.source, records, tuple(faults), slipped)
 
 
 @dataclass
@@ -129,15 +130,16 @@ def _too_few_counts(found):
 def _read_sections(reading, counts):
     wanted = sum(size for _, size in _blocks(reading, counts))
     found = reading.take(wanted)
-    records, position = [], 0
+    records, position = [counts], 0
     for section, number_of_record in _expected(reading, counts):
         size = len(section.columns)
         chunk = found[position : position + size]
         position += size
         if reading.errors > MOST_ERRORS:
             break  # no deck at all, such as a text that begins with twelve integers
-        if chunk:
-            records.append(_record(reading, section, number_of_record, chunk))
+        record = _record(reading, section, number_of_record, chunk) if chunk else None
+        if record and wanted <= many_records.MANY:
+            records.append(record)
         if len(chunk) < size:
             where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
             message = (
@@ -146,7 +148,27 @@ def _read_sections(reading, counts):
             )
             reading.early_end(_subject(section, number_of_record), message)
             break
-    return records
+    return tuple(records) if wanted <= many_records.MANY else _many(reading, counts)
+
+
+def _many(reading, counts):
+    """The records of a large deck without errors."""
+    blocks = [Block(COUNTS.name, 1, [counts].__getitem__)]
+    first = len(counts.values)
+    for section, wanted in _blocks(reading, counts):
+        size = len(section.columns)
+        made = partial(_again, section, reading.words, first)
+        blocks.append(Block(section.name, wanted // size, made))
+        first += wanted
+    return ManyRecords(blocks)
+
+
+def _again(section, words, first, index):
+    """A record that was read without error before."""
+    start = first + index * len(section.columns)
+    texts = words.texts(start, start + len(section.columns))
+    values = tuple(spelled(text)[0] for spelled, text in zip(section.spellings, texts, strict=True))
+    return _Read(section, index + 1 if section.count else 0, values, words, start)
 
 
 def _expected(reading, counts) -> Iterator[tuple[Section, int]]:
