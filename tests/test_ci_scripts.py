@@ -75,6 +75,7 @@ def with_packages(checkout, refused):
         for package, name in (
             ("calculix-ccx", "ccx"),
             ("chromium-driver", "chromedriver"),
+            ("netcdf-bin", "ncdump"),
             ("strace", "strace"),
         )
     )
@@ -92,7 +93,7 @@ def test_ci_waits_for_the_package_manager_and_tries_again(checkout):
     assert (checkout / "bin" / "ccx").exists() and (checkout / "bin" / "chromedriver").exists()
     lines = calls.read_text().splitlines()
     assert all("DPkg::Lock::Timeout=300" in line for line in lines)
-    assert sum("update" in line for line in lines) == 2 + 3
+    assert sum("update" in line for line in lines) == 2 + 4
     assert not any("not installed, tried" in line for line in told)
 
 
@@ -100,14 +101,15 @@ def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
     with_packages(checkout, refused=99)
     code, told, _ = run(checkout, ".ci/run", FLEXMB_CI_ATTEMPTS="2")
     assert code == 0
-    last = told[-10:]
+    last = told[-11:]
     why = "not installed, tried 2 times: E: Could not get lock"
     assert last[0] == f"scripts/test: calculix-ccx {why}"
     assert last[1] == f"scripts/test: chromium chromium-driver {why}"
-    assert last[2] == f"scripts/test: strace {why}"
-    assert last[3:5] == ["scripts/test: skipped tests and why:", SKIPPED]
-    assert last[5].startswith("scripts/test: ") and last[5].endswith("min on two quiet cores")
-    assert last[6:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
+    assert last[2] == f"scripts/test: netcdf-bin {why}"
+    assert last[3] == f"scripts/test: strace {why}"
+    assert last[4:6] == ["scripts/test: skipped tests and why:", SKIPPED]
+    assert last[6].startswith("scripts/test: ") and last[6].endswith("min on two quiet cores")
+    assert last[7:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
 
 
 def test_a_failing_pass_is_told_last_and_fails_ci(checkout):
@@ -118,7 +120,7 @@ def test_a_failing_pass_is_told_last_and_fails_ci(checkout):
 
 
 def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkout):
-    for name in ("inject_faults", "fuzz/run", "determinism/run"):
+    for name in ("inject_faults", "fuzz/run", "determinism/run", "dependencies"):
         program(checkout / "scripts" / name, f'echo "{name} $@" >>{checkout}/campaigns')
     finds = f'echo "fuzz $1" >>{checkout}/campaigns; [ "$1" != megabytes ]'
     program(checkout / "scripts" / "fuzz" / "run", finds)
@@ -133,5 +135,7 @@ def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkou
         "inject_faults calls",
         "fuzz --count",
         "fuzz solved",
+        "dependencies lowest",
+        "dependencies highest",
     )
     assert all(word in ran for word in (*wanted, "fuzz bytes", "determinism/run rounds"))

@@ -1,11 +1,12 @@
 """The records of a fixed-format deck in sequence: READ statements with located, collected faults."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from ..errors import Fault, Place
 from .fortran_card import Field, Format, cut, fortran_format, hint
+from .lines import Lines
 from .record import DeckText, Number
 
 
@@ -34,6 +35,8 @@ class Records:
 
     def __init__(self, source: DeckText, words: Iterable[str]):
         self.lines = _lines_before_end(source)
+        self._count = len(self.lines)
+        self._card = ""
         self.words = frozenset(words)
         self.line = 0
         self.faults: list[Fault] = []
@@ -42,18 +45,19 @@ class Records:
     @property
     def exhausted(self) -> bool:
         """Whether all lines have been read."""
-        return self.line == len(self.lines)
+        return self.line == self._count
 
     def next_card(self) -> str:
         """The next line, whatever it holds."""
         if self.exhausted:
             raise EOFError
+        self._card = self.lines[self.line]
         self.line += 1
-        return self.lines[self.line - 1]
+        return self._card
 
     def word(self) -> str:
         """First four columns of the current card, padded with blanks."""
-        return self.lines[self.line - 1][:4].ljust(4)
+        return self._card[:4].ljust(4)
 
     def report(self, severity: str, subject: str, message: str, place: Place | None = None, guide=()) -> None:
         """Note a fault; without a place it stands at the current line's first column."""
@@ -182,7 +186,10 @@ def _named(items):
     return ", ".join(keys) if len(keys) < 5 else f"{keys[0]} ... {keys[-1]}"
 
 
-def _lines_before_end(source: DeckText) -> list[str]:
+def _lines_before_end(source: DeckText) -> Sequence[str]:
     """The deck's lines up to the end of the file or to the Ctrl-Z that DOS editors put there."""
-    lines = DeckText(source.name, source.text.split("\x1a", 1)[0], "").lines
-    return lines[:-1] if lines[-1] == "" else lines
+    text = source.text.partition("\x1a")[0]
+    if text.endswith(("\n", "\r")):
+        text = text[: -2 if text.endswith("\r\n") else -1]
+        return Lines(text)
+    return Lines(text) if text else []

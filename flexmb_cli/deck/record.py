@@ -1,10 +1,11 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..errors import Fault, Place
+from .lines import Lines
 
 
 @dataclass(frozen=True)
@@ -19,10 +20,10 @@ class DeckText:
     sha256: str
     warnings: tuple[Fault, ...] = ()
 
-    @property
-    def lines(self) -> list[str]:
+    @cached_property
+    def lines(self) -> Lines:
         """The text's lines without their ends (LF, CR LF or CR)."""
-        return self.text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        return Lines(self.text)
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,7 @@ class Record:
 class Deck:
     """A deck that was read without error: its records in reading order, and what was doubtful.
 
+    `records` is a tuple, or `ManyRecords` where they are too many to be kept.
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
     proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each,
     `options` what the run was told of how to solve it, "rtol=1e-06" for instance; `model`: which of several
@@ -110,15 +112,17 @@ class Deck:
 
     dialect: str
     source: DeckText
-    records: tuple[Record, ...]
+    records: Sequence[Record]
     warnings: tuple[Fault, ...] = field(default=())
     slips: tuple[Fault, ...] = field(default=())
     settings: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
     model: int = 0
 
-    def section(self, name: str) -> list[Record]:
+    def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""
+        if not isinstance(self.records, tuple):
+            return self.records.section(name)
         return [record for record in self.records if record.section == name]
 
     def one(self, name: str) -> Record:

@@ -5,12 +5,13 @@ of lines, and does not nest.
 """
 
 import re
-from bisect import bisect_right
+from array import array
 from collections.abc import Iterator, Sequence
-from itertools import repeat
+from itertools import islice
 from typing import NamedTuple
 
 from ..errors import Place
+from .lines import as_lines
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")
 LONGEST_CARET = 40
@@ -32,93 +33,75 @@ class Word(NamedTuple):
         return Place(self.line, self.column, min(len(self.text), LONGEST_CARET))
 
 
-def words(lines: Sequence[str]) -> Iterator[Word]:
-    """The words of `lines`, as far as they are asked for; the last may be `UNCLOSED`."""
-    for number, start, texts in _by_lines(lines):
-        columns = _columns(lines[number - 1], start) if texts != [UNCLOSED] else [start + 1]
-        for text, column in zip(texts, columns, strict=True):
-            yield Word(text, number, column)
+def words(lines: Sequence[str], skipped: int = 0) -> Iterator[Word]:
+    """The words behind the first `skipped` lines, as they are asked for; the last may be `UNCLOSED`."""
+    lines = as_lines(lines)
+    for start in _offsets(lines.text, lines.start_of(skipped)):
+        yield _word(lines, start)
 
 
 class Words:
-    """The words of `lines` as in `words`, in large numbers: each is placed only when it is looked at."""
+    """The words of `lines` as in `words`, in large numbers: each is cut out only when it is looked at."""
 
     def __init__(self, lines: Sequence[str]):
-        self.texts: list[str] = []
-        self._lines = lines
-        self._unread = _by_lines(lines)
-        self._first: list[int] = []  # of the words of each line that has any
-        self._begun: list[tuple[int, int]] = []  # number of that line, and where its words begin
-        self._placed: dict[int, list[int]] = {}
+        self._lines = as_lines(lines)
+        self._starts = array("i")
+        self._unread = _offsets(self._lines.text, 0)
 
     def __getstate__(self):
         """For another process: what is read so far."""
         return vars(self) | {"_unread": iter(())}
 
-    def reach(self, wanted: int) -> None:
-        """Read on until there are `wanted` words, or no more."""
-        while len(self.texts) < wanted and (line := next(self._unread, None)):
-            number, start, texts = line
-            self._first.append(len(self.texts))
-            self._begun.append((number, start))
-            self.texts += texts
+    def __len__(self) -> int:
+        return len(self._starts)
 
     def __getitem__(self, index: int) -> Word:
-        text, line = self.texts[index], bisect_right(self._first, index) - 1
-        number, start = self._begun[line]
-        is_first = index == self._first[line]
-        if text == UNCLOSED or (is_first and self._lines[number - 1].startswith(text, start)):
-            return Word(text, number, start + 1)
-        if is_first:
-            return Word(text, number, next(_columns(self._lines[number - 1], start)))
-        return Word(text, number, self._columns_of(line)[index - self._first[line]])
+        return _word(self._lines, self._starts[index])
 
-    def upto(self, end: int) -> list[Word]:
+    def reach(self, wanted: int) -> None:
+        """Read on until there are `wanted` words, or no more."""
+        self._starts.extend(islice(self._unread, max(0, wanted - len(self))))
+
+    def drop_last(self) -> None:
+        """Forget the last word."""
+        self._starts.pop()
+
+    def texts(self, first: int, end: int) -> list[str]:
+        """The words from `first` to before `end`, without their places; no more than there are."""
+        starts = self._starts[first:end]
+        if not starts:
+            return []
+        text = self._lines.text
+        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]
+        if "{" not in piece:
+            return piece.split()
+        return [
+            word if word[0] != "{" else UNCLOSED for word in _WORD_OR_COMMENT.findall(piece) if _is_word(word)
+        ]
+
+    def upto(self, end: int) -> Iterator[Word]:
         """The first `end` words."""
-        found: list[Word] = []
-        for line, first in enumerate(self._first[: bisect_right(self._first, end - 1)]):
-            texts = self.texts[first : self._first[line + 1] if line + 1 < len(self._first) else None]
-            found += map(Word, texts, repeat(self._begun[line][0]), self._columns_of(line))
-        return found[:end]
-
-    def _columns_of(self, line):
-        # All of the line at once: it may hold the whole deck.
-        if line not in self._placed:
-            number, start = self._begun[line]
-            self._placed[line] = list(_columns(self._lines[number - 1], start))
-        return self._placed[line]
+        return (self[index] for index in range(min(end, len(self))))
 
 
-def _by_lines(lines) -> Iterator[tuple[int, int, list[str]]]:
-    """Number of each line that has words, where in it they begin to stand, and the words."""
-    opened = None
-    for number, line in enumerate(lines, start=1):
-        start = 0
-        if opened:
-            start = line.find("}") + 1
-            if not start:
-                continue
-            opened = None
-        texts = _WORD_OR_COMMENT.findall(line, start)
-        if "{" in line:
-            if texts and texts[-1][0] == "{" and texts[-1][-1] != "}":
-                opened = number, len(line) - len(texts[-1]), [UNCLOSED]
-            texts = [text for text in texts if text[0] != "{"]
-        if texts:
-            yield number, start, texts
-    if opened:
-        yield opened
+def _word(lines, start):
+    text = lines.text
+    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()
+    return Word(word, *lines.place_of(start))
 
 
-def _columns(line, start):
-    """Columns of the words that stand in `line` from `start` on."""
-    for found in _WORD_OR_COMMENT.finditer(line, start):
-        if found.group()[0] != "{":
-            yield found.start() + 1
+def _is_word(found):
+    return found[0] != "{" or found == "{" or found[-1] != "}"
+
+
+def _offsets(text, start):
+    """Where the words of `text` begin, and a comment without end."""
+    for found in _WORD_OR_COMMENT.finditer(text, start):
+        first, end = found.span()
+        if text[first] != "{" or end == first + 1 or text[end - 1] != "}":
+            yield first
 
 
 def end_of(lines: Sequence[str]) -> Place:
     """The place just after the last character of the deck that is no blank or line end."""
-    number = next((n for n in range(len(lines), 0, -1) if lines[n - 1].strip()), 1)
-    last = lines[number - 1].rstrip() if lines else ""
-    return Place(number, len(last) + 1)
+    return Place(*as_lines(lines).end())

@@ -1,5 +1,6 @@
 """The dialects: what each begins with, and its reader."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -7,6 +8,7 @@ from itertools import islice
 
 from ..collector import without_collector
 from ..deck import number
+from ..deck.lines import as_lines
 from ..deck.record import Deck, DeckText
 from ..deck.words import Word, words
 from ..errors import DeckError, Fault
@@ -72,14 +74,13 @@ def _beginnings():
 
 
 def _begins_vsdf(lines):
-    first = next((line for line in lines if line.strip()), "")
-    return first.lstrip()[:4].upper() == "VSDF"
+    return re.match(r"\s*VSDF", as_lines(lines).text, re.IGNORECASE) is not None
 
 
 def _begins_dafms(lines):
     # Cards before the first macro are skipped by the historic program, but they are never many.
     # Blank lines stand in the place of a deck's other models.
-    beginning = islice((line for line in lines[1:] if line.strip()), 19)
+    beginning = islice((line for line in islice(lines, 1, None) if line.strip()), 19)
     macro = any(line[:4].upper() in _DAFMS_MACROS for line in beginning)
     return macro and not lines[0].strip(" 0123456789+-")
 

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from flexmb_cli.deck import text
+from flexmb_cli.deck.record import DeckText
 from flexmb_cli.deck.text import decode, read_text
 from flexmb_cli.errors import DeckError, Place
 
@@ -23,7 +24,7 @@ def test_a_deck_has_its_file_name_its_text_and_the_digest_of_its_bytes(tmp_path)
     path = tmp_path / "IN1.dat"
     path.write_bytes(b"1 2\r\n3")
     deck = read_text(path)
-    assert (deck.name, deck.text, deck.lines) == ("IN1.dat", "1 2\r\n3", ["1 2", "3"])
+    assert (deck.name, deck.text, list(deck.lines)) == ("IN1.dat", "1 2\r\n3", ["1 2", "3"])
     assert deck.sha256 == hashlib.sha256(b"1 2\r\n3").hexdigest()
 
 
@@ -38,7 +39,7 @@ def test_a_byte_order_mark_is_no_character_of_the_deck():
 
 def test_text_that_is_not_utf_8_is_latin_1_with_a_warning_at_the_character():
     deck = decode("x", b"1\r\n{ \xb5 }")
-    assert deck.lines == ["1", "{ µ }"]
+    assert list(deck.lines) == ["1", "{ µ }"]
     (doubt,) = deck.warnings
     assert (doubt.severity, doubt.place) == ("warning", Place(2, 3))
     assert doubt.message == "the deck is not UTF-8 and is read as Latin-1"
@@ -89,3 +90,22 @@ def test_a_pipe_that_never_ends_is_refused_too(monkeypatch):
     monkeypatch.setattr(text, "LARGEST_DECK", 10)
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"1 " * 10)))
     assert message("-")[0].startswith("larger than")
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("behind", ["", "end"])
+def test_lines_are_cut_out_of_the_text_wherever_they_are_asked_for(ends, behind):
+    wanted = [f"line {k}" for k in range(600)] + ["", "", behind]
+    whole = ends.join(wanted)
+    lines = DeckText("x", whole, "").lines
+    assert list(lines) == wanted and len(lines) == len(wanted)
+    assert [lines[k] for k in (599, 0, 255, 256, 3, -1)] == [wanted[k] for k in (599, 0, 255, 256, 3, -1)]
+    assert lines[598:602] == wanted[598:602] and list(lines.after(598)) == wanted[598:]
+    assert lines.place_of(whole.index("line 57") + 5) == (58, 6)
+    with pytest.raises(IndexError):
+        lines[len(wanted)]
+
+
+def test_line_ends_of_all_kinds_may_stand_in_one_text():
+    lines = DeckText("x", "a\r\r\nb\n\rc\r\n", "").lines
+    assert list(lines) == ["a", "", "b", "", "c", ""] == [lines[k] for k in range(6)]

@@ -83,9 +83,9 @@ def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):
     assert {"energy.kinetic", "energy.total"} <= drawn
     assert "energy.strain" not in drawn
     done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
-    assert f"{path}: note: not drawn, for they do not change: energy.strain\n" in done.stderr
+    assert f"{path}: note: not drawn, for they do not change: energy.strain\n" in done.output
     named = CliRunner().invoke(plot, [str(path), "energy.strain", "-o", str(tmp_path / "p.png")])
-    assert "not drawn" not in named.stderr
+    assert "not drawn" not in named.output
 
 
 @pytest.mark.parametrize("results", [1, 2, 3])

@@ -5,6 +5,7 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from ...collector import without_collector
 from ...deck.record import Deck, Record
@@ -20,6 +21,8 @@ from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 
 _HOLDERS = ("ground", "simplified", "driver")
+# What no check of the whole mechanism looks through.
+_UNKEPT = ("body", "point")
 
 
 @without_collector()
@@ -32,14 +35,14 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     parts = _parts(deck, findings)
     _refuse_if_faulty(deck, findings)
     mechanism = Mechanism(
-        tuple(parts["body"]),
+        parts["body"],
         parts["time"][0],
         tuple(joint for kind in JOINT_TYPES for joint in parts[kind.name]),
         tuple(parts["simplified"]),
         tuple(parts["distance"]),
         tuple(parts["driver"]),
         tuple(parts["ground"]),
-        tuple(parts["point"]),
+        parts["point"],
     )
     check_held_coordinates(mechanism, findings)
     check_driver_angles(mechanism, findings)
@@ -77,15 +80,38 @@ def _holders(records, bodies):
 def _parts(deck, findings):
     """The parts of the mechanism by section, in the deck's order."""
     bodies, parts = len(deck.section("body")), defaultdict(list)
+    kept = isinstance(deck.records, tuple)
     for record in deck.records:
-        # A study makes thousands of decks that differ in a record or two, and share the others.
-        if bodies not in record.made:
-            record.made[bodies] = part_of(record, bodies)
-        part, faults = record.made[bodies]
+        part, faults = _kept_part(record, bodies) if kept else part_of(record, bodies)
         findings.faults += faults
-        if part is not None:
+        if part is not None and (kept or record.section not in _UNKEPT):
             parts[record.section].append(part)
+    for section in _UNKEPT:
+        parts[section] = tuple(parts[section]) if kept else _Parts(deck.section(section), bodies)
     return parts
+
+
+def _kept_part(record, bodies):
+    # A study makes thousands of decks that differ in a record or two, and share the others.
+    if bodies not in record.made:
+        record.made[bodies] = part_of(record, bodies)
+    return record.made[bodies]
+
+
+@dataclass(frozen=True)
+class _Parts(Sequence):
+    """Parts of a large deck, each made of its record, which has no fault, when it is looked at."""
+
+    records: Sequence[Record]
+    bodies: int
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return tuple(self[k] for k in range(len(self))[index])
+        return part_of(self.records[index], self.bodies)[0]
 
 
 def _refuse_if_faulty(deck, findings, counted=None):

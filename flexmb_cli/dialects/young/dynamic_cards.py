@@ -17,6 +17,7 @@ from .reader import read_young
 from .sections import Column
 
 MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
+NAME = re.compile("DYNAMICS", re.IGNORECASE)
 # One word behind DYNAMICS, or none, is a slip rather than prose.
 NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 # Words that stand for no number, where one is wanted, and are no keyword.
@@ -164,9 +165,15 @@ def _opening(deck):
 
 
 def _lines_behind(deck):
-    """Number and text of every line behind that of dT."""
+    """Number and text of every line behind that of dT that names the cards."""
+    lines = deck.source.lines
     last = deck.one("time").at("step").place.line
-    return list(enumerate(deck.source.lines, start=1))[last:]
+    for found in NAME.finditer(lines.text, lines.start_of(last)):
+        n, column = lines.place_of(found.start())
+        line = lines[n - 1]
+        # No other word stands before it, so it is found once a line.
+        if not line[: column - 1].strip():
+            yield n, line
 
 
 def _nearly_opening(deck):
@@ -192,10 +199,8 @@ class _Cards:
     def read(self):
         """Read all cards behind the opening line."""
         self.records.append(self._opening_record())
-        # Lines before the first card are blanked, so that places stay those of the deck.
-        lines = ["" if n <= self.opening else line for n, line in enumerate(self.source.lines, start=1)]
         card = []
-        for word in words(lines):
+        for word in words(self.source.lines, self.opening):
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
                 break

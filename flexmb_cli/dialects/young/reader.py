@@ -7,10 +7,11 @@ never looked at, as in the historic program.
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import islice
 
-from ...deck import number
+from ...deck import many_records, number
+from ...deck.many_records import Block, ManyRecords
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.shifted_lines import slips, with_slip_named
 from ...deck.words import UNCLOSED, Word, Words, end_of
@@ -29,11 +30,17 @@ def read_young(source: DeckText) -> Deck:
     Raises DeckError with all misspelt numbers, or for a deck that ends too early.
     """
     reading = _Reading(source, YOUNG_SECTIONS)
-    reading.words.reach(1)
-    if are_eleven_counts(reading.words.texts):
+    if are_eleven_counts(_words_of_first_line(reading.words)):
         with suppress(DeckError):
             return _read_earlier(source)
     return _read(reading)
+
+
+def _words_of_first_line(words):
+    """The words of the first line that has any, no more than a few of them."""
+    words.reach(len(COUNTS.columns))
+    few = list(words.upto(len(COUNTS.columns)))
+    return [word.text for word in few if word.line == few[0].line and word.text != UNCLOSED]
 
 
 def _read_earlier(source):
@@ -41,9 +48,9 @@ def _read_earlier(source):
     reading = _Reading(source, EARLIER_SECTIONS)
     deck = _read(reading)
     reading.words.reach(reading.taken + 1)
-    behind = reading.words[reading.taken] if len(reading.words.texts) > reading.taken else None
+    behind = reading.words[reading.taken] if len(reading.words) > reading.taken else None
     sizes = [len(record.values) for record in deck.records]
-    if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
+    if not lines_begin_records([*reading.words.upto(reading.taken)], sizes, behind):
         raise DeckError(
             [Fault("error", "its lines do not begin with records of the earlier version", id="YOUNG-055")]
         )
@@ -52,12 +59,12 @@ def _read_earlier(source):
 
 def _read(reading):
     counts = _read_counts(reading)
-    records = [counts, *_read_sections(reading, counts)]
+    records = _read_sections(reading, counts)
     slipped = _slips_of(reading, counts)
     faults = _in_order([*reading.faults, *slipped])
     if reading.errors:
         raise DeckError(with_slip_named(faults, slipped))
-    return Deck(DIALECT, reading.source, tuple(records), tuple(faults), slipped)
+    return Deck(DIALECT, reading.source, records, tuple(faults), slipped)
 
 
 @dataclass
@@ -75,13 +82,13 @@ class _Reading:
 
     def take(self, wanted: int) -> range:
         """Places of the next `wanted` words, fewer at the end of the deck."""
-        first, texts = self.taken, self.words.texts
+        first = self.taken
         self.words.reach(first + wanted)
-        self.taken = min(first + wanted, len(texts))
-        if self.taken > first and texts[self.taken - 1] == UNCLOSED:
+        self.taken = min(first + wanted, len(self.words))
+        if self.taken > first and self.words[self.taken - 1].text == UNCLOSED:
             self.taken -= 1
             self.error(self.words[self.taken], "", "a comment is opened here and never closed with }")
-            texts.pop()
+            self.words.drop_last()
         return range(first, self.taken)
 
     def error(self, word: Word, subject: str, message: str):
@@ -125,15 +132,16 @@ def _too_few_counts(found):
 def _read_sections(reading, counts):
     wanted = sum(size for _, size in _blocks(reading, counts))
     found = reading.take(wanted)
-    records, position = [], 0
+    records, position = [counts], 0
     for section, number_of_record in _expected(reading, counts):
         size = len(section.columns)
         chunk = found[position : position + size]
         position += size
         if reading.errors > MOST_ERRORS:
             break  # no deck at all, such as a text that begins with twelve integers
-        if chunk:
-            records.append(_record(reading, section, number_of_record, chunk))
+        record = _record(reading, section, number_of_record, chunk) if chunk else None
+        if record and wanted <= many_records.MANY:
+            records.append(record)
         if len(chunk) < size:
             where = f"after {len(chunk)} of its {size} numbers" if chunk else "before it"
             message = (
@@ -142,7 +150,27 @@ def _read_sections(reading, counts):
             )
             reading.early_end(_subject(section, number_of_record), message)
             break
-    return records
+    return tuple(records) if wanted <= many_records.MANY else _many(reading, counts)
+
+
+def _many(reading, counts):
+    """The records of a large deck without errors."""
+    blocks = [Block(COUNTS.name, 1, [counts].__getitem__)]
+    first = len(counts.values)
+    for section, wanted in _blocks(reading, counts):
+        size = len(section.columns)
+        made = partial(_again, section, reading.words, first)
+        blocks.append(Block(section.name, wanted // size, made))
+        first += wanted
+    return ManyRecords(blocks)
+
+
+def _again(section, words, first, index):
+    """A record that was read without error before."""
+    start = first + index * len(section.columns)
+    texts = words.texts(start, start + len(section.columns))
+    values = tuple(spelled(text)[0] for spelled, text in zip(section.spellings, texts, strict=True))
+    return _Read(section, index + 1 if section.count else 0, values, words, start)
 
 
 def _expected(reading, counts) -> Iterator[tuple[Section, int]]:
@@ -200,7 +228,7 @@ class _Read(Record):
 
 
 def _record(reading, section, number_of_record, found):
-    texts = reading.words.texts[found.start : found.stop]
+    texts = reading.words.texts(found.start, found.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
         values, doubts = zip(*read, strict=True) if read else ((), ())
@@ -254,7 +282,7 @@ def _words_behind(reading):
     """The rest of the last number's line and the next line; nothing when the number ends its line."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
-    known = min(end + 2 * LONGEST_RECORD, len(reading.words.texts))
+    known = min(end + 2 * LONGEST_RECORD, len(reading.words))
     behind = [reading.words[place] for place in range(end, known)]
     last = reading.words[end - 1].line
     if not behind or behind[0].line != last:
@@ -267,7 +295,7 @@ def _slip_of_counts(reading, record):
     """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
     reading.take(2 * len(BODIES.columns))
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
-    taken = reading.words.upto(reading.taken)
+    taken = [*reading.words.upto(reading.taken)]
     first_lines = sorted({word.line for word in taken})[:2]
     near = [word for word in taken if word.line in first_lines]
     return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)

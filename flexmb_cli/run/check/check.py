@@ -152,7 +152,8 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 
-    analysis = KinematicAnalysis(mechanism, KinematicSettings(most_ranked=RANK_LIMIT))
+    # Points take no part in what is looked at, and there may be a million of them.
+    analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))
     report.counts = _counts(mechanism, analysis)
     before = gaps_of(analysis, analysis.arrays, analysis.arrays.q)
     if jacobian == "estimate":

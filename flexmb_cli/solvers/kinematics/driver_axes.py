@@ -26,21 +26,13 @@ UNITS = "rad", "rad/s", "rad/s²"
 
 def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
     """Raise ModelError naming the driven bodies that the first row shows tilted."""
-<<<<<<< HEAD:flexmb_cli/solvers/kinematics/driver_axes.py
-    tilted = [d for d in _turning(mechanism) if _tilt(first, d).max() > UPRIGHT]
-    if tilted:
-        raise ModelError(
-            [Fault("error", _message(d, _tilt(first, d)[0]), d.place, d.name, id="SOLVE-010") for d in tilted]
-        )
-=======
     faults = [
-        Fault("error", _message(driver, off[0], tilted[0]), driver.place, driver.name)
+        Fault("error", _message(driver, off[0], tilted[0]), driver.place, driver.name, id="SOLVE-010")
         for driver, off, tilted in _tilts(mechanism, first)
         if tilted[0].any()
     ]
     if faults:
         raise ModelError(faults)
->>>>>>> w-f2:flexmb_cli/solve/tilt.py
 
 
 def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
@@ -76,20 +68,11 @@ def _can_turn(driver, q, motions):
 
 def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
     """The rows, if no driven body tilts in them; raises AnalysisError at the first that does."""
-<<<<<<< HEAD:flexmb_cli/solvers/kinematics/driver_axes.py
-    for driver in _turning(mechanism):
-        tilt = _tilt(rows, driver)
-        if tilt.max() > UPRIGHT:
-            k = int(np.argmax(tilt > UPRIGHT))
-            message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, tilt[k])}"
-            fault = Fault("error", message, driver.place, about=driver.name, id="SOLVE-012")
-=======
     for driver, off, tilted in _tilts(mechanism, rows):
         if tilted.any():
             k = int(np.argmax(tilted.any(axis=1)))
             message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, off[k], tilted[k])}"
-            fault = Fault("error", message, driver.place, about=driver.name)
->>>>>>> w-f2:flexmb_cli/solve/tilt.py
+            fault = Fault("error", message, driver.place, about=driver.name, id="SOLVE-012")
             raise AnalysisError(fault, float(rows.time[k]))
     return rows
 

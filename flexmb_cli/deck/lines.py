@@ -1,0 +1,74 @@
+"""The lines of a large text, each cut out when it is looked at: a list of them takes many times the text."""
+
+import re
+from array import array
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+_LINE_END = re.compile(r"\r\n?|\n")
+_AT_ONCE = 256  # lines that are cut out at once
+
+
+class Lines(Sequence[str]):
+    """The lines of `text` without their ends (LF, CR LF or CR); the last one ends with the text.
+
+    `starts`: the offset of each line's first character.
+    """
+
+    def __init__(self, text: str):
+        self.text = text
+        self.starts = array("i", [0])
+        self._near: tuple[int, list[str]] = 0, []
+        self.starts.extend(found.end() for found in _LINE_END.finditer(text))
+
+    def __reduce__(self):
+        return Lines, (self.text,)
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return [self[k] for k in range(*index.indices(len(self)))]
+        first, near = self._near
+        # Readers go from line to line.
+        if first <= index < first + len(near):
+            return near[index - first]
+        if not -len(self) <= index < len(self):
+            raise IndexError(index)
+        index %= len(self)
+        self._near = index, self._cut(index, min(index + _AT_ONCE, len(self)))
+        return self._near[1][0]
+
+    def __iter__(self) -> Iterator[str]:
+        return self.after(0)
+
+    def after(self, count: int) -> Iterator[str]:
+        """Return the lines behind the first `count`."""
+        ends = chain(range(count + _AT_ONCE, len(self), _AT_ONCE), (len(self),))
+        pieces = zip(range(count, len(self), _AT_ONCE), ends, strict=False)
+        return (line for first, end in pieces for line in self._cut(first, end))
+
+    def start_of(self, index: int) -> int:
+        """Return where a line begins, the end of the text behind the last."""
+        return self.starts[index] if index < len(self) else len(self.text)
+
+    def place_of(self, offset: int) -> tuple[int, int]:
+        """Return line and column of a character, counted from 1."""
+        line = bisect_right(self.starts, offset)
+        return line, offset - self.starts[line - 1] + 1
+
+    def end(self) -> tuple[int, int]:
+        """Return line and column just after the last character that is neither blank nor a line end."""
+        return self.place_of(len(self.text.rstrip())) if self.text.strip() else (1, 1)
+
+    def _cut(self, first, end):
+        piece = self.text[self.starts[first] : self.start_of(end)]
+        lines = piece.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        return lines[: end - first]
+
+
+def as_lines(lines: Sequence[str]) -> Lines:
+    """Return lines of any kind as `Lines`."""
+    return lines if isinstance(lines, Lines) else Lines("\n".join(lines))
