@@ -44,6 +44,7 @@ def error_on_constraints(system, work, march, h):
     motion from another badly, it takes most of it away.
     """
     clock, n = march.clock[0], system.speed_scale.shape[0]
+    first = march.z.shape[0] - 1 - n
     q, u = coordinates_and_speeds(system, march.trial)
     square_5 = square_3 = 0.0
     for order in range(2):
@@ -56,7 +57,7 @@ def error_on_constraints(system, work, march, h):
         _keep_allowed(system, work, of_position)
         _keep_allowed(system, work, of_speeds)
         for k in range(n):
-            unit = system.speed_scale[k]
+            unit = march.units[first + k]
             square += (of_position[k] / ((clock["atol"] + clock["rtol"]) * unit)) ** 2
             square += (of_speeds[k] / (clock["atol"] * unit + clock["rtol"] * abs(u[k]))) ** 2
         if order:

@@ -5,6 +5,7 @@ axes and its angular velocity in body axes.  The normalisation of the Euler para
 constraint on speeds and is left out of the equations.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +31,8 @@ from .records import (
     line_measure,
 )
 from .system import SystemArrays
+
+FEW_BODIES = 4.0
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,19 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
         gravity=np.array(model.gravity, dtype=float),
         kinematic=kinematic,
     )
+
+
+def step_length_scale(model: DynamicModel, length: float) -> float:
+    """Return the length that errors of steps are measured by, m, at most the mechanism's `length`.
+
+    That of a long chain is a few bodies of it: what its end is off must not grow with where it stands.
+    """
+    mechanism = model.mechanism
+    grounds = {ground.body for ground in mechanism.grounds}
+    points = [(m.body, m.centre) for m in model.masses]
+    points += [(body, P) for j in mechanism.joints for body, P in ((j.i, j.P_i), (j.j, j.P_j))]
+    reach = max((abs(x) for body, P in points if body not in grounds for x in P), default=0.0)
+    return min(length, FEW_BODIES * 2.0 ** round(math.log2(reach))) if reach > 0.0 else length
 
 
 def _groups(arrays: KinematicArrays):

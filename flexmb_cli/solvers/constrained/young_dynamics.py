@@ -4,7 +4,7 @@ import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
-from ...model.arrays.dynamic import dynamic_arrays
+from ...model.arrays.dynamic import dynamic_arrays, step_length_scale
 from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
@@ -25,6 +25,9 @@ class ForwardDynamics(ConstrainedMotion):
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs
+        bodies, units = len(model.mechanism.bodies), self.march.units
+        for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
+            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
 
     @property
     def evaluator(self) -> AnyCountEvaluator:
