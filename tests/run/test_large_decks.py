@@ -18,6 +18,7 @@ pytestmark = pytest.mark.processes
 @pytest.mark.parametrize(
     "kind",
     [
+        "young bodies",
         "young points",
         "young blank lines",
         "young long comment",
