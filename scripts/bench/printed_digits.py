@@ -16,10 +16,11 @@ from pathlib import Path
 
 from flexmb_cli.read.dafms import read_dafms
 from flexmb_cli.read.text import read_text
-from flexmb_cli.run.deck import run_deck
-from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.write.diff import compare
 from flexmb_cli.write.tolerances import Tolerances
+
+from flexmb_cli.run.deck import run_deck
+from flexmb_cli.run.outcome import RunOptions
 
 DECKS = Path(__file__).parents[2] / "decks"
 REFERENCE, BEFORE = 1e-13, 1e-9

@@ -8,9 +8,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts/bench"))
 import large_decks
 
-MEGABYTES = 8
-# Besides what the deck may take; a small deck takes 50 MB (YOUNG) to 110 MB (VSDF, with scipy).
-BESIDES = 120 * 10**6
+MEGABYTES = 3
+# Besides what the deck may take; a small deck takes 40 to 50 MB.
+BESIDES = 90 * 10**6
 
 pytestmark = pytest.mark.processes
 
@@ -18,6 +18,7 @@ pytestmark = pytest.mark.processes
 @pytest.mark.parametrize(
     "kind",
     [
+        "young bodies",
         "young points",
         "young blank lines",
         "young long comment",

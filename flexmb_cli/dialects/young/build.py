@@ -21,8 +21,8 @@ from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 
 _HOLDERS = ("ground", "simplified", "driver")
-# What no check of the whole mechanism looks through.
-_UNKEPT = ("body", "point")
+# What checks of the whole mechanism look through once or twice at most.
+_UNKEPT = ("body", "ground", "point")
 
 
 @without_collector()
@@ -41,7 +41,7 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
         tuple(parts["simplified"]),
         tuple(parts["distance"]),
         tuple(parts["driver"]),
-        tuple(parts["ground"]),
+        parts["ground"],
         parts["point"],
     )
     check_held_coordinates(mechanism, findings)

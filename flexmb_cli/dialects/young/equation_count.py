@@ -4,6 +4,7 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 + 5 NSCREW + NSIMPL + NSIMP2 + NDRIVE + 6 NGROUN.
 """
 
+from array import array
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -26,11 +27,14 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
     Ground bodies do not connect: a group is what moves together.  A group with too few equations
     is movable even where another group has so many that the sum is right.
     """
-    links = tuple(_links(mechanism))
-    equations = sum(count for count, *_ in links)
+    # Once: those of a large deck are made anew each time.
+    grounded = array("i", (ground.body for ground in mechanism.grounds))
+    alone = _grounds_alone(mechanism, grounded)
+    links = tuple(link for link in _links(mechanism, grounded) if link[1][0] not in alone)
+    equations = sum(count for count, *_ in links) + _PER_BODY * len(alone)
     coordinates = _PER_BODY * len(mechanism.bodies)
-    fixed = frozenset(ground.body for ground in mechanism.grounds)
-    groups = _groups(len(mechanism.bodies), fixed, links)
+    fixed = frozenset(grounded)
+    groups = _groups(len(mechanism.bodies), fixed, alone, links)
     off = [group for group in groups if group.excess]
     if equations != coordinates:
         findings.error("counts", _total(equations, coordinates, len(mechanism.bodies)), place, id="YOUNG-023")
@@ -65,16 +69,25 @@ def _total(equations, coordinates, bodies):
     )
 
 
-def _links(mechanism) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """Pairs (equations, bodies they touch)."""
+def _grounds_alone(mechanism, grounded):
+    """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
+    touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
+    held, twice = set(), set()
+    for body in grounded:
+        (twice if body in held else held).add(body)
+    return frozenset(held - twice - touched)
+
+
+def _links(mechanism, grounded) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """Pairs (equations, bodies they touch); `grounded` is the body of each ground."""
     for joint in mechanism.joints:
         yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
     for distance in mechanism.distances:
         yield 1, (distance.i, distance.j)
     for held in (*mechanism.simplified, *mechanism.drivers):
         yield 1, (held.body,)
-    for ground in mechanism.grounds:
-        yield _PER_BODY, (ground.body,)
+    for body in grounded:
+        yield _PER_BODY, (body,)
 
 
 @dataclass
@@ -127,15 +140,18 @@ def _named(bodies):
 
 
 @lru_cache(maxsize=4)
-def _groups(bodies, fixed, links):
-    """The groups in the order of their first bodies; the variants of a study mostly have the same."""
+def _groups(bodies, fixed, alone, links):
+    """The groups in the order of their first bodies, without the balanced ones of those `alone`.
+
+    The variants of a study mostly have the same.
+    """
     root = list(range(bodies))
     for _, touched in links:
         free = [body for body in touched if body not in fixed]
         for a, b in pairwise(free):
             root[_root(root, a)] = _root(root, b)
     groups = defaultdict(_Group)
-    for body in range(bodies):
+    for body in (body for body in range(bodies) if body not in alone):
         groups[_root(root, body)].bodies.append(body)
     for equations, touched in links:
         bearing = [body for body in touched if body not in fixed] or list(touched[:1])

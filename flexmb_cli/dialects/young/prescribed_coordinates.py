@@ -56,10 +56,12 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
 
 def _first_grounds(mechanism, findings):
     first = {}
-    for ground in mechanism.grounds:
-        other = first.setdefault(ground.body, ground)
-        if other is ground:
+    for index, ground in enumerate(mechanism.grounds):
+        earlier = first.setdefault(ground.body, index)
+        if earlier == index:
+            yield ground
             continue
+        other = mechanism.grounds[earlier]
         if ground.values == other.values:
             message = f"body {ground.body + 1} is already {other.name}; these six equations are redundant"
             findings.warn(ground.name, message, ground.place, id="YOUNG-046")
@@ -68,7 +70,6 @@ def _first_grounds(mechanism, findings):
                 f"body {ground.body + 1} is already {other.name}, at another position; remove one of them"
             )
             findings.error(ground.name, message, ground.place, id="YOUNG-047")
-    return first.values()
 
 
 def _worth_looking_at(grounds, mechanism):
