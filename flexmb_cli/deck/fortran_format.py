@@ -94,12 +94,26 @@ def rounds_to_zero(decimals: int) -> float:
 
 
 def _exponent_form(value, digits):
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    sign, mantissa = ("-", mantissa[1:]) if mantissa[0] == "-" else ("", mantissa)
-    power = int(exponent) + 1 if value else 0
+    return _exponent_forms([value], digits)[0]
+
+
+def _exponent_forms(values, digits):
+    """Return 0.ddddE+ee of finite numbers."""
+    pattern, forms = f"%.{digits - 1}e", []
+    for value in values:
+        mantissa, _, exponent = (pattern % value).partition("e")
+        figures = mantissa.replace(".", "")
+        head = f"-0.{figures[1:]}" if figures[0] == "-" else f"0.{figures}"
+        forms.append(head + (_raised(exponent) if value else "E+00"))
+    return forms
+
+
+@cache
+def _raised(exponent):
+    """Return an exponent of C's, "+02", as FORTRAN prints it for a number ten times smaller."""
+    power = int(exponent) + 1
     # FORTRAN gives up the letter, not a digit, when the exponent needs three figures.
-    tail = f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}"
-    return f"{sign}0.{mantissa.replace('.', '')}{tail}"
+    return f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}"
 
 
 class Layout:
@@ -126,9 +140,11 @@ class Layout:
             raise ValueError(f"{len(self.fields)} fields, {values.shape[1]} values in a row")
         if self.layout == SAFE:
             values = np.where(np.abs(values) <= self._limits, 0.0, values)
-        rows = values.tolist()
         if any(self._as_text):
-            rows = [self._texts(row) for row in rows]
+            columns = [self._column(k, column) for k, column in enumerate(values.T.tolist())]
+            rows = zip(*columns, strict=True)
+        else:
+            rows = values.tolist()
         template = self._template
         return "".join([template % tuple(row) for row in rows])
 
@@ -136,10 +152,16 @@ class Layout:
         """Whether C's `%` cannot print the field."""
         return field.kind == "e" or (field.stars and self.layout == HISTORIC)
 
-    def _texts(self, row):
-        triples = zip(self.fields, row, self._separated, strict=True)
-        texts = [field.text(value, self.layout, separated) for field, value, separated in triples]
-        return [text if yes else value for yes, text, value in zip(self._as_text, texts, row, strict=True)]
+    def _column(self, k, values):
+        """What the template takes for the values of field `k`."""
+        if not self._as_text[k]:
+            return values
+        field, separated = self.fields[k], self._separated[k]
+        # Most of a long run's time would go into field after field.
+        if field.kind == "e" and self.layout == SAFE and all(map(math.isfinite, values)):
+            blank = " " if separated else ""
+            return [(blank + form).rjust(field.width) for form in _exponent_forms(values, field.decimals)]
+        return [field.text(value, self.layout, separated) for value in values]
 
     def _percent_template(self, parts):
         pieces, column = [], 0

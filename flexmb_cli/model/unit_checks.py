@@ -7,13 +7,16 @@ else in SI units divide densities by a thousand.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Fault, Place
-from .flexible_mechanism import FlexibleMechanism
-from .loads import DynamicModel
-from .tree import Tree
+
+if TYPE_CHECKING:  # a run imports the models of its own dialect only
+    from .flexible_mechanism import FlexibleMechanism
+    from .loads import DynamicModel
+    from .tree import Tree
 
 IN_MILLIMETRES = (9.5e3, 10.1e3)  # gravity of the earth, mm/s²
 ON_EARTH = (9.5, 10.1)  # m/s²
@@ -58,15 +61,16 @@ class Extent:
         return (max(self.inertia, 0.0) / self.mass) ** 0.5 if self.mass > 0 else 0.0
 
 
-def unit_doubts(model: DynamicModel | FlexibleMechanism | Tree) -> list[Fault]:
+def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
-    extents, gravity = _EXTENTS[type(model)](model), float(np.linalg.norm(model.gravity))
+    kind = type(model).__name__
+    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
     notes = [
         Fault("note", note, body.place, body.name, id="MODEL-010")
         for body in extents
         for note in _of_body(body)
     ]
-    if isinstance(model, FlexibleMechanism):
+    if kind == "FlexibleMechanism":
         notes += [*_of_frequencies(model), *_of_densities(model)]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
@@ -97,7 +101,7 @@ def _of_body(body):
         )
 
 
-def _of_frequencies(mechanism: FlexibleMechanism):
+def _of_frequencies(mechanism: "FlexibleMechanism"):
     """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
     for body in mechanism.bodies:
         if body.flexible is None or not body.modes:
@@ -112,7 +116,7 @@ def _of_frequencies(mechanism: FlexibleMechanism):
             yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
-def _of_densities(mechanism: FlexibleMechanism):
+def _of_densities(mechanism: "FlexibleMechanism"):
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in mechanism.bodies:
         if body.flexible is None:
@@ -149,7 +153,7 @@ def _about_centre(inertia, mass, centre):
     return inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def _of_young(model: DynamicModel) -> Iterable[Extent]:
+def _of_young(model: "DynamicModel") -> Iterable[Extent]:
     """Bodies that something moves: those held by ground constraints need no mass."""
     mechanism = model.mechanism
     held = {item.body for item in mechanism.grounds}
@@ -169,7 +173,7 @@ def _of_young(model: DynamicModel) -> Iterable[Extent]:
     return found
 
 
-def _of_mechanism(mechanism: FlexibleMechanism) -> Iterable[Extent]:
+def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
     """Rigid bodies; those of finite elements have what their files say."""
     found = []
     for k, body in enumerate(mechanism.bodies):
@@ -182,7 +186,7 @@ def _of_mechanism(mechanism: FlexibleMechanism) -> Iterable[Extent]:
     return found
 
 
-def _of_tree(tree: Tree) -> Iterable[Extent]:
+def _of_tree(tree: "Tree") -> Iterable[Extent]:
     """Rigid bodies; the root of each is its own hinge."""
     found = []
     for k, body in enumerate(tree.bodies):
@@ -195,4 +199,4 @@ def _of_tree(tree: Tree) -> Iterable[Extent]:
     return found
 
 
-_EXTENTS = {DynamicModel: _of_young, FlexibleMechanism: _of_mechanism, Tree: _of_tree}
+_EXTENTS = {"DynamicModel": _of_young, "FlexibleMechanism": _of_mechanism, "Tree": _of_tree}

@@ -84,7 +84,7 @@ ANALYSES = {
 @compiled
 @pytest.mark.parametrize("deck", ANALYSES)
 def test_runs_hand_over_what_the_signatures_describe(tmp_path, monkeypatch, deck):
-    """A field more in a tuple of work arrays, and each kernel would be compiled alone, in no wheel."""
+    """A field more in a tuple of work arrays, and each kernel would be compiled on its own, in no wheel."""
     taken, call = set(), _entry.Entry.__call__
 
     def checked(entry, *values):

@@ -1,5 +1,7 @@
 """The listing of a VSDF deck: cards, bodies, frequencies, constraints, and output nodes in time."""
 
+import numpy as np
+
 from ...deck.body_text import body_lines
 from ...deck.fortran_format import SAFE, I, Layout, P
 from ...deck.record import Deck
@@ -17,9 +19,9 @@ class VsdfTable:
 
     def __init__(self, stream, deck: Deck, layout: str, mechanism: FlexibleMechanism, constraints):
         self.stream, self.deck, self.mechanism, self.constraints = stream, deck, mechanism, constraints
-        self.node = Layout(I(10), I(8), *6 * (P(13, 5),), "\n", layout=layout or SAFE)
-        self.time = Layout(" TIME =", P(13, 5), "\n", layout=layout or SAFE)
-        self.energy = Layout(" ENERGY", *4 * (P(13, 5),), "\n", layout=layout or SAFE)
+        time, energy = (" TIME =", P(13, 5), "\n"), (" ENERGY", *4 * (P(13, 5),), "\n")
+        node = (I(10), I(8), *6 * (P(13, 5),), "\n")
+        self.row = Layout(*time, *len(mechanism.outputs) * node, *energy, layout=layout or SAFE)
 
     def begin(self) -> None:
         """Everything above the rows."""
@@ -47,14 +49,12 @@ class VsdfTable:
 
     def rows(self, rows) -> None:
         """Report rows: time, position and velocity of every output node, energies."""
-        outputs = [_numbers(point) for point in self.mechanism.outputs]
-        total = rows.kinetic + rows.strain + rows.potential
-        for k, t in enumerate(rows.time):
-            text = self.time.lines([t])
-            for m, numbers in enumerate(outputs):
-                text += self.node.lines([*numbers, *rows.point_position[k, m], *rows.point_velocity[k, m]])
-            energies = [rows.kinetic[k], rows.strain[k], rows.potential[k], total[k]]
-            self.stream.write(text + self.energy.lines(energies))
+        numbers = np.array([_numbers(point) for point in self.mechanism.outputs], float).reshape(-1, 2)
+        count = len(rows.time)
+        numbers = np.broadcast_to(numbers, (count, *numbers.shape))
+        nodes = np.concatenate([numbers, rows.point_position, rows.point_velocity], axis=2)
+        energies = [rows.kinetic, rows.strain, rows.potential, rows.kinetic + rows.strain + rows.potential]
+        self.stream.write(self.row.lines(np.column_stack([rows.time, nodes.reshape(count, -1), *energies])))
 
     def failed(self) -> None:
         """The last line of a run that did not come to its end."""

@@ -35,7 +35,7 @@ def look_ahead(system, work, march, ud, h):
         work.pivots[k] = work.factors[k, k]
     clock["pivot_order"], clock["pivot_time"] = work.quality[0], clock["t"]
     clock["singular"] = math.inf
-    if way < LOOK * h:
+    if rank > 0 and way < LOOK * h:
         way = _way(system, work, march, ud, way if way > 0.0 else h, LOOK * h)
         if way < LOOK * h:
             clock["singular"] = clock["t"] + way

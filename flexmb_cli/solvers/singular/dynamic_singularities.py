@@ -122,11 +122,15 @@ class PassedPositions:
         if len(self.seen) < 3:
             return
         before, here, after = (value for _, _, value in self.seen[-3:])
-        usual = float(np.median([value for _, _, value in self.seen]))
-        if here <= before and here < after and here < CANDIDATE * usual:
+        if here <= before and here < after and here < CANDIDATE * self._usual():
             for first, last in ((self.seen[-3], self.seen[-2]), (self.seen[-2], self.seen[-1])):
                 if self._search(first, last):
                     return
+
+    def _usual(self):
+        """The median of the values seen; numpy's imports more than all this file takes."""
+        values, middle = sorted(value for _, _, value in self.seen), len(self.seen) // 2
+        return values[middle] if len(values) % 2 else 0.5 * (values[middle - 1] + values[middle])
 
     def _search(self, first, last):
         """Seek the least singular value between two rows by thirds; tell it where it is singular."""
