@@ -86,8 +86,8 @@ RUNS = {
 @pytest.mark.parametrize("how", RUNS)
 def test_a_run_imports_its_own_dialect_and_analysis(tmp_path, how):
     deck, changes, foreign = RUNS[how]
-    # What resumes a run, and what keeps a flexible body, are files of numpy.
-    archives = {"dafms": {"bz2", "lzma", "shutil", "zipfile"}, "vsdf": OF_LLVM - {"platform"}}.get(how, set())
+    # What keeps a flexible body is a file of numpy.
+    archives = OF_LLVM - {"platform"} if how == "vsdf" else set()
     options = [word for change in changes for word in ("--set", change)]
     found = imported(
         tmp_path, "run", "-q", *options, DECKS / deck, before="import numpy, h5py, click",
