@@ -3,11 +3,11 @@
 import pickle
 
 import pytest
-from flexmb_cli.model.build_young import build_young
-from flexmb_cli.read.deck import DeckText
-from flexmb_cli.read.dialects import read_deck
-from flexmb_cli.read.settings import apply_settings
 
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.errors import ModelError, Place
 from flexmb_cli.read import many_records
 
