@@ -21,7 +21,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-SECONDS = 20.0  # by the clock: a deck may ask for any number of steps
+SECONDS = 2.0  # by the clock: a deck may ask for any number of steps
 BATCH = 250  # decks of one process
 
 
@@ -164,7 +164,9 @@ def _judged(deck, ran, result) -> str:
         text = _with_changes(text, deck.changes)
     # The equations of UNCO leave out what the deflection does to the rigid motion, and with it energy.
     told = b"UNCO" in deck.raw or any("energy" in fault.message for fault in ran.faults)
-    return judge(result, text, told)
+    # Steps that leave out the highest modes make rates that are not theirs; flexmb says so.
+    coarse = any("a step of" in fault.message for fault in ran.faults)
+    return judge(result, text, told, coarse)
 
 
 def _with_changes(text, changes):

@@ -234,6 +234,23 @@ def test_no_file_of_a_run_is_put_in_its_place_before_all_are_complete(tmp_path):
     assert os.listdir(tmp_path) == ["OUT"]
 
 
+def test_a_file_that_cannot_be_moved_behind_another_is_told_and_no_wrong_command(tmp_path, monkeypatch):
+    """Exit 2 promises that nothing was written; the first file of the run already is the new one."""
+    first, second = ReplacedText(tmp_path / "OUT"), ReplacedText(tmp_path / "T2")
+    replace = os.replace
+
+    def refusing(old, new):
+        if os.path.basename(new) == "T2":
+            raise PermissionError(errno.EACCES, "Permission denied")
+        replace(old, new)
+
+    monkeypatch.setattr(os, "replace", refusing)
+    with pytest.raises(OutputError, match=r"T2: cannot be written: .*already replaced: \S*OUT$") as caught:
+        put_in_place([first, second])
+    assert caught.value.exit_code == 1
+    assert os.listdir(tmp_path) == ["OUT"]
+
+
 class Watched:
     """What happens to files, in its order: ("sync", name), ("move", name), ("sync", "folder")."""
 

@@ -183,13 +183,25 @@ def put_in_place(files) -> None:
     try:
         for file in files:
             file.finish()
-        for file in files:
-            file.move()
+        _move(files)
         sync_folders(files)
     except BaseException:
         for file in files:
             file.discard()
         raise
+
+
+def _move(files):
+    """Move all; once one is in its place, another that cannot be moved is no wrong command: exit 1."""
+    moved = []
+    for file in files:
+        try:
+            file.move()
+        except OutputError as error:
+            if not moved:
+                raise
+            raise OutputError(f"{error}; already replaced: {', '.join(moved)}", ANALYSIS_FAILED) from error
+        moved.append(file.path)
 
 
 def sync_folders(files) -> None:
