@@ -133,7 +133,11 @@ def test_what_commands_import(tmp_path, command):
     if heavy_ones is not None:
         assert heavy(found - imported_with(tmp_path, packages)) <= heavy_ones
     if command == "--help":
-        assert {name for name in own(found) if name.startswith("cli.")} <= {"cli.stops", "cli.terminal"}
+        assert {name for name in own(found) if name.startswith("cli.")} <= {
+            "cli.terminal",
+            "cli.terminal.screen",
+            "cli.terminal.stops",
+        }
 
 
 def imported_with(tmp_path, packages):

@@ -27,7 +27,7 @@ THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 COMMANDS = {
     "run": "Solve every DECK and write its OUT table and HDF5 result.",
     "check": "Read every DECK, assemble it and report what is doubtful,...",
-    "verify": "Run every DAFMS DECK by Kane's equations and in absolute...",
+    "verify": "Run every DECK by two formulations and compare the motions;...",
     "modes": "List eigenfrequencies and damping of the mechanism of every...",
     "diff": "Compare two OUT tables, DAFMS echoes or series, or HDF5...",
     "table": "Print quantities of RESULT.h5 over time, on a terminal and in...",

@@ -176,7 +176,7 @@ def _refuse_shared_files(decks, options):
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 
-    from ..dialects.dafms.models import named_model
+    from ..deck.several_models import named_model
     from ..results.files.file_names import refuse_shared, result_paths
 
     if len(decks) > 1 and (options.h5 or options.out not in (None, "-")):

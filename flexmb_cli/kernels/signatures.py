@@ -99,6 +99,8 @@ UNITS = {
         "constrained.projection.fill_nu": "System float f1",
         "constrained.projection.project_position": "System Work f1 float f1",
         "constrained.projection.project_speeds": "System Work f1 f1 float",
+        "constrained.projection.rate_gap": "System Work f1 float",
+        "constrained.mass_matrix.mass_matrices": "System Work f1",
         "constrained.mass_matrix.mass_times": "Inertia f1 f1",
         "constrained.angle_unwrapping.fill_angles": "System Work f1 f1 f1",
         "constrained.speeds.move": "int f1 f1",

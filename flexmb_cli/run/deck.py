@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from ..deck.record import Deck
+from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
-from ..dialects.dafms.models import changes_of, named_model, only_model
 from ..dialects.recognise import read_deck
 from ..errors import DeckError, Fault
 from ..results.files.file_names import result_paths

@@ -225,7 +225,8 @@ def test_an_object_of_another_version_or_machine_is_not_loaded(for_all_machines)
 def test_the_same_text_gives_the_same_object(for_all_machines):
     """No address of the compiling process, and nothing of its surroundings, gets into it."""
     code = (
-        "from flexmb_cli.kernels import _entry, _objects, speeds\n"
+        "from flexmb_cli.kernels import _entry, _objects\n"
+        "from flexmb_cli.kernels.constrained import speeds\n"
         "entries = [(speeds.normalise, 'speeds.normalise', ['i', ['a', 1, '<f8']])]\n"
         "import hashlib\n"
         "made = _entry.emit('one', entries, '', [_objects.target()])\n"

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.check import check
 from flexmb_cli.cli.run import run as run_command
 from flexmb_cli.deck.record import DeckText
-from flexmb_cli.dialects.dafms.models import models_of, only_model
+from flexmb_cli.deck.several_models import models_of, only_model
 from flexmb_cli.errors import DeckError
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions

@@ -38,7 +38,7 @@ def every_deck(decks, examine):
 
 def with_models(decks) -> list[str]:
     """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
-    from ...dialects.dafms.models import models_of
+    from ...deck.several_models import models_of
 
     return [name for deck in decks for name in models_of(deck)]
 

@@ -200,7 +200,9 @@ def _move(files):
         except OutputError as error:
             if not moved:
                 raise
-            raise OutputError(f"{error}; already replaced: {', '.join(moved)}", ANALYSIS_FAILED) from error
+            raise OutputError(
+                f"{error}; already replaced: {', '.join(moved)}", ANALYSIS_FAILED, id="RESULT-024"
+            ) from error
         moved.append(file.path)
 
 

@@ -8,9 +8,9 @@ import os
 import re
 from dataclasses import replace
 
-from ...deck.record import DeckText
-from ...deck.text import LARGEST_DECK, STANDARD_INPUT
-from ...errors import DeckError, Fault
+from ..errors import DeckError, Fault
+from .record import DeckText
+from .text import LARGEST_DECK, STANDARD_INPUT
 
 MODEL, END, STOP = "DFMB", "END ", "STOP"
 _NAMED = re.compile(r"([1-9][0-9]{0,5}):(.+)", re.DOTALL)
