@@ -245,7 +245,8 @@ def test_decks_that_were_not_begun_before_a_stop_are_not_called_complete(tmp_pat
     decks = [str(DECKS / "young" / name) for name in ("IN1-1-1.dat", "IN1-2-1.dat", "IN4-BAR.dat")]
     script = tmp_path / "stopped.py"
     script.write_text(
-        "import signal, sys; from flexmb_cli.cli import main; from flexmb_cli.cli import deck_processes\n"
+        "import signal, sys; from flexmb_cli.cli import main\n"
+        "from flexmb_cli.cli.terminal import deck_processes\n"
         "take = deck_processes._Work._take\n"
         "def stopped(work, *ended):\n"
         "    take(work, *ended); signal.raise_signal(signal.SIGTERM)\n"

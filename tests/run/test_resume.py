@@ -281,7 +281,8 @@ def test_results_that_cannot_be_put_in_their_places_leave_the_journal(tmp_path):
         (tmp_path / "pendulum.T3").mkdir(exist_ok=True)
 
     outcome = run("pendulum", tmp_path, Listener(advance=in_the_way))
-    assert (outcome.exit_code, outcome.resumable) == (2, True)
+    # Files before it are replaced already, so that it is no wrong command any more.
+    assert (outcome.exit_code, outcome.resumable) == (1, True)
     assert "pendulum.T3: cannot be written: it is a folder" in outcome.faults[-1].message
     assert (tmp_path / "pendulum.resume").exists()
     assert not list(tmp_path.glob(".flexmb-*"))
