@@ -237,7 +237,9 @@ def test_a_pipe_goes_on_with_a_draft_where_it_is_asked_to(tmp_path):
 
 
 def test_what_a_killed_call_left_of_the_deck_that_is_tried_is_removed_by_the_next(tmp_path):
-    kill = "import os; from flexmb_cli.run import check; check.check_deck = lambda *_, **__: os._exit(9)"
+    kill = (
+        "import os; from flexmb_cli.run.check import check; check.check_deck = lambda *_, **__: os._exit(9)"
+    )
     killed = [sys.executable, "-c", f"{kill}; from flexmb_cli.cli import main; main()", *NEW[3:], "young"]
     typed, output = "".join(f"{line}\n" for line in answers()), ["-o", "IN-NEW.dat"]
     done = subprocess.run([*killed, *output], input=typed, cwd=tmp_path, text=True, capture_output=True)

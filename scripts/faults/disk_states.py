@@ -136,7 +136,7 @@ def _name(disk, path):
 
 
 def _paths(disk, call):
-    return [_name(disk, os.fsdecode(text)) for text in call.texts if text]
+    return [_name(disk, path) for path in call.places]
 
 
 def _rename_in_both(disk, change):
@@ -213,6 +213,13 @@ def _sync(disk, call):
     return True
 
 
+def _duplicate(disk, call):
+    """The new descriptor is the same open file, with the same position."""
+    if "F_DUPFD" in call.arguments and _descriptor(call) in disk.opened:
+        disk.opened[int(call.result)] = disk.opened[_descriptor(call)]
+    return False
+
+
 def _close(disk, call):
     disk.opened.pop(_descriptor(call), None)
     return False
@@ -237,7 +244,7 @@ def _make(disk, call):
 
 _ACTS = {
     "openat": _open, "write": _write, "read": _read, "lseek": _seek, "ftruncate": _cut, "fsync": _sync,
-    "fdatasync": _sync, "close": _close, "rename": _move, "renameat2": _move, "unlink": _remove,
+    "fdatasync": _sync, "fcntl": _duplicate, "close": _close, "rename": _move, "renameat": _move, "renameat2": _move, "unlink": _remove,
     "unlinkat": _remove, "rmdir": _remove, "mkdir": _make, "mkdirat": _make,
 }  # fmt: skip
 UNKNOWN = {

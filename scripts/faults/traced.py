@@ -15,6 +15,7 @@ PR_SET_PTRACER, ANYBODY = 0x59616D61, -1
 ANY_FILE = "%file,%desc"
 LINE = re.compile(r"(\w+)\((.*)\)\s+= (-?\w+)(?:<(.*?)>)?( .*)?$", re.DOTALL)
 QUOTED = re.compile(r'"((?:\\x[0-9a-f]{2})*)"')
+RELATIVE = re.compile(r'(?:-?\d+|AT_FDCWD)<(.*?)>, "((?:\\x[0-9a-f]{2})*)"')
 OPENED = re.compile(r"(-?\d+|AT_FDCWD)<(.*?)>")
 
 
@@ -33,6 +34,14 @@ class Call:
     def texts(self) -> list[bytes]:
         """Its strings: paths and what was written."""
         return [_bytes(text) for text in QUOTED.findall(self.arguments)]
+
+    @property
+    def places(self) -> list[str]:
+        """Its paths, those relative to an open folder with that folder before them."""
+        if "at" not in self.name:
+            return [os.fsdecode(text) for text in self.texts if text]
+        pairs = RELATIVE.findall(self.arguments)
+        return [os.path.join(*(os.fsdecode(_bytes(part)) for part in pair)) for pair in pairs]
 
     @property
     def paths(self) -> list[str]:

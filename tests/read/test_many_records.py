@@ -4,12 +4,12 @@ import pickle
 
 import pytest
 
+from flexmb_cli.deck import many_records
 from flexmb_cli.deck.record import DeckText
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.errors import ModelError, Place
-from flexmb_cli.read import many_records
 
 DECK = """\
 2 0 2 0 0 0 0 0 0 0 0 2

@@ -123,5 +123,5 @@ def test_nodes_in_millimetres_are_told_though_the_matrices_fit_them():
     (note,) = unit_doubts(mechanism)
     assert note.severity == "note"
     assert note.sentence == (
-        "body 1: 0.26 kg in a box of 100 by 10 by 15 m are less than a thousandth of air: are the nodes in m?"
+        "body 1: 0.26 kg in a box of 100 by 15 by 10 m are less than a thousandth of air: are the nodes in m?"
     )

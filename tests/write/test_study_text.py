@@ -116,7 +116,7 @@ def test_diff_names_the_case_of_the_worst_place_and_passes_over_the_text_of_the_
     write_table(str(other), TableHead("# a comment", "", "a.dat", "0" * 64, COLUMNS, len(rows)), rows)
     done = CliRunner().invoke(diff, [str(study), str(other)])
     assert done.exit_code == 1
-    assert "/result/path, case 3, 2: 5.0 against 5.5" in done.output
+    assert "/result/path, case 3, row 2: 5.0 against 5.5" in done.output
     assert "0 things are missing" in done.output
 
 
