@@ -244,8 +244,9 @@ def _make(disk, call):
 
 _ACTS = {
     "openat": _open, "write": _write, "read": _read, "lseek": _seek, "ftruncate": _cut, "fsync": _sync,
-    "fdatasync": _sync, "fcntl": _duplicate, "close": _close, "rename": _move, "renameat": _move, "renameat2": _move, "unlink": _remove,
-    "unlinkat": _remove, "rmdir": _remove, "mkdir": _make, "mkdirat": _make,
+    "fdatasync": _sync, "fcntl": _duplicate, "close": _close, "rename": _move, "renameat": _move,
+    "renameat2": _move, "unlink": _remove, "unlinkat": _remove, "rmdir": _remove, "mkdir": _make,
+    "mkdirat": _make,
 }  # fmt: skip
 UNKNOWN = {
     *("pwrite64", "writev", "pwritev", "truncate", "fallocate", "copy_file_range", "sendfile"),

@@ -162,12 +162,12 @@ def test_a_loop_that_a_library_carries_over_its_position_in_line_is_told_by_its_
 def test_the_other_formulation_stops_where_the_loop_lies_in_line(tmp_path):
     """The crank points away at 3π/2 rad: from 1.5 rad at 10 rad/s at t = 0.321239 s.
 
-    How near to it the steps come hangs on round-off.
+    The steps before it are equal, some 1e-4 s, and one should lead over it: that one finds no motion.
     """
     code, (fault,) = told(tmp_path, "fourbar_rigid", IN_LINE, DRIVEN, formulation="absolute")
     assert code == 1
     stopped = re.match(r"error: at t = (\S+) s the step length falls to ", fault)
-    assert float(stopped[1]) == pytest.approx((1.5 * math.pi - 1.5) / 10.0, abs=2e-5)
+    assert float(stopped[1]) == pytest.approx((1.5 * math.pi - 1.5) / 10.0, abs=5e-4)
 
 
 @pytest.mark.long_motion
