@@ -52,7 +52,8 @@ def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], N
         try:
             _Cluster(client, sweep, advance, address).solve(blocks)
         except (CancelledError, OSError) as fault:
-            message = f"the Dask scheduler at {address} was lost: {fault}; the same command goes on"
+            reason = " ".join(str(fault).split())  # newer versions of Dask explain on several lines
+            message = f"the Dask scheduler at {address} was lost: {reason}; the same command goes on"
             raise ClusterError(message, ANALYSIS_FAILED, id="STUDY-006") from fault
 
 
