@@ -70,15 +70,14 @@ def test_a_step_below_round_off_is_refused(tmp_path):
     )
 
 
-@pytest.mark.parametrize(("method", "step"), [(1, "4.1e-32"), (4, "4.8e-31")])
-def test_a_spring_too_stiff_for_any_step_stops_the_compiled_methods(method, step, tmp_path):
+@pytest.mark.parametrize("method", [1, 4])
+def test_a_spring_too_stiff_for_any_step_stops_the_compiled_methods(method, tmp_path):
     """The step is a part of the period 2π √(0.018/1e30) = 8e-16 s of the hinge, below the clock's digits."""
     code, (fault,) = told(tmp_path, "pendulum", SHORT, cards(SPRING + f"METH\n    {method}\n"))
     assert code == 1
-    assert fault == (
-        f"error: body 1: at t = 0 s the step length fell to {step} s; the speed with the largest error is "
-        + VANISHED
-    )
+    stopped = re.fullmatch(r"error: body 1: at t = 0 s the step length fell to (\S+) s; (.*)", fault)
+    assert 0.0 < float(stopped[1]) < 2.0 * math.pi * math.sqrt(0.018 / 1e30)
+    assert stopped[2] == "the speed with the largest error is " + VANISHED
 
 
 @pytest.mark.long_motion
