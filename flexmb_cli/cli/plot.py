@@ -94,7 +94,7 @@ def _source(open_files, path, label, names, across, window, quiet):
 
 
 def _labels(paths):
-    """What tells results apart: nothing for one, file names without folder and suffix, or whole paths."""
+    """Return labels of results: none for a single one, else file names without suffix, or whole paths."""
     if len(paths) == 1:
         return [""]
     stems = [Path(path).stem for path in paths]

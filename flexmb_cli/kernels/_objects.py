@@ -85,7 +85,7 @@ class Compiled:
         self._lock = threading.Lock()
 
     def takes(self, values: tuple) -> bool:
-        """Whether the values are of the kinds that it was compiled for."""
+        """Return whether the values are of the kinds that it was compiled for."""
         with self._lock:
             return self._words.pack(values)
 

@@ -64,7 +64,7 @@ class VsdfBody:
         return (2 * e0 * e0 - 1) * np.eye(3) + 2 * (np.outer(e, e) + e0 * tilde)
 
     def global_position(self, node: int) -> np.ndarray:
-        """Where a node is at t = 0, undeformed, global axes (3,)."""
+        """Return where a node is at t = 0, undeformed, global axes (3,)."""
         return np.array(self.r) + self.A @ self.position(node)
 
 
@@ -180,7 +180,7 @@ class VsdfModel:
     outputs: tuple[End, ...] = ()
 
     def global_position(self, end: End) -> np.ndarray:
-        """Where an end is at t = 0 (3,)."""
+        """Return where an end is at t = 0 (3,)."""
         if end.point is not None:
             return np.array(end.point)
         body = self.ground if end.body == GROUND else self.bodies[end.body]

@@ -84,7 +84,7 @@ class Dropped:
 
     @property
     def dependent(self) -> int:
-        """How many static shapes were superfluous."""
+        """Return how many static shapes were superfluous."""
         return len(self.shapes)
 
 

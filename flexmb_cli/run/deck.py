@@ -122,7 +122,7 @@ def _doubly_set(changes):
 
 
 def paths_of(deck: Deck, options: RunOptions):
-    """Where the results of `deck` go."""
+    """Return where the results of `deck` go."""
     return result_paths(
         deck.source.name,
         deck.dialect,

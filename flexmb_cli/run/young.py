@@ -71,7 +71,7 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
 
 
 def _notes(doubts, analysis) -> tuple[str, ...]:
-    """What the model made doubtful and the analysis told about its way, for the result file."""
+    """Return what the model made doubtful and the analysis told about its way, for the result file."""
     return sentences((*doubts, *analysis.warnings))
 
 

@@ -35,7 +35,7 @@ def run_young_deck(
 
 
 def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
-    """What a YOUNG deck asks for, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
+    """Return the solution that a YOUNG deck asks for; warnings go into `outcome`.  Raises ModelError."""
     if analysis_of(deck) is None:
         return kinematic_solution(deck, options, outcome, listener)
     from ..dialects.young.build_dynamics import build_young_dynamics
@@ -83,7 +83,7 @@ class StepCount:
 
     @property
     def doubts(self) -> tuple[Fault, ...]:
-        """What the energy of the rows makes doubtful."""
+        """Return what the energy of the rows makes doubtful."""
         return self.drift.doubts if self.drift else ()
 
     def __str__(self):

@@ -35,7 +35,7 @@ class KnownError:
     steps: tuple[int, ...] | None = None
 
     def holds(self, index, column, step):
-        """Whether it covers the cells; the arguments are numbers or arrays that broadcast."""
+        """Return whether it covers the cells; the arguments are numbers or arrays that broadcast."""
         here = np.equal(index, self.index) & np.isin(column, self.columns)
         return here if self.steps is None else here & np.isin(step, self.steps)
 
@@ -80,7 +80,7 @@ def young_errors(*listings: str) -> tuple[KnownError, ...]:
 
 
 def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Whether a and b may be one number, printed by its nearest single and by its nearest double."""
+    """Return whether a and b may be one number, printed by its nearest single and by its nearest double."""
     size = np.maximum(np.abs(a), np.abs(b))
     with np.errstate(invalid="ignore"):
         # Each rounding to the printed digits takes half a unit.

@@ -44,7 +44,7 @@ def _refuse(result, message):
 
 
 def _ending(path):
-    """Whether the run of a result did not complete, and whether it has any rows."""
+    """Return whether the run of a result did not complete, and whether it has any rows."""
     if is_hdf5(path):
         from ..hdf5.stored_result import attribute
         from .hdf5 import open_sound
@@ -58,5 +58,5 @@ def _ending(path):
 
 
 def is_missing(reference) -> bool:
-    """Whether there is no reference yet."""
+    """Return whether there is no reference yet."""
     return not os.path.lexists(reference)

@@ -88,7 +88,7 @@ def open_sound(path: str) -> Iterator[h5py.File]:
 
 
 def _kind_of_file(path, file):
-    """What the file is, in words; raises TableError when it is nothing that flexmb writes."""
+    """Return what the file is, in words; raises TableError when it is nothing that flexmb writes."""
     with _understood_in(path):
         conventions = attribute(file, "Conventions")
     for begins, what in KIND_OF_FILE.items():

@@ -99,7 +99,7 @@ def compare_listings(
 
 
 def is_hdf5(path) -> bool | None:
-    """Whether the file at `path` is HDF5; None when it cannot be opened."""
+    """Return whether the file at `path` is HDF5; None when it cannot be opened."""
     if str(path) == "-":
         return False
     try:

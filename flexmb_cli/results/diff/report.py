@@ -99,17 +99,17 @@ class Report:
 
     @property
     def compared(self) -> int:
-        """How many numbers were compared."""
+        """Return how many numbers were compared."""
         return sum(tally.compared for tally in self.tallies.values())
 
     @property
     def differing(self) -> int:
-        """How many numbers differ beyond tolerance."""
+        """Return how many numbers differ beyond tolerance."""
         return sum(tally.differing for tally in self.tallies.values())
 
     @property
     def explained(self) -> int:
-        """How many of these are known errors of the historic programs."""
+        """Return how many of these are known errors of the historic programs."""
         return sum(tally.explained for tally in self.tallies.values())
 
     @property

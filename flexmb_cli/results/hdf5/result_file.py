@@ -118,7 +118,7 @@ class ResultFile:
 
     @property
     def temporary(self) -> str:
-        """Where the file is until it is complete."""
+        """Return where the file is until it is complete."""
         return self._place.temporary
 
     def rows(self, values: Values) -> None:
@@ -154,7 +154,7 @@ class ResultFile:
 
     @property
     def path(self) -> str:
-        """Where the file will be."""
+        """Return where the file will be."""
         return self._place.path
 
     @property
