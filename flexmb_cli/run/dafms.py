@@ -210,7 +210,7 @@ class _March:
 
     @property
     def stopped_at(self):
-        """Return the record of a stop for unit 3: tolerance, time aimed at, step, time, speeds, coordinates."""
+        """Return the record of a stop for unit 3: tolerance, aim, step, time, speeds, coordinates."""
         if self.analysis is None:
             return None
         clock, grid = self.analysis.clock[0], self.tree.time
