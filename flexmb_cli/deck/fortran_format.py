@@ -7,10 +7,11 @@ prints stars.  The two give the same bytes wherever a field has room.
 """
 
 import math
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+
+from ..quick_dataclass import dataclass
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)

@@ -5,7 +5,6 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
+from ...quick_dataclass import dataclass, replace
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
