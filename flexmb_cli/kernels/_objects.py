@@ -51,12 +51,22 @@ def kernel_digest() -> str:
     A kernel depends on what it calls and on constants of other files: one changed text makes all others.
     What only finds and loads objects has no part in them.
     """
-    here = Path(__file__).parent
+    here = os.path.dirname(__file__)
     digest = hashlib.sha256(b"checked" if CHECKED else b"")
-    for path in sorted(path for path in here.rglob("*.py") if path.name not in _LOADING):
-        digest.update(path.relative_to(here).as_posix().encode())
-        digest.update(path.read_bytes())
+    for path in sorted(_texts(here), key=lambda path: path.split(os.sep)):
+        digest.update(path[len(here) + 1 :].replace(os.sep, "/").encode())
+        with open(path, "rb") as file:
+            digest.update(file.read())
     return digest.hexdigest()[:16]
+
+
+def _texts(folder):
+    """Paths of the files of Python that the kernels consist of."""
+    for found in os.scandir(folder):
+        if found.is_dir():
+            yield from _texts(found.path)
+        elif found.name.endswith(".py") and found.name not in _LOADING:
+            yield found.path
 
 
 def write(header: dict, code: bytes) -> bytes:
