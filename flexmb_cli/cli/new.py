@@ -3,12 +3,12 @@
 import os
 import re
 import sys
-from dataclasses import replace
 
 import click
 
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
+from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace

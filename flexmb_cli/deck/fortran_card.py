@@ -6,8 +6,9 @@ sign, a short line is as if padded with blanks, a list longer than the FORMAT go
 """
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
+
+from ..quick_dataclass import dataclass
 
 _EDIT = re.compile(r"(\d*)([IFE])(\d+)(?:\.(\d+))?")
 _PLAIN = re.compile(r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+)")

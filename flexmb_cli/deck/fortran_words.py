@@ -6,8 +6,8 @@ keeps its columns; flexmb's own lines keep a blank between fields and may lose t
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
+from ..quick_dataclass import replace
 from .fortran_format import Edit
 
 # Python makes no integer of thousands of digits; digits that only one part of a pattern can take are

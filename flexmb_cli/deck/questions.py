@@ -1,9 +1,9 @@
 """What a dialogue asks: values, the records they belong to, and how a question reads."""
 
 import re
-from dataclasses import dataclass
 from itertools import groupby
 
+from ..quick_dataclass import dataclass
 from . import number
 
 INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"

@@ -1,10 +1,10 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..errors import Fault, Place
+from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
 
 

@@ -1,10 +1,9 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
-from dataclasses import replace
-
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from .young.reader import DIALECT as YOUNG
 from .young.reader import labelled
 

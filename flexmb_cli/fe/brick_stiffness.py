@@ -1,9 +1,8 @@
 """From bricks to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..quick_dataclass import dataclass
 from .bricks import FORMULATIONS, Bricks, bricks, elasticity
 from .linear_algebra import summed
 

@@ -5,9 +5,9 @@ Wilson, Int. J. Num. Meth. Eng. 10 (1976), 1211-1219.  All elements at once: arr
 and the point of integration.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ..quick_dataclass import dataclass
 
 _CORNERS = np.array(
     [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)],

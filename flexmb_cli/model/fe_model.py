@@ -4,11 +4,10 @@ Bodies are numbered from 0, the ground is -1.  A node is named by its number in 
 by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionLaw

@@ -5,9 +5,8 @@ in s; local vectors are in the axes of their body.  Attitudes are Euler paramete
 Every item keeps its readable name and its place in the deck.
 """
 
-from dataclasses import dataclass, field
-
 from ..errors import Place
+from ..quick_dataclass import dataclass, field
 
 Vector = tuple[float, float, float]
 

@@ -2,13 +2,13 @@
 
 import os
 from contextlib import contextmanager
-from dataclasses import replace
 
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.tree import Tree
 from ..model.unit_checks import unit_doubts
+from ..quick_dataclass import replace
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .absolute_march import AbsoluteMarch

@@ -1,12 +1,11 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from dataclasses import replace
-
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
 from ..dialects.recognise import read_deck
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from ..results.files.file_names import result_paths
 from .exit_status import ending_recorded
 from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop

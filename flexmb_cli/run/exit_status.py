@@ -1,10 +1,10 @@
 """How a deck ends that does not come to its last time: what is told of it, and its exit code."""
 
 from contextlib import contextmanager
-from dataclasses import replace
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
+from ..quick_dataclass import replace
 from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
 
 _REPORT = "please report it with the deck: `flexmb --debug …` shows where it happened"

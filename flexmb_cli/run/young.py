@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
+from ..quick_dataclass import dataclass
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .exit_status import reason_of

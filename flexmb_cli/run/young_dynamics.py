@@ -1,11 +1,11 @@
 """A YOUNG deck with dynamic cards from its records to OUT table and HDF5 result."""
 
-from dataclasses import dataclass
 from functools import partial
 
 from ..deck.record import Deck
 from ..dialects.young.dynamic_cards import INVERSE, analysis_of
 from ..errors import Fault
+from ..quick_dataclass import dataclass
 from ..results.files.file_names import ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .energy_drift import ConstrainedDrift

@@ -4,7 +4,6 @@ import gc
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from .. import __version__
@@ -12,6 +11,7 @@ from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import INTERNAL_FAULT, DeckError, Fault
+from ..quick_dataclass import dataclass, field, replace
 from ..run.outcome import Stop
 from .checkpoints import Part, Parts
 from .lock import StudyLock

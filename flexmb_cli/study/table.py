@@ -4,7 +4,6 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import islice
 
 import h5py
@@ -12,6 +11,7 @@ import numpy as np
 
 from .. import __version__
 from ..errors import BAD_INPUT, FlexmbError
+from ..quick_dataclass import dataclass
 from ..results.files.full_disk_guard import ForgivingDisk
 from ..results.files.replaced_file import Replacement, located
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name

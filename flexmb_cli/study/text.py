@@ -7,13 +7,13 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 import h5py
 import numpy as np
 
 from ..errors import visible
+from ..quick_dataclass import dataclass
 from ..results.hdf5.heap_bounds import fault_of_heaps
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, ResultError

@@ -119,3 +119,27 @@ def test_a_wrong_number_of_values_is_refused():
 def test_an_unknown_layout_is_refused():
     with pytest.raises(ValueError, match="'pretty'"):
         Layout(integer(2), layout="pretty")
+
+
+def with_zero_before_the_point(value, digits):
+    """0.ddddE+ee by the decimal module: the exact value, rounded to so many figures."""
+    exact = Decimal(value)
+    power = exact.adjusted() + 1 if exact else 0
+    figures = (exact.scaleb(-power) if exact else exact).quantize(Decimal(1).scaleb(-digits), ROUND_HALF_EVEN)
+    if abs(figures) >= 1:
+        power, figures = power + 1, figures / 10
+    figures = figures.quantize(Decimal(1).scaleb(-digits))
+    return f"{figures:f}" + (f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}")
+
+
+@pytest.mark.parametrize(("width", "decimals"), [(15, 6), (14, 6), (9, 2), (11, 4), (30, 16)])
+@pytest.mark.parametrize("powers", [(-6, 6), (-99, 99), (-300, 300)])
+def test_columns_of_exponent_fields_print_as_exact_numbers(width, decimals, powers):
+    """Also where one field of the column widens, or an exponent has three figures."""
+    chance = random.Random(3)
+    values = [chance.uniform(-1, 1) * 10.0 ** chance.randint(*powers) for _ in range(300)]
+    values += [0.0, -0.0, 9.9999996e5, -9.9999996e5, 9.9999999e98, 9.9999999e99, -9.9e99, 1e-99, 1e-100]
+    printed = Layout(E(width, decimals), "|", E(width, decimals), "\n").lines(np.transpose([values, values]))
+    for value, line in zip(values, printed.splitlines(), strict=True):
+        expected = with_zero_before_the_point(value + 0.0 if value else 0.0, decimals)
+        assert line == "|".join(expected.rjust(width) if k == 0 else f" {expected}".rjust(width) for k in (0, 1))

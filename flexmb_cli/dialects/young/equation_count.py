@@ -7,7 +7,6 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 from array import array
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 
@@ -15,6 +14,7 @@ from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import dataclass, field
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6

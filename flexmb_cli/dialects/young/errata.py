@@ -6,9 +6,10 @@ DAFMS: Zhao, thesis (1992), appendix C.
 """
 
 import os
-from dataclasses import dataclass
 
 import numpy as np
+
+from ...quick_dataclass import dataclass
 
 TRANSPOSED = "QD[body, coordinate] is read as QD[coordinate, body]"
 OVERRUN = "the fourth element of a three-element array is used in the universal joint's s_i · s_j row"

@@ -7,7 +7,6 @@ do not matter.  Lines that are no part of the layout are passed over.
 
 import re
 import warnings
-from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, Section, TableError, plain_text
 from ...deck.table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
 from ...errors import Fault, Place
+from ...quick_dataclass import dataclass, field
 
 FAST_LINES = 4096
 

@@ -5,11 +5,11 @@ coordinate held twice at the same value is redundant (warning), at different val
 """
 
 import math
-from dataclasses import dataclass
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Mechanism
+from ...quick_dataclass import dataclass
 
 SAME = 1e-12
 NO_ATTITUDE = 1e-9

@@ -5,10 +5,10 @@ in m, angles in rad, times in s; points in the axes of their body.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 from ...deck import number
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """Hexahedra of 8 or 20 nodes in the files of node tables: INP *ELEMENT, CDB EBLOCK, BDF CHEXA."""
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .bulk_data import bulk_cards, integer_field
 from .file_text import integer, line_fault, lines_of
 from .matrix_file import FEFileFault

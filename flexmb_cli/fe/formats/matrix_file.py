@@ -1,8 +1,8 @@
 """What a matrix file delivers, and the one exception of all file readers."""
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ...quick_dataclass import dataclass
 
 
 class FEFileFault(Exception):

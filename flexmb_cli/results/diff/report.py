@@ -1,11 +1,11 @@
 """What a comparison found: counts for every kind of column, the worst place, what is missing."""
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import visible
+from ...quick_dataclass import dataclass, field
 from .tolerances import KINDS, Tolerance
 
 SHOWN_MISSING = 20

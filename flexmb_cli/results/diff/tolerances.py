@@ -2,11 +2,11 @@
 
 import math
 import re
-from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ...errors import Fault, FlexmbError
+from ...quick_dataclass import dataclass, field, replace
 
 KINDS = (
     "time",

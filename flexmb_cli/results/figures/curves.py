@@ -1,11 +1,11 @@
 """Which curves of a result are drawn, and in which panels: one for each unit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 

@@ -1,9 +1,9 @@
 """Where the results of a deck go, and the refusal of two results at one place."""
 
 import os
-from dataclasses import dataclass
 
 from ...errors import OutputError
+from ...quick_dataclass import dataclass
 
 STANDARD_INPUT = STANDARD_OUTPUT = "-"
 

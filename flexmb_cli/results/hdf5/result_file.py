@@ -7,7 +7,6 @@ the file do not depend on the blocks in which the analysis delivers them.
 import os
 from collections.abc import Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from math import prod
 
 import h5py
@@ -16,6 +15,7 @@ import numpy as np
 from ... import __version__
 from ...deck.record import Deck
 from ...errors import OutputError
+from ...quick_dataclass import dataclass
 from ..files.full_disk_guard import ForgivingDisk
 from ..files.replaced_file import Replacement, located, put_in_place
 

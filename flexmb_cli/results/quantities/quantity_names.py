@@ -1,11 +1,11 @@
 """How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
 
 import re
-from dataclasses import dataclass
 
 import h5py
 
 from ...errors import visible
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
 
 TIME = "time"

@@ -4,12 +4,11 @@ DAFMS: Kane's equations and absolute coordinates.  YOUNG: Euler parameters and n
 floating frames.
 """
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from ...errors import ANALYSIS_FAILED
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
+from ...quick_dataclass import dataclass, replace
 from ...results.texts.echo import echo
 from ..absolute_march import AbsoluteMarch
 from ..dafms_tree import tree_of

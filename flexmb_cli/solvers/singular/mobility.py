@@ -1,13 +1,12 @@
 """Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size, first_of_largest
 from ...model.equations import Equation
 from ...model.joints import JOINT_TYPES
+from ...quick_dataclass import dataclass
 from ..kinematics.levenberg_marquardt import least_squares
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
