@@ -8,6 +8,7 @@ import dafms
 import matplotlib as mpl
 import vsdf
 import young
+import young_figures
 from html_page import page
 
 mpl.use("Agg")
@@ -15,6 +16,9 @@ mpl.use("Agg")
 SECTIONS = (
     young.listings,
     young.coelho,
+    young_figures.figures,
+    young_figures.jacobians,
+    young_figures.precision,
     dafms.pendulum,
     dafms.shaft,
     dafms.manipulator,
