@@ -41,9 +41,31 @@ def rows_of(tables, word, width):
 
 
 def test_every_cell_of_the_listings_is_equal_or_explained(tables):
-    listings = rows_of(tables, "Appendix B", 5)
-    assert len(listings) == 18 and sum(int(row[1]) for row in listings) == 10788
-    assert [row[4] for row in listings] == ["0"] * 18
+    *listings, total = rows_of(tables, "Appendix B", 6)
+    assert len(listings) == 18 and total == ["all", "10788", "9184", "", "10766", "0"]
+    assert [row[5] for row in listings] == ["0"] * 18
+
+
+def test_the_figures_of_chapter_6_pass_through_the_printed_numbers(tables):
+    """To the printed digit; 6.28 shows wrong accelerations, which the errors of the program give."""
+    rows = {row[0]: row for row in rows_of(tables, "figures 6.17", 5)}
+    assert list(rows) == ["6.17", "6.19", "6.21", "6.24", "6.26", "6.28"]
+    assert all(row[4] == "to the printed digit" for number, row in rows.items() if number != "6.28")
+    assert rows["6.28"][3] == "0.75 m/s²" and rows["6.28"][4].endswith("with these errors 5e-04")
+
+
+def test_the_jacobian_of_table_6_1_is_equal_or_explained(tables):
+    """126 readable cells: the print cuts digits off, or the scan spoilt them."""
+    cells = rows_of(tables, "tables 6.1", 6)
+    assert len(cells) == 11 and not any(cell[5] == "unexplained" for cell in cells)
+    assert "126 readable cells: 115 equal, 6 cut off, not rounded, 5 scan." in tables[2]
+
+
+def test_table_6_3_follows_from_the_time_stamp(tables):
+    """Chapter 7 quotes 3e-3 to 9e-3 %; with Coelho's constants and instants 2e-5 % are left."""
+    rows = rows_of(tables, "table 6.3", 5)
+    assert all(float(row[4].split()[0]) < 2e-5 for row in rows)
+    assert max(float(cell.split()[0]) for row in rows for cell in row[2:4]) > 3e-3
 
 
 def test_coelhos_crank_agrees_to_round_off(tables):
@@ -59,6 +81,10 @@ def test_the_numbers_of_the_examples_of_dafms(tables):
     shaft = {(row[0], row[1][:7]): row[3] for row in rows_of(tables, "rotating shaft", 4)}
     assert shaft["coupled", "tip max"] == "0.015084" and shaft["coupled", "tip min"] == "-0.014466"
     assert [row[2] for row in rows_of(tables, "manipulator", 3)] == ["+0.93", "-0.43"]
+    for _, coupled, found, one_way, found_one_way in rows_of(tables, "manipulator", 5):
+        for expected, computed in ((coupled, found), (one_way, found_one_way)):
+            pairs = zip(expected.split(" … "), computed.split(" … "), strict=True)
+            assert all(float(a) == float(b) for a, b in pairs)
 
 
 def test_the_flexible_pendulum_stays_near_the_nonlinear_one(tables):
@@ -67,14 +93,14 @@ def test_the_flexible_pendulum_stays_near_the_nonlinear_one(tables):
     assert len(rows) == 6
     assert max(abs(row[1] - row[2]) for row in rows) < 1e-3
     assert max(abs(row[3] - row[4]) for row in rows) < 0.12
-    frequencies = rows_of(tables, "VSDFlex", 3)
+    frequencies = [row for row in rows_of(tables, "VSDFlex", 3) if row[0].isdigit()]
     assert all(float(row[2]) == pytest.approx(float(row[1]), rel=2e-4) for row in frequencies)
 
 
 def test_the_pictures_are_there(tables):
     _, folder, page = tables
     pictures = re.findall(r'src="(.*?)"', page)
-    assert len(pictures) == 5
+    assert len(pictures) == 7
     assert all((folder / name).stat().st_size > 10_000 for name in pictures)
 
 

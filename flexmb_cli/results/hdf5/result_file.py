@@ -14,8 +14,10 @@ import numpy as np
 
 from ... import __version__
 from ...deck.record import Deck
+from ...dialects.young.sections import AS_PRINTED
 from ...errors import OutputError
 from ...quick_dataclass import dataclass
+from ...solvers.as_printed.errors import EMULATED
 from ..files.full_disk_guard import ForgivingDisk
 from ..files.replaced_file import Replacement, located, put_in_place
 
@@ -204,6 +206,8 @@ class ResultFile:
         for name, lines in (("settings", deck.settings), ("options", deck.options)):
             if lines:
                 self._file.attrs[name] = "\n".join(lines)
+        if AS_PRINTED in deck.options:
+            self._file.attrs["emulation"] = EMULATED
         _describe(
             self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT), "1", "text of the deck"
         )
