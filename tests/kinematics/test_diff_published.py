@@ -12,7 +12,8 @@ from published_listing import PRINTED, listing_text, our_listing, published_cell
 from flexmb_cli.deck.table_columns import SECTIONS
 from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
 from flexmb_cli.dialects.young.listing_reader import parse_listing
-from flexmb_cli.results.diff.listings import compare, compare_listings
+from flexmb_cli.results.diff.compare import compare
+from flexmb_cli.results.diff.listings import compare_listings
 from flexmb_cli.results.diff.tolerances import Tolerances
 
 ZERO = re.compile(r"-?0\.0*")
