@@ -29,7 +29,7 @@ COMMANDS = {
     "check": "Read every DECK, assemble it and report what is doubtful,...",
     "verify": "Run every DECK by two formulations and compare the motions;...",
     "modes": "List eigenfrequencies and damping of the mechanism of every...",
-    "diff": "Compare two OUT tables, DAFMS echoes or series, or HDF5...",
+    "diff": "Compare results number by number: OUT tables, DAFMS echoes or...",
     "table": "Print quantities of RESULT.h5 over time, on a terminal and in...",
     "plot": "Draw quantities of RESULT.h5 over time, a panel for each unit.",
     "report": "Write a self-contained HTML page: motion in 3-D, curves, audit...",

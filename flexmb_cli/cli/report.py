@@ -15,7 +15,7 @@ def report(result, output, quiet):
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and shows the motion in any browser with WebGL: play, scrub, turn.
-    Needs plotly: pip install 'flexmb[report]'.
+    Needs plotly (the extra `report`).
 
     \b
     Example:
@@ -23,15 +23,15 @@ def report(result, output, quiet):
     """
     from pathlib import Path
 
+    from ..extras import needed
     from ..results.figures.report_page import report_page
     from ..results.files.replaced_file import write_whole
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
-    from .terminal.extras import needed
 
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
-    library = needed("plotly.offline", "plotly", "report").get_plotlyjs()
+    library = needed("plotly.offline", "plotly", "report", "flexmb report").get_plotlyjs()
     with open_result(result) as file:
         refuse_uneven(file)
         lacking = shortfall(file)

@@ -18,8 +18,9 @@ from flexmb_cli.deck.listing import TableError
 from flexmb_cli.dialects.young.listing import OutTable
 from flexmb_cli.results.diff import hdf5
 from flexmb_cli.results.diff.accept import accept
+from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.hdf5 import kind_of
-from flexmb_cli.results.diff.listings import compare, read_listing
+from flexmb_cli.results.diff.listings import read_listing
 from flexmb_cli.results.diff.tolerances import KINDS, Tolerance, ToleranceError, Tolerances, parse_kinds
 from flexmb_cli.results.hdf5.kinematic import kinematic_layout, kinematic_values
 from flexmb_cli.results.hdf5.result_file import ResultFile

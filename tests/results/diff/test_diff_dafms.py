@@ -13,7 +13,8 @@ import pytest
 from flexmb_cli.deck.listing import TableError
 from flexmb_cli.dialects.dafms.listing import Series
 from flexmb_cli.dialects.dafms.listing_reader import parse_echo, parse_series
-from flexmb_cli.results.diff.listings import compare, compare_listings
+from flexmb_cli.results.diff.compare import compare
+from flexmb_cli.results.diff.listings import compare_listings
 from flexmb_cli.results.diff.tolerances import KINDS, Tolerance, Tolerances
 
 PUBLISHED = Path(__file__).parents[2] / "published" / "dafms"

@@ -11,7 +11,8 @@ import pytest
 from flexmb_cli.deck.table_columns import SECTIONS
 from flexmb_cli.dialects.young.errata import YOUNG_ERRORS
 from flexmb_cli.dialects.young.listing_reader import parse_listing
-from flexmb_cli.results.diff.listings import compare, compare_listings
+from flexmb_cli.results.diff.compare import compare
+from flexmb_cli.results.diff.listings import compare_listings
 from flexmb_cli.results.diff.tolerances import Tolerances
 from tests.dialects.young.published_listing import PRINTED, listing_text, our_listing, published_cells
 

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
-from flexmb_cli.results.diff.listings import compare
+from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.tolerances import Tolerances
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
