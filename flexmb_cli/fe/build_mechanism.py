@@ -1,6 +1,7 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..model.flexible_mechanism import (
     PointPin,
     PointSpring,
 )
+from .elements.stress_outputs import stress_outputs
 from .flexible_bodies import flexible_body
 
 STEPS_A_PERIOD = 20
@@ -36,7 +38,8 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
     faults += _step_doubts(model, bodies)
-    return _Points(model, bodies).mechanism(), faults
+    stresses = stress_outputs(model, bodies)
+    return replace(_Points(model, bodies).mechanism(), stresses=stresses), faults
 
 
 def _step_doubts(model, bodies):
