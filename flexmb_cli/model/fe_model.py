@@ -161,6 +161,18 @@ class Integrator:
 
 
 @dataclass(frozen=True)
+class StressSelection:
+    """Where the stresses of a body are reported: its nodes and elements by number, and its largest one."""
+
+    body: int
+    nodes: tuple[int, ...] = ()
+    elements: tuple[int, ...] = ()
+    every_element: bool = False
+    largest: bool = False
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class VsdfModel:
     """Everything the deck says, in its order."""
 
@@ -177,6 +189,7 @@ class VsdfModel:
     joint_springs: tuple[JointSpring, ...] = ()
     gravity: Vector = (0.0, 0.0, 0.0)
     outputs: tuple[End, ...] = ()
+    stresses: tuple[StressSelection, ...] = ()
 
     def global_position(self, end: End) -> np.ndarray:
         """Return where an end is at t = 0 (3,)."""

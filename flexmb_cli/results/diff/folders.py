@@ -4,10 +4,10 @@ import glob
 import os
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import PurePath
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
+from ...quick_dataclass import dataclass, field
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of
 from .report import Report
 

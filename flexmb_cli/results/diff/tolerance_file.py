@@ -10,9 +10,9 @@ last_digit = 1
 """
 
 import tomllib
-from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
+from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
 
 FIGURES = ("atol", "rtol", "last_digit")

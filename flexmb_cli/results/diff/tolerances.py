@@ -2,7 +2,6 @@
 
 import math
 import re
-from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
 import numpy as np

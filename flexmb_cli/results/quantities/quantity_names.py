@@ -24,11 +24,18 @@ FORMS = {
     "point/position": ("point.{0}.{1}", "point.{0}.position.{1}"),
     "coordinate/q": ("coordinate.{0}", "coordinate.{0}.q"),
     "elastic/displacement": ("elastic.{item}.{0}.{1}", "elastic.{item}.{0}.displacement.{1}"),
-}
+    **{f"{quantity}/{kind}_tensor": (f"{quantity}.{{item}}.{{0}}.{{1}}",)
+       for quantity in ("stress", "strain") for kind in ("node", "element")},
+    **{f"stress/{kind}_von_mises": ("stress.{item}.{0}.von_mises",) for kind in ("node", "element")},
+    **{f"stress/{kind}_principal": ("stress.{item}.{0}.principal.{1}",) for kind in ("node", "element")},
+    "strain/element_energy": ("strain.{item}.{0}.energy",),
+    "stress/max_von_mises": ("stress.{item}.max.von_mises",),
+    "stress/max_node": ("stress.{item}.max.node",),
+}  # fmt: skip
 MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
 MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
-BY_BODY = ("elastic", "modal")
+BY_BODY = ("elastic", "modal", "stress", "strain")
 
 
 @dataclass(frozen=True)
@@ -181,6 +188,9 @@ class _Labels:
         kind = path.rpartition("/")[2]
         if kind == "node":
             return [(f"node{number}", number, f"node {number}") for number in numbers]
+        if kind == "element":
+            # The number alone is a node's.
+            return [(f"element{number}", f"element {number}") for number in numbers]
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
     def _names(self, scale):

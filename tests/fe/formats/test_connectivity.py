@@ -1,8 +1,8 @@
-"""Hexahedra in the files of node tables, and what is said of other elements."""
+"""Solid elements in the files of node tables, and what is said of other elements."""
 
 import pytest
 
-from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
 
 EIGHT = list(range(11, 19))
@@ -31,6 +31,11 @@ FILES = {
     ),
     "CDB 8": (cdb(EIGHT), EIGHT),
     "CDB 20": (cdb(TWENTY), TWENTY),
+    "INP 4": ("*ELEMENT, TYPE=C3D4\n5, 1, 2, 3, 4\n", TWENTY[:4]),
+    "INP 10": ("*ELEMENT, TYPE=C3D10\n5, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10\n", TWENTY[:10]),
+    "CDB 10": (cdb(TWENTY[:10]), TWENTY[:10]),
+    "BDF 4": ("CTETRA,5,1,1,2,3,4\n", TWENTY[:4]),
+    "BDF 10": ("CTETRA,5,1,1,2,3,4,5,6\n,7,8,9,10\n", TWENTY[:10]),
     "BDF 8": ("CHEXA,5,1,11,12,13,14,15,16\n,17,18\n", EIGHT),
     "BDF 20": (
         "CHEXA   5       1       "
@@ -49,7 +54,7 @@ FILES = {
 def test_every_format_gives_the_nodes_in_one_order(tmp_path, kind):
     text, wanted = FILES[kind]
     (tmp_path / "x").write_text(text)
-    found = read_hexahedra(tmp_path / "x", kind.split()[0])
+    found = read_elements(tmp_path / "x", kind.split()[0])
     assert found.numbers.tolist() == [5]
     assert found.nodes.tolist() == [wanted]
 
@@ -58,19 +63,23 @@ REFUSED = {
     "a shell": (
         "INP",
         "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n",
-        "x, line 1: stresses are known of hexahedra only",
+        "x, line 1: stresses are known of tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes only",
     ),
-    "a tetrahedron": (
+    "a wedge": (
         "BDF",
-        "CTETRA,3,1,1,2,3,4\n",
-        "x, line 1: CTETRA 3: stresses are known of hexahedra only",
+        "CPENTA,3,1,1,2,3,4,5,6\n",
+        "x, line 1: CPENTA 3: stresses are known of tetrahedra",
     ),
     "a brick with a node twice": (
         "CDB",
         cdb([11, 12, 13, 13, 15, 16, 17, 17]),
-        "x, line 3: element 5 is no hexahedron of 8 or 20 different nodes",
+        "x, line 3: element 5 has not the different nodes of one of the tetrahedra",
     ),
-    "too few nodes": ("BDF", "CHEXA,5,1,11,12,13,14,15,16\n,17\n", "x, line 1: element 5 is no hexahedron"),
+    "too few nodes": (
+        "BDF",
+        "CHEXA,5,1,11,12,13,14,15,16\n,17\n",
+        "x, line 1: element 5 has not the different nodes",
+    ),
     "a mixture": (
         "INP",
         "".join(FILES[kind][0] for kind in ("INP 8", "INP 20")),
@@ -96,5 +105,5 @@ def test_what_cannot_be_used_is_told_with_its_line(tmp_path, case):
     form, text, message = REFUSED[case]
     (tmp_path / "x").write_text(text)
     with pytest.raises(FEFileFault, match="x") as refused:
-        read_hexahedra(tmp_path / "x", form)
+        read_elements(tmp_path / "x", form)
     assert message in str(refused.value)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli.fe.formats import file_text
-from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.formats import read_matrix
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
 from flexmb_cli.fe.formats.node_table import read_node_table
@@ -121,7 +121,7 @@ def test_a_node_table_is_refused_at_its_line(tmp_path, case):
 def test_elements_of_too_many_digits_are_refused_at_their_line(tmp_path, form, text):
     (tmp_path / "x").write_text(text)
     with pytest.raises(FEFileFault):
-        read_hexahedra(tmp_path / "x", form)
+        read_elements(tmp_path / "x", form)
 
 
 def pipe(folder):

@@ -1,13 +1,14 @@
-"""Hexahedral elements: stiffness, stresses and initial-stress matrices of bricks with 8 or 20 nodes.
+"""Solid elements: shape functions, points of integration and strains of hexahedra and tetrahedra.
 
 Hughes, The Finite Element Method (1987), sections 3.5 and 4.4; incompatible modes by Taylor, Beresford and
 Wilson, Int. J. Num. Meth. Eng. 10 (1976), 1211-1219.  All elements at once: arrays begin with the element
-and the point of integration.
+and the point of integration.  Tetrahedra have their shape functions in `tetrahedra`.
 """
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
+from ...quick_dataclass import dataclass
+from . import tetrahedra
 
 _CORNERS = np.array(
     [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)],
@@ -22,7 +23,7 @@ _INTERNAL = 3
 
 @dataclass(frozen=True)
 class Formulation:
-    """Points of integration a direction, and whether three incompatible modes a direction are added.
+    """Points of integration, of a hexahedron a direction, and whether nine incompatible modes are added.
 
     Their gradients are scaled by det J0 / det J, with J0 the Jacobian at the centre, so that they meet
     constant strain (Taylor, Beresford and Wilson); `scaled` False: by nothing, as in CalculiX.
@@ -34,12 +35,16 @@ class Formulation:
     scaled: bool = True
 
 
+# Incompatible modes come before the formulation that they improve: the first that assembles to K is taken.
 FORMULATIONS = {
+    4: (Formulation("one point", 1),),
     8: (
         Formulation("incompatible modes", 2, True),
         Formulation("incompatible modes of CalculiX", 2, True, scaled=False),
         Formulation("full integration", 2),
+        Formulation("reduced integration", 1),
     ),
+    10: (Formulation("four points", 4),),
     20: (Formulation("reduced integration", 2), Formulation("full integration", 3)),
 }
 
@@ -51,8 +56,17 @@ def gauss_points(count: int) -> tuple[np.ndarray, np.ndarray]:
     return points, np.einsum("i,j,k->ijk", w, w, w).ravel()
 
 
+def integration_points(nodes: int, formulation: Formulation) -> tuple[np.ndarray, np.ndarray]:
+    """Natural coordinates (g, 3) and weights (g,) of elements with so many nodes."""
+    if nodes in tetrahedra.COUNTS:
+        return tetrahedra.integration_points(formulation.points)
+    return gauss_points(formulation.points)
+
+
 def shape_slopes(points: np.ndarray, nodes: int) -> np.ndarray:
     """Derivatives of the shape functions in the natural coordinates, (points, nodes, 3)."""
+    if nodes in tetrahedra.COUNTS:
+        return tetrahedra.shape_slopes(points, nodes)
     if nodes == 8:
         return _slopes_of_products(points)
     slopes = np.empty((len(points), 20, 3))
@@ -92,7 +106,7 @@ def _edge_slopes(points, node):
 
 
 @dataclass(frozen=True)
-class Bricks:
+class SolidElements:
     """Elements (m) of k nodes in one formulation, integrated at g points.
 
     `gradients` (m, g, k + internal, 3), 1/m: of the shape functions, axes of the nodes; `volumes` (m, g), m³;
@@ -120,9 +134,9 @@ class Bricks:
         return B.reshape(*dx.shape[:2], 6, -1)
 
 
-def bricks(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) -> Bricks:
+def solid_elements(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) -> SolidElements:
     """Elements `rows` (m, k) of nodes at `positions` (n, 3), m."""
-    points, weights = gauss_points(formulation.points)
+    points, weights = integration_points(rows.shape[1], formulation)
     place = positions[rows]
     slopes = shape_slopes(points, rows.shape[1])
     jacobian = np.einsum("mki,gkj->mgij", place, slopes)
@@ -131,7 +145,7 @@ def bricks(positions: np.ndarray, rows: np.ndarray, formulation: Formulation) ->
     if formulation.incompatible:
         det = volume if formulation.scaled else None
         gradients = np.concatenate([gradients, _incompatible(place, points, det)], axis=2)
-    return Bricks(formulation, rows, gradients, volume * weights)
+    return SolidElements(formulation, rows, gradients, volume * weights)
 
 
 def _incompatible(place, points, det):
@@ -143,7 +157,7 @@ def _incompatible(place, points, det):
 
 
 def elasticity(young: float, poisson: float) -> np.ndarray:
-    """Hooke's law (6, 6), Pa, for strains as `Bricks.strains` has them."""
+    """Hooke's law (6, 6), Pa, for strains as `SolidElements.strains` has them."""
     shear = young / (2 * (1 + poisson))
     D = np.zeros((6, 6))
     D[:3, :3] = young * poisson / ((1 + poisson) * (1 - 2 * poisson))

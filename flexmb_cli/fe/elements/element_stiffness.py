@@ -1,10 +1,10 @@
-"""From bricks to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
+"""From elements to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
 import numpy as np
 
-from ..quick_dataclass import dataclass
-from .bricks import FORMULATIONS, Bricks, bricks, elasticity
-from .linear_algebra import summed
+from ...quick_dataclass import dataclass
+from ..linear_algebra import summed
+from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_elements
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
@@ -14,19 +14,19 @@ EQUAL = 1e-9
 
 
 @dataclass(frozen=True)
-class BodyBricks:
+class BodyElements:
     """Elements whose assembled stiffness comes nearest to the body's; `deviation`: by how much it differs.
 
     `internal` (m, internal freedoms, 3 k): the displacements of incompatible modes per nodal displacement.
     """
 
-    bricks: Bricks
+    elements: SolidElements
     D: np.ndarray
     internal: np.ndarray
     deviation: float
 
 
-def matching_bricks(positions: np.ndarray, rows: np.ndarray, material, K) -> BodyBricks:
+def matching_elements(positions: np.ndarray, rows: np.ndarray, material, K) -> BodyElements:
     """Return the formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n), else the nearest.
 
     `positions` (n, 3), m; `material`: Young's modulus, Pa, and Poisson's ratio.
@@ -34,16 +34,16 @@ def matching_bricks(positions: np.ndarray, rows: np.ndarray, material, K) -> Bod
     D, size = elasticity(*material), abs(K).max()
     found = []
     for formulation in FORMULATIONS[rows.shape[1]]:
-        made = bricks(positions, rows, formulation)
+        made = solid_elements(positions, rows, formulation)
         stiffness, internal = element_stiffness(made, D)
-        assembled = _assembled(stiffness, rows, len(positions), 3)
-        found.append(BodyBricks(made, D, internal, float(abs(assembled - K).max() / size)))
+        difference = assembled(stiffness, rows, len(positions), 3) - K
+        found.append(BodyElements(made, D, internal, float(abs(difference).max() / size)))
         if found[-1].deviation < EQUAL:
             break
     return min(found, key=lambda body: body.deviation)
 
 
-def element_stiffness(made: Bricks, D):
+def element_stiffness(made: SolidElements, D):
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
     `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal freedoms, 3 k).
@@ -51,7 +51,7 @@ def element_stiffness(made: Bricks, D):
     count, nodal = len(made.rows), 3 * made.nodes
     inner = 3 * made.gradients.shape[2] - nodal
     stiffness, internal = np.empty((count, nodal, nodal)), np.zeros((count, inner, nodal))
-    for part in _parts(count):
+    for part in parts(count):
         B = made.strains(part)
         full = np.einsum("mgai,ab,mgbj,mg->mij", B, D, B, made.volumes[part], optimize=True)
         stiffness[part] = full[:, :nodal, :nodal]
@@ -61,11 +61,12 @@ def element_stiffness(made: Bricks, D):
     return stiffness, internal
 
 
-def _parts(count):
+def parts(count: int) -> list[slice]:
+    """Slices of so many elements, each small enough to hold their strains."""
     return [slice(first, min(first + _CHUNK, count)) for first in range(0, count, _CHUNK)]
 
 
-def _assembled(elements, rows, n, directions):
+def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int):
     """Sum of element matrices (m, d k, d k) over the nodes, (d n, d n)."""
     places = (directions * rows[:, :, None] + np.arange(directions)).reshape(len(rows), -1)
     width = places.shape[1]
@@ -74,24 +75,48 @@ def _assembled(elements, rows, n, directions):
     return summed(elements.ravel(), i, j, directions * n)
 
 
-def initial_stress_matrix(body: BodyBricks, displacements: np.ndarray):
+def uniform_strain_deviation(made: SolidElements, stiffness: np.ndarray, positions: np.ndarray, K) -> float:
+    """Return how far `K` and the elements differ in the nodal forces of uniform strains, relative.
+
+    Elements of any sound formulation agree in them; `stiffness` (m, 3 k, 3 k), `positions` (n, 3), m.
+    """
+    fields = np.zeros((*positions.shape, 9))
+    for i, j in np.ndindex(3, 3):
+        fields[:, i, 3 * i + j] = positions[:, j]
+    nodal = fields[made.rows].reshape(len(made.rows), -1, 9)
+    forces = np.zeros(fields.shape)
+    np.add.at(forces, made.rows, (stiffness @ nodal).reshape(*made.rows.shape, 3, 9))
+    wanted = K @ fields.reshape(-1, 9)
+    return float(np.abs(wanted - forces.reshape(-1, 9)).max() / np.abs(wanted).max())
+
+
+def initial_stress_matrix(body: BodyElements, displacements: np.ndarray):
     """Scalars (n, n) of K_G: the sum over elements of grad N_I . sigma . grad N_J, N/m.
 
     `displacements` (3 n,), m, are those of the load that stresses the body; K_G itself is (n, n) times
     the unit matrix of the three directions.  The incompatible modes carry stress, but do not stiffen.
     """
-    made, k = body.bricks, body.bricks.nodes
+    made, k = body.elements, body.elements.nodes
     elements = np.empty((len(made.rows), k, k))
-    for part in _parts(len(made.rows)):
-        nodal = displacements.reshape(-1, 3)[made.rows[part]].reshape(-1, 3 * k)
-        inner = np.einsum("mij,mj->mi", body.internal[part], nodal)
-        strains = np.einsum("mgai,mi->mga", made.strains(part), np.hstack([nodal, inner]))
+    for part in parts(len(made.rows)):
         slopes = made.gradients[part, :, :k]
-        stress = _tensor(strains @ body.D)
+        stress = _tensor(stresses(body, displacements[:, None], part)[..., 0])
         elements[part] = np.einsum(
             "mgai,mgij,mgbj,mg->mab", slopes, stress, slopes, made.volumes[part], optimize=True
         )
-    return _assembled(elements, made.rows, len(displacements) // 3, 1)
+    return assembled(elements, made.rows, len(displacements) // 3, 1)
+
+
+def stresses(body: BodyElements, displacements: np.ndarray, part: slice) -> np.ndarray:
+    """Stresses (part, g, 6, c), Pa, at the points of integration for `displacements` (3 n, c), m.
+
+    Components xx yy zz xy yz zx in the axes of the nodes.
+    """
+    made, count = body.elements, displacements.shape[1]
+    rows = made.rows[part]
+    nodal = displacements.reshape(-1, 3, count)[rows].reshape(len(rows), -1, count)
+    full = np.concatenate([nodal, body.internal[part] @ nodal], axis=1)
+    return np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
 
 
 def _tensor(stress):
