@@ -9,7 +9,6 @@ from xml.etree import ElementTree
 import h5py
 import pytest
 from click.testing import CliRunner
-from results import write_result
 
 from flexmb_cli.cli.diff import diff
 from flexmb_cli.cli.export import export
@@ -18,6 +17,7 @@ from flexmb_cli.results.diff.hdf5 import kind_of
 from flexmb_cli.results.diff.tolerance_file import read_tolerances
 from flexmb_cli.results.diff.tolerances import Tolerances
 from flexmb_cli.results.quantities.quantities import names, open_result
+from tests.results.results import write_result
 
 
 def compared(*arguments):
@@ -276,7 +276,7 @@ def test_a_tolerance_that_would_do_nothing_is_refused(text, told, folders, tmp_p
 
 
 def test_the_tolerances_shown_in_the_documentation_are_understood(folders, tmp_path):
-    page = Path(__file__).resolve().parents[2] / "docs/how-to/compare-in-ci.md"
+    page = Path(__file__).resolve().parents[3] / "docs/how-to/compare-in-ci.md"
     shown = re.search(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)[1]
     read = read_tolerances(str(tolerances(tmp_path, shown)), Tolerances())
     special = read.of_file("OUT4-BAR.dat")

@@ -14,9 +14,6 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from published_cells import Cell, _computed, _lines_by_owner
-from published_listing import PRINTED, listing_text
-from solved import REPOSITORY, coordinates, joined, mechanism_of, rows_of_deck
 
 from flexmb_cli.deck.table_columns import SECTIONS
 from flexmb_cli.errors import ModelError
@@ -25,6 +22,9 @@ from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.as_printed.analysis import AsPrinted
 from flexmb_cli.solvers.as_printed.errors import ALL_ERRORS, OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
+from tests.dialects.young.published_cells import Cell, _computed, _lines_by_owner
+from tests.dialects.young.published_listing import PRINTED, listing_text
+from tests.solvers.kinematics.solved import REPOSITORY, coordinates, joined, mechanism_of, rows_of_deck
 
 EARLIER_PROGRAM = "IN1-4-3"
 NOT_MET = {EARLIER_PROGRAM: 19, "IN2-6-1": 3}

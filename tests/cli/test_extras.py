@@ -12,7 +12,7 @@ import pytest
 
 from flexmb_cli import installation
 
-TOP = Path(__file__).resolve().parents[1]
+TOP = Path(__file__).resolve().parents[2]
 # A module that is None cannot be imported; the program starts as `python -m flexmb_cli` does.
 WITHOUT = "import sys; sys.modules[{module!r}] = None; from flexmb_cli.__main__ import main; main()"
 STUDY = """
