@@ -142,5 +142,4 @@ def test_columns_of_exponent_fields_print_as_exact_numbers(width, decimals, powe
     printed = Layout(E(width, decimals), "|", E(width, decimals), "\n").lines(np.transpose([values, values]))
     for value, line in zip(values, printed.splitlines(), strict=True):
         expected = with_zero_before_the_point(value + 0.0 if value else 0.0, decimals)
-        widths = (str.rjust(expected, width), f" {expected}".rjust(width))
-        assert line == "|".join(widths)
+        assert line == f"{expected.rjust(width)}|{(' ' + expected).rjust(width)}"

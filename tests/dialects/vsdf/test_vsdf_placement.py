@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.read.vsdf_decks import build, changed, supplied, told
+from tests.dialects.vsdf.vsdf_decks import build, changed, supplied, told
 
 POSE = "POSI\n    2       1.0\n"
 

@@ -17,7 +17,7 @@ import pytest
 
 from flexmb_cli.deck.table_columns import SECTIONS
 from flexmb_cli.errors import ModelError
-from flexmb_cli.results.diff.listings import compare
+from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.as_printed.analysis import AsPrinted
