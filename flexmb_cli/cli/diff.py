@@ -23,6 +23,8 @@ from .terminal.screen import show
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip
+@click.option("--deck", metavar="DECK",
+              help="With --explain: the YOUNG deck of both, run with the errors of 1996.")  # fmt: skip
 @click.option(
     "--words", is_flag=True, help="Differences in words count, too: titles, names, notes, settings."
 )
@@ -42,6 +44,8 @@ def diff(a, b, update, as_json, quiet, **options):
     from ..deck.listing import TableError
     from ..results.diff.accept import accept, is_missing
 
+    if options["deck"] and not options["explain"]:
+        raise click.UsageError("--deck goes with --explain")
     if update and "-" in (a, b):
         raise click.UsageError("--update copies files; standard input is none")
     new = update and is_missing(a)
@@ -65,9 +69,9 @@ def diff(a, b, update, as_json, quiet, **options):
     sys.exit(DONE if report.equal or updated else 1)
 
 
-def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain, words):
+def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain, words, deck):
     from ..results.diff.listings import compare
     from ..results.diff.tolerances import Tolerances, parse_kinds
 
     tolerances = Tolerances(atol, rtol, last_digit, parse_kinds(kinds))
-    return compare(a, b, tolerances, same_attitude, explain, words)
+    return compare(a, b, tolerances, same_attitude, explain, words, deck)

@@ -14,6 +14,7 @@ from ...deck.listing import (
     plain_text,
     read_bytes,
 )
+from ...deck.table_columns import SECTIONS
 from ...dialects.dafms.listing_reader import parse_echo, parse_series
 from ...dialects.vsdf.listing_reader import parse_vsdf
 from ...dialects.young.errata import young_errors
@@ -41,19 +42,21 @@ def compare(
     same_attitude: bool = False,
     explain: bool = False,
     words: bool = False,
+    deck: str | None = None,
 ) -> Report:
     """Compare two results of the same format.
 
     `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
     that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
     cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
+    `deck`: that of two listings of YOUNG, run with the errors of the program of 1996 to explain differences.
     """
-    report = _compared(path_a, path_b, tolerances or Tolerances(), same_attitude, explain)
+    report = _compared(path_a, path_b, tolerances or Tolerances(), same_attitude, explain, deck)
     report.words_count = words
     return report
 
 
-def _compared(path_a, path_b, tolerances: Tolerances, same_attitude: bool, explain: bool) -> Report:
+def _compared(path_a, path_b, tolerances: Tolerances, same_attitude, explain, deck) -> Report:
     kinds = [is_hdf5(path) for path in (path_a, path_b)]
     if all(kinds):
         from .hdf5 import compare_hdf5
@@ -74,14 +77,24 @@ def _compared(path_a, path_b, tolerances: Tolerances, same_attitude: bool, expla
             b.name,
             [Fault("error", f"it is of another kind ({b.form}) than {a.name} ({a.form})", id="DIFF-009")],
         )
-    return compare_listings(a, b, tolerances, same_attitude, explain)
+    emulation = None
+    if deck is not None and a.form == YOUNG_TABLE:
+        from .emulated import Emulation
+
+        emulation = Emulation(deck)
+    return compare_listings(a, b, tolerances, same_attitude, explain, emulation)
 
 
 def compare_listings(
-    a: Listing, b: Listing, tolerances: Tolerances, same_attitude: bool = False, explain: bool = False
+    a: Listing,
+    b: Listing,
+    tolerances: Tolerances,
+    same_attitude: bool = False,
+    explain: bool = False,
+    emulation=None,
 ) -> Report:
     """Compare two listings of the same form that were read; see `compare`."""
-    report = Report(a.name, b.name, explaining=explain)
+    report = Report(a.name, b.name, explaining=explain, emulation=emulation)
     compare_echo(report, a, b, tolerances)
     rows_a, rows_b = _matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
@@ -190,7 +203,8 @@ def _compare_section(report, name, listings, rows, tolerances, flips):
     # Where one file prints fewer decimals, the other can agree no better than to half a unit; numbers with
     # exponents all have the same number of digits.
     slack = np.where((units[0] == units[1]) | bool(first.edits), 0.0, 0.5 * unit)
-    known = _known_errors(report, name, listings[0], picks[0], shared)
+    known = _emulated_errors(report, name, first, picks[0], shared, values[0], units[0])
+    known += _known_errors(report, name, listings[0], picks[0], shared)
     for kind in dict.fromkeys(kinds.tolist()):
         columns = np.flatnonzero(kinds == kind)
         describe = _describer(name, listings[0], picks[0], columns, shared, values)
@@ -219,6 +233,16 @@ def _known_errors(report, name, listing, pick, shared):
         (f"{place}: {error.cause}", error.holds(index, columns, step))
         for place, error in zip(places, errors, strict=True)
     ]
+
+
+def _emulated_errors(report, name, section, pick, shared, printed, unit):
+    """The same by a run of the deck with the errors of the program, the cells that they give."""
+    if report.emulation is None:
+        return []
+    columns = [SECTIONS[name].names.index(column) for column in shared]
+    step, index = section.step[pick], section.index[pick]
+    causes = report.emulation.causes(name, step, index, columns, printed, unit)
+    return [(f"{name}: {cause}", mask) for cause, mask in causes]
 
 
 def _describer(name, listing, pick, columns, shared, values):
