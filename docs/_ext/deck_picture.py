@@ -57,12 +57,12 @@ def _draw_mechanism(axes, file):
     places = scene.places
     middle, half = (places.max(0) + places.min(0)) / 2, max(np.ptp(places, axis=0).max() / 2, 1e-9)
     axes.set(**{f"{x}lim": (m - half, m + half) for x, m in zip("xyz", middle, strict=True)})
-    axes.set_box_aspect(None, zoom=1.25)
+    axes.set_box_aspect(None, zoom=1.05)
     axes.view_init(elev=22, azim=-60)
     axes.tick_params(labelsize=5, pad=-4)
     axes.locator_params(nbins=4)
     for x in "xyz":
-        getattr(axes, f"set_{x}label")(f"{x}, m", fontsize=6, labelpad=-10)
+        getattr(axes, f"set_{x}label")(x, fontsize=7, labelpad=-9)
 
 
 def _draw_curves(axes, panel, lowest):

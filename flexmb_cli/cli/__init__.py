@@ -71,8 +71,19 @@ class Group(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
+def _tell_version(context, option, asked):
+    if not asked or context.resilient_parsing:
+        return
+    from .terminal.commit import commit
+
+    found = commit()
+    click.echo(f"flexmb, version {__version__}{f' (commit {found})' if found else ''}")
+    context.exit()
+
+
 @click.group(cls=Group, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="flexmb")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
+              help="Show the version, and in a checkout the commit, and exit.")  # fmt: skip
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
 def cli(context, debug):

@@ -24,6 +24,8 @@ from .terminal.written_place import WrittenPlace
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip
+@click.option("--deck", metavar="DECK",
+              help="With --explain: the YOUNG deck of both, run with the errors of 1996.")  # fmt: skip
 @click.option(
     "--words", is_flag=True, help="Differences in words count, too: titles, names, notes, settings."
 )
@@ -49,6 +51,8 @@ def diff(a, b, update, junit, as_json, quiet, **options):
     """
     from ..results.diff.folders import Summary, is_many
 
+    if options["deck"] and not options["explain"]:
+        raise click.UsageError("--deck goes with --explain")
     if update and "-" in (a, b):
         raise click.UsageError("--update copies files; standard input is none")
     many = is_many(a), is_many(b)

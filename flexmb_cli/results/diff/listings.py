@@ -14,6 +14,7 @@ from ...deck.listing import (
     plain_text,
     read_bytes,
 )
+from ...deck.table_columns import SECTIONS
 from ...dialects.dafms.listing_reader import parse_echo, parse_series
 from ...dialects.vsdf.listing_reader import parse_vsdf
 from ...dialects.young.errata import young_errors
@@ -34,10 +35,15 @@ SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
 
 
 def compare_listings(
-    a: Listing, b: Listing, tolerances: Tolerances, same_attitude: bool = False, explain: bool = False
+    a: Listing,
+    b: Listing,
+    tolerances: Tolerances,
+    same_attitude: bool = False,
+    explain: bool = False,
+    emulation=None,
 ) -> Report:
     """Compare two listings of the same form that were read; see `compare.compare`."""
-    report = Report(a.name, b.name, explaining=explain)
+    report = Report(a.name, b.name, explaining=explain, emulation=emulation)
     compare_echo(report, a, b, tolerances)
     rows_a, rows_b = _matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
@@ -134,7 +140,8 @@ def _compare_section(report, name, listings, rows, tolerances, flips):
     # Where one file prints fewer decimals, the other can agree no better than to half a unit; numbers with
     # exponents all have the same number of digits.
     slack = np.where((units[0] == units[1]) | bool(first.edits), 0.0, 0.5 * unit)
-    known = _known_errors(report, name, listings[0], picks[0], shared)
+    known = _emulated_errors(report, name, first, picks[0], shared, values[0], units[0])
+    known += _known_errors(report, name, listings[0], picks[0], shared)
     for kind in dict.fromkeys(kinds.tolist()):
         columns = np.flatnonzero(kinds == kind)
         describe = _describer(name, listings[0], picks[0], columns, shared, values)
@@ -178,6 +185,16 @@ def _known_errors(report, name, listing, pick, shared):
         (f"{place}: {error.cause}", error.holds(index, columns, step))
         for place, error in zip(places, errors, strict=True)
     ]
+
+
+def _emulated_errors(report, name, section, pick, shared, printed, unit):
+    """The same by a run of the deck with the errors of the program, the cells that they give."""
+    if report.emulation is None:
+        return []
+    columns = [SECTIONS[name].names.index(column) for column in shared]
+    step, index = section.step[pick], section.index[pick]
+    causes = report.emulation.causes(name, step, index, columns, printed, unit)
+    return [(f"{name}: {cause}", mask) for cause, mask in causes]
 
 
 def _describer(name, listing, pick, columns, shared, values):

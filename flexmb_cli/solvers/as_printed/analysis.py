@@ -21,11 +21,17 @@ class AsPrinted:
     The audit of the rows is that of the equations without errors: it shows what the errors do.
     """
 
-    def __init__(self, mechanism: Mechanism, settings: dict | None = None, errors: frozenset = ALL_ERRORS):
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        settings: dict | None = None,
+        errors: frozenset = ALL_ERRORS,
+        block: int = BLOCK,
+    ):
         if len(mechanism.bodies) > MOST_BODIES:
             told = f"the program of 1996 holds {MOST_BODIES} bodies, the deck has {len(mechanism.bodies)}"
             raise ModelError([Fault("error", f"{told}; run it without --as-printed", id="SOLVE-031")])
-        self.mechanism = mechanism
+        self.mechanism, self.block = mechanism, block
         self.program = Program(mechanism, errors, settings)
         self.reference = Program(mechanism, frozenset())
         # Screws count slide and turn from the estimates.
@@ -35,8 +41,8 @@ class AsPrinted:
     def rows(self) -> Iterator[Rows]:
         """Yield the report rows in blocks; raises AnalysisError where the program fails."""
         grid = self.mechanism.time
-        for first in range(0, grid.rows, BLOCK):
-            times = [grid.time(k) for k in range(first, min(first + BLOCK, grid.rows))]
+        for first in range(0, grid.rows, self.block):
+            times = [grid.time(k) for k in range(first, min(first + self.block, grid.rows))]
             found = [self._row(t) for t in times]
             states, audit = (np.array(part) for part in zip(*found, strict=True))
             yield rows_of(self.mechanism, np.array(times), states, audit)

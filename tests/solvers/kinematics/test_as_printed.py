@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 
 from flexmb_cli.deck.table_columns import SECTIONS
-from flexmb_cli.errors import ModelError
+from flexmb_cli.errors import DeckError, ModelError
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.as_printed.analysis import AsPrinted
 from flexmb_cli.solvers.as_printed.errors import ALL_ERRORS, OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
 from tests.dialects.young.published_cells import Cell, _computed, _lines_by_owner
-from tests.dialects.young.published_listing import PRINTED, listing_text
+from tests.dialects.young.published_listing import PRINTED, listing_text, our_listing, published_cells
 from tests.solvers.kinematics.solved import REPOSITORY, coordinates, joined, mechanism_of, rows_of_deck
 
 EARLIER_PROGRAM = "IN1-4-3"
@@ -103,6 +103,45 @@ def test_an_archived_listing_compares_without_a_difference(deck, tmp_path):
     report = compare(printed(deck, tmp_path), outcome.files[0])
     assert report.differing == 0 and report.compared > 3000
     assert any("known errors of the program" in line.lower() for line in report.words)
+
+
+@pytest.mark.parametrize("deck", ["IN4-BAR", "IN5BODY", "IN2-6-1"])
+def test_diff_explains_each_cell_of_an_archived_listing_by_its_deck(deck, tmp_path):
+    """The names of the files tell nothing, the deck does."""
+    source = str(REPOSITORY / f"decks/young/{deck}.dat")
+    archived, ours = tmp_path / "archived.txt", tmp_path / "ours.txt"
+    archived.write_text(listing_text(deck, published_cells(deck)))
+    ours.write_text(our_listing(deck))
+    assert compare(archived, ours, explain=True).explained == 0
+    report = compare(archived, ours, explain=True, deck=source)
+    # The reals of eleven digits spoil two cells of the screw at a half turn.
+    assert report.differing - report.explained == (2 if deck == "IN2-6-1" else 0)
+    assert len(report.cells) == report.explained >= 15
+    cells = {(cell.section, cell.item, cell.column): cause for cause, cell in report.cells}
+    if deck == "IN4-BAR":
+        assert cells["velocity", "body 2", "w-x"] == f"velocity: {OVERRUN}"
+        assert cells["acceleration", "body 1", "dde2"] == f"acceleration: {TRANSPOSED}"
+        assert {OVERRUN, TRANSPOSED} <= set(cells["acceleration", "body 2", "dw-x"][14:].split("; "))
+    record = report.as_dict()["explained_cells"][0]
+    assert set(record) == {"cause", "section", "item", "column", "time", "a", "b", "distance"}
+
+
+def test_diff_does_not_explain_a_number_that_the_errors_do_not_give(tmp_path):
+    archived, ours = tmp_path / "archived.txt", tmp_path / "ours.txt"
+    cells = published_cells("IN4-BAR")
+    key = (3, "velocity", 3)
+    archived.write_text(listing_text("IN4-BAR", cells | {key: ["9.999", *cells[key][1:]]}))
+    ours.write_text(our_listing("IN4-BAR"))
+    report = compare(archived, ours, explain=True, deck=str(REPOSITORY / "decks/young/IN4-BAR.dat"))
+    assert report.differing == report.explained + 1
+    assert (report.worst.section, report.worst.item, report.worst.column) == ("velocity", "body 3", "dX")
+
+
+def test_diff_takes_no_deck_of_another_dialect(tmp_path):
+    (tmp_path / "ours.txt").write_text(our_listing("IN2-6-1"))
+    listing = tmp_path / "ours.txt"
+    with pytest.raises(DeckError, match="--deck needs a YOUNG deck without dynamics"):
+        compare(listing, listing, explain=True, deck=str(REPOSITORY / "decks/dafms/pendulum.DAT"))
 
 
 def test_all_outputs_are_marked_and_only_when_asked_for(tmp_path):
