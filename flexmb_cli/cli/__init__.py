@@ -16,6 +16,7 @@ from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from .options.exit_codes import epilog
 from .terminal.screen import lines_visible
 from .terminal.stops import ignore_stops, pass_over_stops
 
@@ -49,7 +50,9 @@ class Commands(Mapping):
         if name not in COMMANDS:
             raise KeyError(name)
         module = import_module(f".{name}", __name__)
-        return getattr(module, name if hasattr(module, name) else f"{name}_")
+        command = getattr(module, name if hasattr(module, name) else f"{name}_")
+        command.epilog = epilog(name)
+        return command
 
     def __iter__(self):
         return iter(COMMANDS)
@@ -71,7 +74,8 @@ class Group(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-@click.group(cls=Group, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Group, invoke_without_command=True, epilog=epilog("flexmb"),
+             context_settings={"help_option_names": ["-h", "--help"]})  # fmt: skip
 @click.version_option(__version__, prog_name="flexmb")
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
