@@ -6,6 +6,7 @@ import sys
 import click
 
 from ..errors import compiler_style, visible
+from .options.completion import files
 from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
 from .terminal.screen import show
@@ -13,8 +14,8 @@ from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("a")
-@click.argument("b")
+@click.argument("a", shell_complete=files)
+@click.argument("b", shell_complete=files)
 @click.option("--last-digit", type=click.IntRange(0), default=0, metavar="N",
               help="Allow N units of the last printed digit.")  # fmt: skip
 @click.option("--atol", type=Finite(0), help="Allow this distance.")
@@ -29,7 +30,7 @@ from .terminal.written_place import WrittenPlace
 @click.option(
     "--words", is_flag=True, help="Differences in words count, too: titles, names, notes, settings."
 )
-@click.option("--tolerances", "tolerance_file", metavar="FILE.toml",
+@click.option("--tolerances", "tolerance_file", metavar="FILE.toml", shell_complete=files,
               help="Tolerances per file, per type of column and per quantity.")  # fmt: skip
 @click.option("--update", is_flag=True, help="Where they differ, put a copy of B in the place of A.")
 @click.option(

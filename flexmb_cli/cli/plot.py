@@ -5,14 +5,15 @@ from pathlib import Path
 
 import click
 
+from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5")
-@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=quantities)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="A .png, .svg or .pdf file [default: the result's name with .png].")  # fmt: skip
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",

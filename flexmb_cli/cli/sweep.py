@@ -10,6 +10,7 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..memory import TO_LOAD, require_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
 from .terminal.screen import tell
@@ -18,7 +19,7 @@ from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("study")
+@click.argument("study", shell_complete=files)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PATH",
               help="Table: .h5, or .parquet.  [default: STUDY's name, .h5]")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")

@@ -134,6 +134,8 @@ def test_what_commands_import(tmp_path, command):
         assert heavy(found - imported_with(tmp_path, packages)) <= heavy_ones
     if command == "--help":
         assert {name for name in own(found) if name.startswith("cli.")} <= {
+            "cli.options",
+            "cli.options.exit_codes",
             "cli.terminal",
             "cli.terminal.screen",
             "cli.terminal.stops",
