@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, field
 
-from ..errors import Fault, Place
+from ..errors import Fault, FaultList, Place
 
 
 @dataclass
 class Findings:
     """What was found wrong or doubtful so far; nothing is thrown before all of it is known."""
 
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=FaultList)
 
     @property
     def in_order(self) -> list[Fault]:
