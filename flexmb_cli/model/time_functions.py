@@ -4,6 +4,8 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 """
 
 import math
+from array import array
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,14 +22,14 @@ class MotionLaw:
     1: c0 + c1 t + c2 t² + c3 t³.  2: (w/T) (t²/2 + (T/2 pi)² (cos(2 pi t/T) - 1)) up to T = c1, then
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
     (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.  5: the same,
-    which keeps its first and last value outside.
+    which keeps its first and last value outside.  The points of a table may be a million: arrays of doubles.
     """
 
     kind: int
     c: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    times: tuple[float, ...] = ()
-    values: tuple[float, ...] = ()
-    curvature: tuple[float, ...] = ()
+    times: Sequence[float] = ()
+    values: Sequence[float] = ()
+    curvature: Sequence[float] = ()
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Value and its first and second derivative at time `t`, s."""
@@ -40,34 +42,35 @@ class MotionLaw:
 
         A spline would swing beyond the values given, and pull before a pulse begins.
         """
-        return MotionLaw(HELD_TABLE, self.c, self.times, self.values, (0.0,) * len(self.times))
+        flat = array("d", bytes(8 * len(self.times)))
+        return MotionLaw(HELD_TABLE, self.c, self.times, self.values, flat)
 
 
-def table_law(times, values) -> MotionLaw:
+def table_law(times: Sequence[float], values: Sequence[float]) -> MotionLaw:
     """The law through at least two points, times ascending."""
-    t, f = np.asarray(times, float), np.asarray(values, float)
-    curvature = _natural_curvature(np.diff(t).tolist(), (np.diff(f) / np.diff(t)).tolist())
-    return MotionLaw(
-        TABLE, times=tuple(map(float, t)), values=tuple(map(float, f)), curvature=tuple(curvature)
-    )
+    t, f = array("d", times), array("d", values)
+    return MotionLaw(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
 
 
-def _natural_curvature(h, slopes):
-    """Second derivatives at the points, 0 at the ends, from the lengths (k-1) and slopes of the pieces.
+def _natural_curvature(t, f):
+    """Second derivatives at the points, 0 at the ends.
 
     Three diagonals, the middle one larger than the others together: eliminated without pivots.  A full
     matrix would take 8 k² bytes.
     """
-    inner = range(1, len(h))
-    ahead, reduced = [0.0], [0.0]
-    for i in inner:
-        pivot = 2 * (h[i - 1] + h[i]) - h[i - 1] * ahead[-1]
-        ahead.append(h[i] / pivot)
-        reduced.append((6 * (slopes[i] - slopes[i - 1]) - h[i - 1] * reduced[-1]) / pivot)
-    curvature = [0.0]
-    for i in reversed(inner):
-        curvature.append(reduced[i] - ahead[i] * curvature[-1])
-    return [0.0, *curvature[:0:-1], 0.0]
+    count = len(t)
+    ahead, reduced = array("d", bytes(8 * count)), array("d", bytes(8 * count))
+    length, slope = t[1] - t[0], (f[1] - f[0]) / (t[1] - t[0])
+    for i in range(1, count - 1):
+        before, slope_before = length, slope
+        length = t[i + 1] - t[i]
+        slope = (f[i + 1] - f[i]) / length
+        pivot = 2 * (before + length) - before * ahead[i - 1]
+        ahead[i] = length / pivot
+        reduced[i] = (6 * (slope - slope_before) - before * reduced[i - 1]) / pivot
+    for i in reversed(range(1, count - 1)):
+        reduced[i] -= ahead[i] * reduced[i + 1]
+    return reduced
 
 
 def _polynomial(law, t):

@@ -7,11 +7,16 @@ the deck does.  `{...}` is a comment.
 """
 
 import re
+from array import array
+from collections.abc import Sequence
+from functools import partial
+from itertools import islice, takewhile
 
-from ...deck import number
+from ...deck import many_records, number
+from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
-from ...deck.words import UNCLOSED, Word, words
-from ...errors import DeckError, Fault, Place
+from ...deck.words import UNCLOSED, Word, words, words_from
+from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
 from .reader import read_young
 from .sections import Column
@@ -150,7 +155,7 @@ def read_young_deck(source: DeckText) -> Deck:
     cards.read()
     if any(fault.severity == "error" for fault in cards.faults):
         raise DeckError((*deck.warnings, *cards.faults))
-    return replace(deck, records=(*deck.records, *cards.records), warnings=(*deck.warnings, *cards.faults))
+    return replace(deck, records=cards.behind(deck.records), warnings=(*deck.warnings, *cards.faults))
 
 
 def analysis_of(deck: Deck) -> str | None:
@@ -193,8 +198,18 @@ class _Cards:
     source: DeckText
     opening: int
     records: list[Record] = field(default_factory=list)
-    faults: list[Fault] = field(default_factory=list)
-    counts: dict[str, int] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=FaultList)
+    starts: dict[str, array] = field(default_factory=dict)  # of each section's cards, where in the text
+    numbers: int = 0
+
+    def behind(self, records: Sequence[Record]) -> Sequence[Record]:
+        """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
+        if isinstance(records, tuple) and self.numbers <= many_records.MANY:
+            return *records, *self.records
+        blocks = [*blocks_of(records), *blocks_of(self.records[:1])]
+        for section, starts in self.starts.items():
+            blocks.append(Block(section, len(starts), partial(_again, self.source, section, starts)))
+        return ManyRecords(blocks)
 
     def read(self):
         """Read all cards behind the opening line."""
@@ -204,7 +219,7 @@ class _Cards:
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
                 break
-            if word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text):
+            if _is_keyword(word):
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == CLOSING:
@@ -235,8 +250,9 @@ class _Cards:
         if kind is None:
             self.error(keyword.place, "", _unknown(keyword.text))
             return
-        self.counts[kind.section] = self.counts.get(kind.section, 0) + 1
-        subject = f"{kind.section} {self.counts[kind.section]}"
+        starts = self.starts.setdefault(kind.section, array("i"))
+        starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
+        subject = f"{kind.section} {len(starts)}"
         least, most = len(kind.columns) - kind.optional, len(kind.columns)
         if not least <= len(found) <= most:
             asked = f"{most}" if least == most else f"{least} to {most}"
@@ -244,12 +260,20 @@ class _Cards:
             message = f"{kind.keyword} takes {asked} numbers ({keys}); read {len(found)}"
             self.error(keyword.place, subject, message)
             return
+        record = self.record(kind, len(starts), keyword, found)
+        self.numbers += most
+        if self.numbers <= many_records.MANY:
+            self.records.append(record)
+
+    def record(self, kind: Card, number_of_card: int, keyword: Word, found: Sequence[Word]) -> Record:
+        """The record of a card with as many words as it needs; faults of its numbers are noted."""
+        subject = f"{kind.section} {number_of_card}"
         numbers = [self._number(subject, *pair) for pair in zip(kind.columns, found, strict=False)]
         left_out = kind.columns[len(found) :]
         numbers += [
             Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0") for c in left_out
         ]
-        self.records.append(Record(kind.section, self.counts[kind.section], subject, tuple(numbers)))
+        return Record(kind.section, number_of_card, subject, tuple(numbers))
 
     def _number(self, subject, column, word):
         value = 0
@@ -262,6 +286,18 @@ class _Cards:
         except number.Misspelt as fault:
             self.error(word.place, subject, f"{column.key} {fault}")
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
+
+
+def _again(source, section, starts, index):
+    """The record of a card that was read without error before."""
+    kind = next(card for card in CARDS if card.section == section)
+    keyword, *behind = islice(words_from(source.lines, starts[index]), 1 + len(kind.columns))
+    found = list(takewhile(lambda word: not _is_keyword(word), behind))
+    return _Cards(source, 0).record(kind, index + 1, keyword, found)
+
+
+def _is_keyword(word):
+    return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
 
 
 def _unknown(text):
