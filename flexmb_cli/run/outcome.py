@@ -144,11 +144,15 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Listener:
-    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`."""
+    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`, `status(doing)`.
+
+    A notice stays; a status holds until the first row.
+    """
 
     begin: Callable[[int], None] = lambda rows: None
     advance: Callable[[int], None] = lambda rows: None
     notice: Callable[[str], None] = lambda sentence: None
+    status: Callable[[str], None] = lambda doing: None
 
 
 def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:
