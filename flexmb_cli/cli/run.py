@@ -34,16 +34,21 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 @click.option("--h5", type=WrittenPlace(), metavar="PATH", help="HDF5 result.")
 @click.option("--no-out", is_flag=True, help="Write no OUT table.")
 @click.option("--no-h5", is_flag=True, help="Write no HDF5 result.")
+@click.option("--only", multiple=True, metavar="NAME",
+              help="Store only the datasets of this quantity as HDF5; can be given again.")  # fmt: skip
 @click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,
               help="historic: signed zeros, fields that run together.")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run at once.")
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
-@click.option("--rtol", type=RELATIVE, help="DAFMS: relative tolerance of a step (DOP853 1e-12, else 1e-9).")
-@click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (DOP853 1e-14, else 1e-9).")
-@click.option("--method", type=click.Choice(["dop853", "radau", "lsoda", "sdirk4"]),
-              help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
+@click.option("--rtol", type=RELATIVE,
+              help="Relative tolerance of a step, in place of the deck's.")  # fmt: skip
+@click.option("--atol", type=TOLERANCE,
+              help="Absolute tolerance of a step, in place of the deck's.")  # fmt: skip
+@click.option("--method", type=click.Choice(["dop853", "radau", "alpha", "lsoda", "sdirk4"]),
+              help="Integrator, in place of the deck's: dop853 and radau for all dialects, alpha "
+              "for YOUNG and VSDF, lsoda and sdirk4 for DAFMS.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")

@@ -76,7 +76,8 @@ class RunOptions:
     """The options of `flexmb run` that concern one deck.
 
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
-    a tree: KANE or ABSOLUTE; `debug`: faults of flexmb itself are raised.
+    a tree: KANE or ABSOLUTE; `debug`: faults of flexmb itself are raised; `only`: names of quantities that
+    the HDF5 result holds, all without any.
     """
 
     dialect: str = "auto"
@@ -95,6 +96,7 @@ class RunOptions:
     estimate_error: bool = False
     echo: bool = False
     debug: bool = False
+    only: tuple[str, ...] = ()
 
 
 @dataclass
