@@ -60,7 +60,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
         rows = chosen_rows(file, start, stop, every)
         _remark(result, file, rows, quiet)
         for piece in table_text(file, quantities, rows, style or "csv"):
-            click.echo(piece, nl=False)
+            _print_piece(piece, style)
 
 
 def _print_study(path, names, listing, every, style, quiet):
@@ -77,7 +77,15 @@ def _print_study(path, names, listing, every, style, quiet):
         for note in () if quiet else study_notes(file, columns, bool(names)):
             tell(f"{path}: note: {note}")
         for piece in study_text(file, columns, every, style or "csv"):
-            click.echo(piece, nl=False)
+            _print_piece(piece, style)
+
+
+def _print_piece(piece, style):
+    """Aligned columns for a reader lose those that do not fit a terminal; other forms are for programs."""
+    if style == "text":
+        show(piece)
+    else:
+        click.echo(piece, nl=False)
 
 
 def _remark_settings(path, settings, quiet):

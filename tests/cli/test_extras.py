@@ -18,9 +18,9 @@ WITHOUT = "import sys; sys.modules[{module!r}] = None; from flexmb_cli.__main__ 
 STUDY = """
 deck = "IN4-BAR.dat"
 [parameters]
-"driver.1.B" = { from = 3.0, to = 3.2, steps = 3 }
+"driver.1.B" = { from = 3.0, to = 3.2, count = 3 }
 [results]
-top = "max of body.3.z"
+top = "max body.3.z"
 """
 
 
