@@ -38,7 +38,6 @@ def folder(tmp_path):
     ("module", "arguments", "extra"),
     [
         ("matplotlib", ["plot", "r.h5", "-o", "p.png"], "plot"),
-        ("plotly", ["report", "r.h5"], "report"),
         ("pyarrow", ["sweep", "study.toml", "-o", "t.parquet"], "parquet"),
         ("distributed", ["sweep", "study.toml", "--scheduler", "tcp://127.0.0.1:1"], "cluster"),
     ],

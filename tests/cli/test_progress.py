@@ -14,7 +14,7 @@ from flexmb_cli.cli.terminal.progress import Progress
 from flexmb_cli.cli.terminal.screen import fitted
 from tests.cli.test_terminal import at_a_terminal
 
-DECKS = Path(__file__).resolve().parents[1] / "decks"
+DECKS = Path(__file__).resolve().parents[2] / "decks"
 
 
 class Terminal(io.StringIO):

@@ -11,7 +11,7 @@ from flexmb_cli.cli.report import report
 from flexmb_cli.cli.run import run
 from flexmb_cli.cli.table import table
 from flexmb_cli.errors import FlexmbError
-from tests.read.vsdf_decks import RIGID
+from tests.dialects.vsdf.vsdf_decks import RIGID
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 # Andrews' squeezer, stopped early.
@@ -127,7 +127,6 @@ def test_a_name_that_a_result_would_not_have_ends_the_run_before_it_begins(tmp_p
 
 
 def test_a_report_of_a_result_without_positions_is_refused_or_drawn_without_traceback(tmp_path):
-    pytest.importorskip("plotly")
     path, _ = solved(tmp_path, DECKS / "young/IN4-BAR.dat", "--only", "point.1.z")
     done = CliRunner().invoke(report, [str(path), "-o", str(tmp_path / "r.html")])
     assert done.exit_code == 0 or isinstance(done.exception, FlexmbError)
