@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "read"))
 from vsdf_decks import RIGID, changed
 
 MASS = "MASS 2 1 0.5 0 0 0.01 0.1 0.1\n"
-REPEATED = "3 equations repeat others, among those of revolute joint "
+REPEATED = "note: planar mechanism of spatial joints: 3 of "
 SPINNING = "VELOCITY 2 0 0 0 0 0 2\n"
 
 

@@ -25,6 +25,8 @@ FORMS = {
     "coordinate/q": ("coordinate.{0}", "coordinate.{0}.q"),
     "elastic/displacement": ("elastic.{item}.{0}.{1}", "elastic.{item}.{0}.displacement.{1}"),
 }
+# Unit of the effort along a coordinate in a unit.
+OF_EFFORT = {"m": "N", "rad": "N m"}
 MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
 MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
@@ -216,7 +218,8 @@ class _Labels:
             return (stated,)
         each = self._listed(f"{group}/unit", dataset.shape[1])
         choices = stated.split(" or ")
-        return tuple(next((c for c in choices if c.split("/")[0] == unit), stated) for unit in each)
+        wanted = [(unit, OF_EFFORT.get(unit)) for unit in each]
+        return tuple(next((c for c in choices if c.split("/")[0] in pair), stated) for pair in wanted)
 
 
 def _with_angles(given):

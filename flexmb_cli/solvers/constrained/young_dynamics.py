@@ -8,9 +8,13 @@ from ...model.arrays.dynamic import dynamic_arrays, step_length_scale
 from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
+from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms
 from .analysis import ConstrainedMotion
+from .element_rows import element_rows
+from .flexible_start import PositionGaps, assemble
 from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
+from .joint_rates import rate_equations
 from .rows import DynamicRows, dynamic_rows
 from .start import assembled
 from .start_speeds import given_speeds
@@ -36,7 +40,18 @@ class ForwardDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
+        if self.model.elements.constrain:
+            return assemble(PositionGaps(self.arrays, self.system, self.work), t)
         return assembled(self, t)
+
+    def usual_repetitions(self, q) -> int | None:
+        """Those of a planar mechanism, None of any other."""
+        bodies = len(self.mechanism.bodies)
+        return repeated_in_plane(self.mechanism, q[: 7 * bodies].reshape(bodies, 7)[:, 3:])
+
+    def given_rates(self, q):
+        """Rows, right-hand sides and names of the joint rates that the deck gives."""
+        return rate_equations(self.mechanism, self.model.elements.rates, q, self.arrays.speeds)
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
         """Which of the speeds the deck gives, and their values."""
@@ -67,6 +82,8 @@ class ForwardDynamics(ConstrainedMotion):
 
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
+        if self.model.elements:
+            return element_rows(self.model, self.arrays, report)
         return dynamic_rows(self.mechanism, report)
 
 
