@@ -22,6 +22,7 @@ from ...model.mechanism import Mechanism
 from .build_functions import Functions
 
 _COORDINATES = {1: ANGLE, 2: STROKE}
+_A = {ANGLE: "an angle", STROKE: "a stroke"}
 _LINKS = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}
 
 
@@ -66,8 +67,8 @@ class _Maker:
             return None
         joint = joints[number - 1]
         if coordinate not in (None, *COORDINATES_OF[joint.kind]):
-            has = " and ".join(f"a {one}" for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            message = f"joint {number} ({joint.name}) has {has}, not a {coordinate}"
+            has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
+            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}"
             self.findings.error(record.subject, message, record.at(key).place, id="YOUNG-118")
             return None
         return number - 1

@@ -44,7 +44,8 @@ class Card:
         most = len(self.columns)
         if self.repeated:
             again = " ".join(f"{column.key}{{n}}" for column in self.repeated)
-            return f"{most} numbers ({keys}) and, {self.least} times or more, {again}"
+            first = f"{keys} and, " if keys else ""
+            return f"{first}{self.least} times or more, {again}"
         asked = f"{most}" if not self.optional else f"{most - self.optional} to {most}"
         return f"{asked} numbers ({keys})"
 

@@ -5,6 +5,7 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.dynamic import dynamic_arrays, step_length_scale
+from ...model.arrays.young_elements import without_driven
 from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
@@ -61,13 +62,15 @@ class ForwardDynamics(ConstrainedMotion):
     def terms(self) -> Terms:
         """Names of loads, drivers, joints and points."""
         model, mechanism = self.model, self.mechanism
+        drivers = without_driven(mechanism, model.elements).drivers
         loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]
         joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
         return Terms(
             tuple(loads),
-            tuple((driver.name, driver.direction <= 3) for driver in mechanism.drivers),
+            tuple((driver.name, driver.direction <= 3) for driver in drivers),
             tuple(joints),
             tuple((point.name, point.body) for point in mechanism.points),
+            tuple(k for k, driver in enumerate(mechanism.drivers) if driver in drivers),
         )
 
     def driven_system(self, k: int, additions, t: float) -> System:
