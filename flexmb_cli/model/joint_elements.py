@@ -35,6 +35,17 @@ class JointDriver:
 
 
 @dataclass(frozen=True)
+class JointMotor:
+    """A force or torque of a law of time in a joint coordinate, N or N m, opposite on body i."""
+
+    name: str
+    joint: int
+    coordinate: str
+    law: MotionLaw
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class DrivenItem:
     """The driver, or the simplified constraint in direction 1 to 3, number `item`, which follows a law."""
 
@@ -186,6 +197,7 @@ class JointElements:
     """All of them in the order of the deck; `reported`: whether results hold joint coordinates anyway."""
 
     drivers: tuple[JointDriver, ...] = ()
+    motors: tuple[JointMotor, ...] = ()
     driven: tuple[DrivenItem, ...] = ()
     supports: tuple[DrivenItem, ...] = ()
     springs: tuple[JointSpring, ...] = ()

@@ -146,3 +146,19 @@ def test_turns_of_rate_and_position_agree_with_a_full_revolution_of_the_base():
     )
     rows = rows_of(ARM, "0 1 0.1", cards, "inverse")
     assert rows.joint_coordinate[-1] == pytest.approx((9.0, math.sin(3.0)), abs=1e-13)
+
+
+@pytest.mark.long_motion
+def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
+    """TMOTOR with splines through the efforts of IN-ARM, which has a spring and a damper at its elbow."""
+    text = (Path(__file__).parents[2] / "decks/young/dynamics/IN-ARM.dat").read_text()
+    mechanism, cards = text.split("0 1 0.01\n")
+    loads = cards.partition("inverse")[2].partition("SINE")[0]
+    driven = rows_of(mechanism, "0 1 0.005", cards.partition("inverse")[2].partition("END")[0], "inverse")
+    for k in range(2):
+        pairs = zip(driven.time.tolist(), driven.driver_effort[:, k].tolist(), strict=True)
+        points = " ".join(f"{t!r} {v!r}" for t, v in pairs)
+        loads += f"SPLINE {k + 1} {points}\nTMOTOR {k + 1} {k + 1}\n"
+    free = rows_of(mechanism, "0 1 0.05", f"{loads}RATE 1 1 1.8\nRATE 2 1 0\nTOLERANCE 1e-12")
+    assert free.joint_coordinate == pytest.approx(driven.joint_coordinate[::10], abs=1e-8)
+    assert free.joint_rate == pytest.approx(driven.joint_rate[::10], abs=1e-8)

@@ -14,6 +14,7 @@ from ...model.joint_elements import (
     JointDriver,
     JointElements,
     JointFriction,
+    JointMotor,
     JointRate,
     JointSpring,
     LineSpring,
@@ -137,6 +138,16 @@ def _joint_driver(coordinate):
         if joint is None or law is None:
             return None
         return JointDriver(record.subject, joint, coordinate, law, record.place)
+
+    return make
+
+
+def _motor(coordinate):
+    def make(maker, record):
+        joint, law = maker.joint(record, coordinate), maker.functions.law(record)
+        if joint is None or law is None:
+            return None
+        return JointMotor(record.subject, joint, coordinate, law, record.place)
 
     return make
 
@@ -282,6 +293,7 @@ _MAKERS = {
     "driven": [("drive", _driven)],
     "supports": [("support", _support)],
     "drivers": [("angle", _joint_driver(ANGLE)), ("stroke", _joint_driver(STROKE))],
+    "motors": [("tmotor", _motor(ANGLE)), ("amotor", _motor(STROKE))],
     "springs": [("tspring", _joint_spring(ANGLE)), ("aspring", _joint_spring(STROKE))],
     "lines": [("lspring", _line_spring), ("cable", _cable)],
     "stops": [("tstop", _stop(ANGLE)), ("astop", _stop(STROKE))],

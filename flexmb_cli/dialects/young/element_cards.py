@@ -83,6 +83,8 @@ JOINT_CARDS = (
     Card("SUPPORT", "support", (whole("simplified", "number of the simplified constraint"), _FUNCTION)),
     Card("ANGLE", "angle", (_JOINT, _FUNCTION, _BY_RATE), optional=1),
     Card("STROKE", "stroke", (_JOINT, _FUNCTION, _BY_RATE), optional=1),
+    Card("TMOTOR", "tmotor", (_JOINT, _FUNCTION)),
+    Card("AMOTOR", "amotor", (_JOINT, _FUNCTION)),
     _spring("TSPRING", "tspring", "angle", "N m", "rad"),
     _spring("ASPRING", "aspring", "stroke", "N", "m"),
     _stop("TSTOP", "tstop", "angle", "N m", "rad"),

@@ -11,7 +11,7 @@ from ..mechanism import Joint, Mechanism
 from ..time_functions import integral_of
 from .constraint_table import MeasureTable
 from .node_joints import EQUATIONS_OF, JointArms
-from .records import CABLE, ELEMENT, FRICTION, NONE, SPRING, STOP, blank_load, line_measure
+from .records import CABLE, ELEMENT, FRICTION, NONE, RELATIVE, SPRING, STOP, blank_load, line_measure
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -134,7 +134,7 @@ class ElementTable:
         return record
 
     def loads(self) -> list[np.ndarray]:
-        """Springs, stops, bushings and joint coordinates, then friction; equations must have been added."""
+        """Springs, stops, bushings, joint coordinates, motors, friction; equations must have been added."""
         found = [self._spring(item) for item in self.elements.springs]
         found += [self._line(item) for item in self.elements.lines]
         found += [self._stop(item) for item in self.elements.stops]
@@ -142,12 +142,19 @@ class ElementTable:
             found += self._bushing(item)
         for item in reported_coordinates(self.model.mechanism):
             found.append(self._at(item.joint, item.coordinate, SPRING))
+        found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
     def _at(self, joint, coordinate, shape):
         record = blank_load(ELEMENT)
         record["shape"] = shape
         record["measure"] = self.table.spring(self.coordinate(joint, coordinate))
+        return record
+
+    def _motor(self, item):
+        record = blank_load(RELATIVE)
+        record["measure"] = self.table.spring(self.coordinate(item.joint, item.coordinate))
+        record["law"] = self.table.law(item.law)
         return record
 
     def _spring(self, item):

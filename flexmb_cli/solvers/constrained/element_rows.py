@@ -28,15 +28,17 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
     """The rows of a report in the terms of the model."""
     rows = dynamic_rows(model.mechanism, report._replace(wrenches=_in_order_of_deck(model, arrays, report)))
     kept = {field.name: getattr(rows, field.name) for field in fields(DynamicRows)}
-    motors = len(model.elements.drivers)
-    if motors:
-        own = report.multipliers[:, report.multipliers.shape[1] - motors :]
+    driven = len(model.elements.drivers)
+    if driven:
+        own = report.multipliers[:, report.multipliers.shape[1] - driven :]
         kept["driver_effort"] = np.concatenate([rows.driver_effort, own], axis=1)
     first = len(model.forces) + len(model.torques)
-    answers = report.responses[:, first:]
+    # A force of none is 0, not -0.
+    answers = report.responses[:, first:] + 0.0
     ends = answers.shape[1] - len(model.elements.frictions)
-    begins = ends - len(reported_coordinates(model.mechanism))
-    probes = answers[:, begins:ends]
+    last = ends - len(model.elements.motors)
+    begins = last - len(reported_coordinates(model.mechanism))
+    probes = answers[:, begins:last]
     elements = np.concatenate([answers[:, :begins], answers[:, ends:]], axis=1)
     return ElementRows(
         **kept,
