@@ -54,23 +54,29 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     analysis = _analysis(model, options, listener)
     if model.analysis != INVERSE:
         set_tolerances(analysis, options, outcome)
-    contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
-    forward = model.analysis != INVERSE
+    if model.elements:
+        from ..results.hdf5.elements import element_layout, element_values
+
+        contents = Contents(lambda: element_layout(model), lambda rows: element_values(model, rows))
+    else:
+        contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
+    forward = model.analysis != INVERSE or bool(model.elements)
     count = StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)) if forward else StepCount()
     doubts = partial(unit_doubts, model)
     return Solution(analysis, model.mechanism.time.rows, contents, count, doubts)
 
 
 def _analysis(model, options, listener: Listener):
-    if model.analysis == INVERSE:
+    if model.analysis == INVERSE and not model.elements:
         from ..solvers.kinematics.inverse_dynamics import InverseDynamics
         from ..solvers.kinematics.settings import KinematicSettings
 
         tell_of_compiling(listener, "constrained.report.observe_rows")
         return InverseDynamics(model, KinematicSettings(**options.solver))
+    from ..solvers.constrained.driven_dynamics import DrivenDynamics
     from ..solvers.constrained.young_dynamics import ForwardDynamics
 
-    analysis = ForwardDynamics(model)
+    analysis = DrivenDynamics(model) if model.analysis == INVERSE else ForwardDynamics(model)
     tell_of_compiling(listener, analysis.stepper.entry)
     return analysis
 
