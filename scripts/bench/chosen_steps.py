@@ -1,11 +1,12 @@
 """Final errors of the steps that GALF chooses, in tolerances: positions, and speeds of their largest.
 
-Example: scripts/bench/run chosen_steps --tolerance 1e-3 1e-5 1e-7
+Example: scripts/bench/run chosen_steps --tolerance 1e-3 1e-5 1e-7 --radius 0.9 0.6
 
 Stiff flyball governor of the IFToMM library of computational benchmark problems (A05): shaft, slider and
 two rods of 3000 kg/m³, 5 kg at the rods' ends, springs of 8e5 N/m and dampers of 4e4 N s/m between the rods'
 middles and the slider, 2π rad/s at the start.  Andrews' squeezer: decks/young/dynamics/IN-ANDREWS.dat.
-The four-bar: `four_bars`.  The reference is DOP853 at 1e-12, of the governor RAD5 at 1e-11.
+The four-bar: `four_bars`.  The pendulum: decks/vsdf/pendulum.vsdf, 9 modes, its tip.  The reference is
+DOP853 at 1e-12.
 """
 
 import argparse
@@ -15,9 +16,14 @@ from pathlib import Path
 import numpy as np
 from four_bars import deck_of, run
 
-from flexmb_cli.dialects.vsdf.build import build_vsdf  # noqa: F401
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.reader import read_vsdf
+from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 
-ANDREWS = Path(__file__).parents[2] / "decks/young/dynamics/IN-ANDREWS.dat"
+DECKS = Path(__file__).parents[2] / "decks"
+ANDREWS = DECKS / "young/dynamics/IN-ANDREWS.dat"
 
 
 def governor(cards: str, end: float = 10.0) -> str:
@@ -64,43 +70,76 @@ def four_bar(cards: str) -> str:
     return deck_of(1, "DOP853", 1.0).replace("TOLERANCE 1\n", cards)
 
 
+def pendulum(tolerance: float, radius: float | None):
+    """Clock and blocks of rows of the flexible pendulum, by DOP853 where there is no radius."""
+    text = (DECKS / "vsdf/pendulum.vsdf").read_text().replace("    5.0E-4    5.0E-5", "    5.0E-4       0.0")
+    method = f" RK45{tolerance:10.0E}" if radius is None else f" GALF{radius:10g}"
+    deck = read_vsdf(DeckText("pendulum", text.replace(" GALF       0.9", method), ""))
+    analysis = FlexibleDynamics(flexible_mechanism(build_vsdf(deck, DECKS / "vsdf")[0], cached=False)[0])
+    analysis.clock["rtol"] = analysis.clock["atol"] = tolerance
+    blocks = list(analysis.rows())
+    return analysis.clock[0], blocks
+
+
+def rigid(make):
+    """The same of a YOUNG deck that `make` writes around the cards of its steps."""
+
+    def solved(tolerance, radius):
+        steps = "" if radius is None else f"GALF 0 {radius:g}\n"
+        clock, blocks, _ = run(make(f"TOLERANCE {tolerance:g}\n{steps}"))
+        return clock, blocks
+
+    return solved
+
+
+RIGID = ("position", "euler_parameters"), ("velocity", "angular_velocity")
+FLEXIBLE = ("euler_parameters", "point_position"), ("point_velocity", "angular_velocity")
+# How a problem is solved, and what of its rows is compared.
 PROBLEMS = {
-    "governor": (governor, "TOLERANCE 1e-11\nRAD5\n"),
-    "squeezer": (andrews, "TOLERANCE 1e-12\n"),
-    "four-bar": (four_bar, "TOLERANCE 1e-12\n"),
+    "governor": (rigid(governor), *RIGID),
+    "squeezer": (rigid(andrews), *RIGID),
+    "four-bar": (rigid(four_bar), *RIGID),
+    "pendulum": (pendulum, *FLEXIBLE),
 }
+REFERENCE = 1e-12
 
 
-def last(deck: str) -> tuple[np.ndarray, np.ndarray, float, int]:
-    """Positions with Euler parameters, speeds and their largest of the whole run, time reached, steps."""
-    clock, blocks, _ = run(deck)
+def last(problem: str, tolerance: float, radius: float | None):
+    """Positions with Euler parameters, speeds of their largest of the whole run, time reached, steps."""
+    solved, places, speeds = PROBLEMS[problem]
+    clock, blocks = solved(tolerance, radius)
     end = blocks[-1]
-    both = ("velocity", "angular_velocity")
-    largest = [max(np.abs(getattr(block, name)).max() for block in blocks) for name in both]
-    place = np.concatenate([end.position[-1].ravel(), end.euler_parameters[-1].ravel()])
-    speeds = np.concatenate(
-        [getattr(end, name)[-1].ravel() / size for name, size in zip(both, largest, strict=True)]
-    )
-    return place, speeds, float(end.time[-1]), int(clock["steps"])
+    largest = [max(np.abs(getattr(block, name)).max() for block in blocks) for name in speeds]
+    place = np.concatenate([getattr(end, name)[-1].ravel() for name in places])
+    speed = [getattr(end, name)[-1].ravel() / size for name, size in zip(speeds, largest, strict=True)]
+    return place, np.concatenate(speed), float(end.time[-1]), int(clock["steps"])
+
+
+def errors(problem: str, tolerance: float, radius: float, exact) -> tuple[float, float, float, int]:
+    """Errors of positions and speeds in tolerances against `last` of the reference; time reached, steps."""
+    place, speeds, t, steps = last(problem, tolerance, radius)
+    off = [float(np.abs(a - b).max()) / tolerance for a, b in ((place, exact[0]), (speeds, exact[1]))]
+    return *off, t, steps
 
 
 def main():
-    """Print a row for every problem and tolerance."""
+    """Print a row for every problem, tolerance and spectral radius."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--problem", nargs="+", choices=PROBLEMS, default=list(PROBLEMS))
     parser.add_argument("--tolerance", nargs="+", type=float, default=[1e-3, 1e-5, 1e-7])
+    parser.add_argument("--radius", nargs="+", type=float, default=[0.9])
     given = parser.parse_args()
-    print("problem    tolerance    steps  position    speed (errors in tolerances)")
+    print("problem   radius  tolerance    steps  position    speed (errors in tolerances)")
     for problem in given.problem:
-        make, cards = PROBLEMS[problem]
-        exact = last(make(cards))
-        for tolerance in given.tolerance:
-            place, speeds, t, steps = last(make(f"TOLERANCE {tolerance:g}\nGALF 0 0.9\n"))
-            off = [np.abs(a - b).max() / tolerance for a, b in ((place, exact[0]), (speeds, exact[1]))]
-            print(
-                f"{problem:9} {tolerance:10.0e} {steps:8d} {off[0]:9.2g} {off[1]:8.2g}  t = {t:g} s",
-                flush=True,
-            )
+        exact = last(problem, REFERENCE, None)
+        for radius in given.radius:
+            for tolerance in given.tolerance:
+                position, speed, t, steps = errors(problem, tolerance, radius, exact)
+                print(
+                    f"{problem:9} {radius:6g} {tolerance:10.0e} {steps:8d} {position:9.2g} {speed:8.2g}  "
+                    f"t = {t:g} s",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from ..constrained.system import SOLVED
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .explicit_error import error_on_constraints, scaled_norm, step_error
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage
-from .singular_ahead import laid_out, leads_over, look_ahead
+from .singular_ahead import NOISE, laid_out, leads_over, look_ahead, round_off
 
 # What a call may be asked for, and what it answers.
 BEGIN, MARCH = 0, 1
@@ -42,9 +42,9 @@ SMALLEST_STEP = 1e-14
 # some 1e-8 s: steps so short follow that blow, and the speeds jump.
 SHORT = 1e-6
 SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
-# Of a step over such a position: its error before it is projected, and by how much that may move it, scaled;
-# on another branch it would be off by its turn.
-BLURRED, MOST_BLURRED = 1e4, 1e-5
+# Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
+# is more, and by how much that may move it, scaled; on another branch it would be off by its turn.
+BLURRED, BLURRED_SPEEDS, MOST_BLURRED = 1e4, 1e-6, 1e-5
 HOPELESS = 1e10  # error of a step that cannot be made
 
 CLOCK = np.dtype(
@@ -180,10 +180,11 @@ def _digest(system, work, march, report, spent):
 def _holds(system, work, march):
     """Return whether a step may be made, whose projected end is in trial."""
     clock, h = march.clock[0], march.clock[0]["length"]
+    noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
     if not leads_over(clock, h):
-        return clock["moved"] < MOST_MOVED
+        return clock["moved"] < MOST_MOVED * noise
     clock["error"] = min(clock["error"], error_on_constraints(system, work, march, h))
-    return clock["error"] < 1.0 and clock["moved"] * clock["rtol"] < MOST_BLURRED
+    return clock["error"] < noise and clock["moved"] * clock["rtol"] < MOST_BLURRED
 
 
 @kernel
@@ -257,8 +258,9 @@ def _next_stage(system, work, march):
     if stage < STAGES:
         return _ask(clock, STAGE, stage, clock["t"] + h * STAGE_TIMES[stage], 0)
     error = clock["error"] = step_error(march, h)
+    blurred = max(BLURRED, BLURRED_SPEEDS / clock["rtol"])
     # `not <` rejects a nan as well.
-    if not error < (BLURRED if leads_over(clock, h) else 1.0):
+    if not error < (blurred if leads_over(clock, h) else 1.0):
         return _reject(march, next_factor(error, 1) if error < HOPELESS else 0.2)
     if not expect_turns(system, work, march, h) < MOST_TURNED:
         return _reject(march, 0.5)

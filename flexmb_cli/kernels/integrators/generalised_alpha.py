@@ -30,13 +30,20 @@ from .constrained_dop853 import (
     SMALLEST_STEP,
     STEP_VANISHED,
 )
-from .generalised_alpha_step import BEFORE, LAST, MEAN, NEW, NEW_MEAN, iterate, solve_step, turn_exactly
+from .generalised_alpha_control import SAME, SLOWEST, advance, factor_of, next_length, retreat
+from .generalised_alpha_step import (
+    BEFORE,
+    LAST,
+    MEAN,
+    NEW,
+    NEW_MEAN,
+    fastest_change,
+    iterate,
+    solve_step,
+    turn_exactly,
+)
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
-from .singular_ahead import laid_out, look_ahead
-
-SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
-SHARE = 0.5  # of a step in front of a singular position
-SAME = 1e-9  # of a step: times this near to each other are one
+from .singular_ahead import look_ahead
 
 CLOCK = np.dtype(
     [
@@ -61,6 +68,7 @@ CLOCK = np.dtype(
         ("rtol", np.float64),
         ("atol", np.float64),
         ("error", np.float64),  # of the step that is tried, in tolerances, of the share of chosen ones,
+        ("share", np.float64),  # that share,
         ("span", np.float64),  # of the whole run, s
         ("turned", np.float64),  # and how far a body turns in it, of the longest turn
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
@@ -69,7 +77,8 @@ CLOCK = np.dtype(
         ("old_power", np.float64),  # and at the start of the last step
         ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
         ("pivot_time", np.float64),  # and that time, s
-        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
+        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near,
+        ("passing", np.float64),  # and length of the step over it, s
     ]
 )
 
@@ -138,19 +147,14 @@ def _begin(system, work, march):
     _copy(march.z, march.old)
     for kind in (LAST, BEFORE, MEAN):
         _copy(rates[NEW], rates[kind])
-    clock["step"] = clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, march)
+    clock["step"] = clock["passing"] = clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, march)
     return READY
 
 
 @kernel
 def _first_step(system, march):
     """A hundredth of the time in which the accelerations make the speeds."""
-    clock, n = march.clock[0], system.speed_scale.shape[0]
-    first = march.z.shape[0] - 1 - n
-    fastest = 0.0
-    for k in range(n):
-        size = system.speed_scale[k] + abs(march.z[first + k])
-        fastest = max(fastest, abs(march.rates[LAST, k]) / size)
+    clock, fastest = march.clock[0], fastest_change(system, march)
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
@@ -166,13 +170,13 @@ def _step(system, work, march):
     """One accepted step; an answer."""
     clock = march.clock[0]
     while True:
-        h = _length(clock)
+        h = next_length(clock)
         if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
             return STEP_VANISHED
         if not solve_step(system, work, march, h):
-            _retreat(clock, h / 4.0)
+            retreat(clock, h, h / 4.0)
         elif clock["fixed"] == 0.0 and not _holds(system, march, h):
-            _retreat(clock, h * (_factor(clock) if clock["error"] < 1e10 else SLOWEST))
+            retreat(clock, h, h * (factor_of(clock) if clock["error"] < 1e10 else SLOWEST))
         else:
             _accept(system, work, march, h)
             return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
@@ -188,32 +192,6 @@ def _holds(system, march, h):
 
 
 @kernel
-def _length(clock):
-    """Length of the next step: steps of given length end at whole multiples."""
-    left, step = clock["stop"] - clock["t"], laid_out(clock, clock["step"], SHARE)
-    if clock["fixed"] > 0.0:
-        left = min(left, clock["start"] + (clock["whole"] + 1) * clock["fixed"] - clock["t"])
-    return step if abs(step - left) <= SAME * left else min(step, left)
-
-
-@kernel
-def _retreat(clock, h):
-    """After a step that was not found, or not well enough: one of length h."""
-    clock["step"] = h
-    clock["rejections"] += 1
-    clock["rejected"] = 1
-    clock["left"] = 1.0
-
-
-@kernel
-def _factor(clock):
-    factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
-    if clock["turned"] > 0.0:
-        factor = min(factor, SAFETY / clock["turned"])
-    return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
-
-
-@kernel
 def _accept(system, work, march, h):
     """Make the end of a step the state."""
     clock, rates, z = march.clock[0], march.rates, march.z
@@ -225,7 +203,7 @@ def _accept(system, work, march, h):
     _copy(rates[LAST], rates[BEFORE])
     _copy(rates[NEW], rates[LAST])
     _copy(rates[NEW_MEAN], rates[MEAN])
-    _advance(clock, h)
+    advance(clock, h)
     clock["gap"], clock["worst"] = largest_gap(system, work)
     if march.turns.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
@@ -233,25 +211,7 @@ def _accept(system, work, march, h):
         place_arms(geometry_of(system, work), q)
         note_turns(system, work, march)
     if clock["fixed"] == 0.0:
-        look_ahead(system, work, march, rates[LAST], clock["step"])
-
-
-@kernel
-def _advance(clock, h):
-    """The time of the state, and the length of the next step."""
-    clock["step_start"], clock["step_length"] = clock["t"], h
-    t, same = clock["t"] + h, SAME * h
-    if clock["fixed"] > 0.0:
-        whole = clock["start"] + (clock["whole"] + 1) * clock["fixed"]
-        if abs(whole - t) <= same:
-            t = whole
-            clock["whole"] += 1
-        clock["step"] = clock["fixed"]
-    else:
-        clock["step"] = h * _factor(clock)
-    clock["t"] = clock["stop"] if abs(clock["stop"] - t) <= same else t
-    clock["rejected"] = 0
-    clock["steps"] += 1
+        look_ahead(system, work, march, rates[LAST], clock["passing"])
 
 
 @kernel

@@ -28,7 +28,7 @@ from ..constrained.speeds import move
 from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
 from ..constrained.tangent import tangent_times
 from ..linalg.rank_revealing_lu import cholesky
-from .singular_ahead import blur
+from .generalised_alpha_control import left_over, share_of
 
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
 # before; the means at both ends.
@@ -39,11 +39,7 @@ POSITION, SPEED, ACCELERATION = 0, 1, 2
 MOST_ITERATIONS = 12
 STILL_ITERATIONS = 3  # of a state: positions, speeds, and accelerations that belong to both
 SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
-SHARE = 1e-6  # of the step's error: what the iterations may leave in a step of given length
-ITERATED = 0.02  # of the tolerance: what they may leave in a step whose length is chosen
 FLOOR = 1e-13  # of the speeds: round-off
-MOST_BLURRED = 0.3  # and where that is all round-off
-PASSED_ON = 2.0  # how much less of an error is left at the end of a run, and some caution
 CAUTION = 0.8
 LEAST = 1e-2  # contraction that is trusted: the first of a step is better than those that follow
 CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
@@ -103,9 +99,9 @@ def iterate(system, work, march, t, by_position, by_speed, h):
                 return False
             left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
-        share, part = _share(work, clock, h)
+        share = clock["share"] = share_of(clock, work, h, fastest_change(system, march))
         clock["error"] = step_error(system, march, h) / share
-        enough = max(share * part if part > 0.0 else SHARE * clock["error"], FLOOR / clock["rtol"])
+        enough = max(left_over(clock, work, share), FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED:
             return True
         before = size
@@ -113,16 +109,15 @@ def iterate(system, work, march, t, by_position, by_speed, h):
 
 
 @kernel
-def _share(work, clock, h):
-    """The share of the tolerance that a step of length h may err by, and what iterations may leave of it.
-
-    0 of steps of given length, whose iterations follow their error.
-    """
-    if clock["fixed"] > 0.0:
-        return 1.0, 0.0
-    share = min(1.0, PASSED_ON * h / clock["span"])
-    blurred = blur(work, share * clock["rtol"])
-    return share * blurred, MOST_BLURRED if blurred > 1.0 else ITERATED
+def fastest_change(system, march):
+    """The largest rate at which accelerations change speeds, 1/s."""
+    n = system.speed_scale.shape[0]
+    first = march.z.shape[0] - 1 - n
+    fastest = 0.0
+    for k in range(n):
+        size = system.speed_scale[k] + abs(march.z[first + k])
+        fastest = max(fastest, abs(march.rates[LAST, k]) / size)
+    return fastest
 
 
 @part

@@ -19,6 +19,7 @@ CLOSER = 1.15  # of the share of a step in front of the position: still far from
 MOST_SECANTS = 6
 FOUND = 0.02  # of the way: how well the time is known
 ROUND_OFF = 1e-13  # of speeds, where pivots are 1: it grows by their inverse squares
+NOISE = 0.01  # of that: what it commonly is
 OVER = 4.0  # of the way to a position that is foreseen worse
 
 
@@ -102,10 +103,16 @@ def _factorise_ahead(system, work, march, ud, way):
 @kernel
 def blur(work, tolerance):
     """Return how many times a tolerance round-off may be near the state, at least 1."""
+    return max(1.0, round_off(work) / tolerance)
+
+
+@kernel
+def round_off(work):
+    """Return the round-off of speeds at the state, of their size; 0 where there are no constraints."""
     least = math.inf
     for k in range(work.rank[0]):
         least = min(least, abs(work.pivots[k]))
-    return max(1.0, ROUND_OFF / (tolerance * least * least)) if least > 0.0 else 1.0
+    return ROUND_OFF / (least * least) if least > 0.0 else 0.0
 
 
 @kernel

@@ -112,7 +112,7 @@ def test_stiff_modes_do_not_shorten_the_steps():
     grid = ("       0.5     0.005", "      0.25      0.05")
     places, evaluations = [], []
     for method in (" RK45    1.0E-9", " RAD5    1.0E-7"):
-        text = supplied("slider_crank_flex", grid, (" RK45    1.0E-7", method))
+        text = supplied("slider_crank_flex", grid, (" RK45   1.0E-12", method))
         analysis = FlexibleDynamics(flexible_mechanism(build(text), cached=False)[0])
         places.append(np.concatenate([rows.point_position for rows in analysis.rows()]))
         evaluations.append(int(analysis.clock["evaluations"][0]))

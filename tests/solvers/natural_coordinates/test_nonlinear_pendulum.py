@@ -73,12 +73,19 @@ def test_the_bricks_swing_as_the_listed_nonlinear_solution():
     assert np.ptp(energy) < 1e-7 * 0.148
 
 
-def test_nine_modes_stay_within_a_millimetre_of_the_bricks():
-    """At 1001 times up to 0.5 s, not only at the six that are listed."""
+@pytest.mark.parametrize(
+    ("name", "place", "speed"), [("pendulum", 5.9e-4, 8.6e-2), ("pendulum_pinned", 1.7e-3, 9.6e-2)]
+)
+def test_nine_modes_stay_near_the_bricks(name, place, speed):
+    """At 1001 times up to 0.5 s, not only at the six that are listed; the paper has 4e-4 m and 4e-2 m/s.
+
+    The figures are those of this project's reference computation (equations of VSDFlex, 9 modes, frame near
+    the joint: 5.9e-4 m and 8.5e-2 m/s; three pins: 1.7e-3 m and 9.6e-2 m/s); steps of 5e-5 s.
+    """
     z, vz, _ = nonlinear(YOUNG, 0.5, 2.5e-5)
-    found = floating("pendulum", 0.5, 1e-4)
-    assert np.abs(found[0] - z).max() < 1e-3
-    assert np.abs(found[1] - vz).max() < 0.12
+    found = floating(name, 0.5, 5e-5)
+    assert np.abs(found[0] - z).max() == pytest.approx(place, rel=0.03)
+    assert np.abs(found[1] - vz).max() == pytest.approx(speed, rel=0.03)
 
 
 def test_the_two_agree_the_better_the_stiffer(tmp_path):

@@ -1,0 +1,121 @@
+"""Lengths of the steps of the generalised-α method that keep the tolerance at the end of a run.
+
+Errors of a method of order two add up, so that a step of length h may err by the share h/T of the tolerance
+in a run of length T.  Near a singular position round-off of speeds grows with the inverse square of the way
+to it: the longest step that is exact enough leads over the position, and no other comes near.
+"""
+
+import math
+
+from .._jit import kernel
+from .singular_ahead import LOOK, NOISE, ROUND_OFF, blur, leads_over, round_off
+
+SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
+SHARE = 0.5  # of the step over a singular position that lies in front of it
+NEAR_ENOUGH = 0.15  # of a step before that one: it is left out
+MOST_PASSING = 30.0  # steps, that the one over a singular position may be long
+SAME = 1e-9  # of a step: times this near to each other are one
+OF_ERROR = 1e-6  # of the step's error: what the iterations may leave in a step of given length
+ITERATED = 0.02  # of the tolerance: what they may leave in a step whose length is chosen
+MOST_BLURRED = 0.3  # and where that is all round-off
+PASSED_ON = 1.0  # error at the end of a run, in tolerances, if errors of steps only added up
+PASSING = 0.005  # of the tolerance: error of a step over a singular position, of which a run has a few
+
+
+@kernel
+def share_of(clock, work, h, fastest):
+    """The share of the tolerance that a step of length h may err by, all of it where lengths are given.
+
+    The few steps over singular positions have a share of their own.  No share is below what the round-off
+    of speeds makes of the accelerations, which change them at the rate `fastest`, 1/s.
+    """
+    if clock["fixed"] > 0.0:
+        return 1.0
+    share = min(1.0, PASSED_ON * h / clock["span"])
+    if leads_over(clock, h):
+        share = max(share, PASSING)
+    noise = NOISE * round_off(work)
+    # Within the least pivot's way to zero, speeds change as much as that pivot does.
+    change = h * fastest * (round_off(work) / ROUND_OFF) ** 0.5
+    return max(share, noise * min(1.0, change) / clock["rtol"])
+
+
+@kernel
+def left_over(clock, work, share):
+    """What iterations may leave of a step's share: steps of given length have their own error."""
+    if clock["fixed"] > 0.0:
+        return OF_ERROR * clock["error"]
+    blurred = blur(work, share * clock["rtol"])
+    return share * (ITERATED if blurred == 1.0 else MOST_BLURRED * blurred)
+
+
+@kernel
+def next_length(clock):
+    """Length of the next step: steps of given length end at whole multiples."""
+    left, step = clock["stop"] - clock["t"], _laid_out(clock)
+    if clock["fixed"] > 0.0:
+        left = min(left, clock["start"] + (clock["whole"] + 1) * clock["fixed"] - clock["t"])
+    return step if abs(step - left) <= SAME * left else min(step, left)
+
+
+@kernel
+def _laid_out(clock):
+    """Length of a step so that one of the length `passing` leads over the singular position ahead.
+
+    Round-off of speeds grows towards that position, so that the longest step that is exact enough leads
+    over it; those before it are equal.
+    """
+    step, way = clock["step"], clock["singular"] - clock["t"]
+    before = way - SHARE * clock["passing"]
+    if not (0.0 < way < LOOK * clock["passing"] and before < LOOK * step):
+        return step
+    if before <= NEAR_ENOUGH * step:
+        return way / SHARE
+    return before / math.ceil(before / step)
+
+
+@kernel
+def retreat(clock, tried, h):
+    """After a step of length `tried` that was not found, or not well enough: one of length h."""
+    if leads_over(clock, tried):
+        clock["passing"] = h
+    clock["step"] = min(clock["step"], h)
+    clock["rejections"] += 1
+    clock["rejected"] = 1
+    clock["left"] = 1.0
+
+
+@kernel
+def factor_of(clock):
+    """Length of the next step by that of the one behind, whose error is known."""
+    factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
+    if clock["turned"] > 0.0:
+        factor = min(factor, SAFETY / clock["turned"])
+    return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
+
+
+@kernel
+def advance(clock, h):
+    """The time of the state, and the length of the next step."""
+    clock["step_start"], clock["step_length"] = clock["t"], h
+    t, same = clock["t"] + h, SAME * h
+    if clock["fixed"] > 0.0:
+        whole = clock["start"] + (clock["whole"] + 1) * clock["fixed"]
+        if abs(whole - t) <= same:
+            t = whole
+            clock["whole"] += 1
+        clock["step"] = clock["fixed"]
+    elif not leads_over(clock, h):
+        clock["step"] = h * factor_of(clock)
+        clock["passing"] = max(clock["step"], _passing_step(clock, h))
+    clock["t"] = clock["stop"] if abs(clock["stop"] - t) <= same else t
+    clock["rejected"] = 0
+    clock["steps"] += 1
+
+
+@kernel
+def _passing_step(clock, h):
+    """Length of a step whose error is what one over a singular position may have, after one of length h."""
+    error = clock["error"] * clock["share"]
+    longest = MOST_PASSING * clock["step"]
+    return min(longest, SAFETY * h * (PASSING / error) ** (1.0 / 3.0)) if error > 0.0 else longest
