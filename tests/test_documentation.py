@@ -16,9 +16,7 @@ SHIM = f'#!/bin/sh\nexec "{sys.executable}" -m flexmb_cli "$@"\n'
 MADE = {"_build", "gallery.md", "reproduced.md"}  # by the build of the documentation
 PAGES = [
     TOP / "README.md",
-    *sorted(
-        page for page in DOCS.rglob("*.md") if not {"_build", "gallery.md", "reproduced.md"} & set(page.parts)
-    ),
+    *sorted(page for page in DOCS.rglob("*.md") if not MADE & set(page.parts)),
     *sorted((TOP / "decks").rglob("*.md")),
     *(TOP / name for name in ("CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")),
 ]
