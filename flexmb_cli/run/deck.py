@@ -1,13 +1,12 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from dataclasses import replace
-
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
 from ..dialects.recognise import read_deck
 from ..dialects.young.sections import AS_PRINTED
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from ..results.files.file_names import result_paths
 from .exit_status import ending_recorded
 from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
@@ -126,7 +125,7 @@ def _doubly_set(changes):
 
 
 def paths_of(deck: Deck, options: RunOptions):
-    """Where the results of `deck` go."""
+    """Return where the results of `deck` go."""
     return result_paths(
         deck.source.name,
         deck.dialect,

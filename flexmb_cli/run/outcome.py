@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
+from ..quick_dataclass import dataclass, field, replace
 
 INTERRUPTED, TERMINATED = 130, 143
 

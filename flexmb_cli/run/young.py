@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
+from ..quick_dataclass import dataclass
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .exit_status import reason_of
@@ -78,7 +78,7 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
 
 
 def _notes(doubts, analysis) -> tuple[str, ...]:
-    """What the model made doubtful and the analysis told about its way, for the result file."""
+    """Return what the model made doubtful and the analysis told about its way, for the result file."""
     return sentences((*doubts, *analysis.warnings))
 
 

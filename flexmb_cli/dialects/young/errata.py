@@ -6,10 +6,10 @@ DAFMS: Zhao, thesis (1992), appendix C.
 """
 
 import os
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from ...solvers.as_printed.errors import OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
 
 EARLIER = "listing of an earlier program: dde without the term of (4.64)"
@@ -33,7 +33,7 @@ class KnownError:
     steps: tuple[int, ...] | None = None
 
     def holds(self, index, column, step):
-        """Whether it covers the cells; the arguments are numbers or arrays that broadcast."""
+        """Return whether it covers the cells; the arguments are numbers or arrays that broadcast."""
         here = np.equal(index, self.index) & np.isin(column, self.columns)
         return here if self.steps is None else here & np.isin(step, self.steps)
 
@@ -78,7 +78,7 @@ def young_errors(*listings: str) -> tuple[KnownError, ...]:
 
 
 def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Whether a and b may be one number, printed by its nearest single and by its nearest double."""
+    """Return whether a and b may be one number, printed by its nearest single and by its nearest double."""
     size = np.maximum(np.abs(a), np.abs(b))
     with np.errstate(invalid="ignore"):
         # Each rounding to the printed digits takes half a unit.

@@ -33,7 +33,7 @@ class Emulation:
     def __init__(self, path: str):
         deck = read_deck(read_text(path))
         if deck.dialect != "young" or analysis_of(deck) is not None:
-            raise DeckError([Fault("error", "--deck needs a YOUNG deck without dynamics", id="DIFF-013")])
+            raise DeckError([Fault("error", "--deck needs a YOUNG deck without dynamics", id="DIFF-029")])
         mechanism = build_young(deck)[0]
         self.blocks = _rows(mechanism, ALL_ERRORS)
         self.without = {error: _rows(mechanism, ALL_ERRORS - {error}) for error in sorted(ALL_ERRORS)}

@@ -1,11 +1,11 @@
 """What a comparison found: counts for every kind of column, the worst place, what is missing."""
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import visible
+from ...quick_dataclass import dataclass, field
 from .tolerances import KINDS, Tolerance
 
 SHOWN_MISSING = 20
@@ -102,17 +102,17 @@ class Report:
 
     @property
     def compared(self) -> int:
-        """How many numbers were compared."""
+        """Return how many numbers were compared."""
         return sum(tally.compared for tally in self.tallies.values())
 
     @property
     def differing(self) -> int:
-        """How many numbers differ beyond tolerance."""
+        """Return how many numbers differ beyond tolerance."""
         return sum(tally.differing for tally in self.tallies.values())
 
     @property
     def explained(self) -> int:
-        """How many of these are known errors of the historic programs."""
+        """Return how many of these are known errors of the historic programs."""
         return sum(tally.explained for tally in self.tallies.values())
 
     @property

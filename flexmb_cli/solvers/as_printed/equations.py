@@ -5,10 +5,9 @@ length that the deck gives them.  Without errors the equations are those of the 
 errata, and give the motion that the kernels give.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .errors import OVERRUN, TRANSPOSED, WRONG_INDEX
 from .vectors import dot, g_matrix, product, tilde, turned, turned_slope
 

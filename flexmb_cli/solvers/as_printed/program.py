@@ -5,13 +5,12 @@ where no coordinate changes by more than FEPS.  Velocities and accelerations are
 of that position, errors included.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...model.attitudes import Attitudes
 from ...model.mechanism import Joint, Mechanism
+from ...quick_dataclass import dataclass
 from .equations import Rows, State, along, coincident, orthogonal, parallel, stacked
 from .errors import ALL_ERRORS, WRONG_INDEX
 from .screw import ScrewZero, screw_row, screw_zero

@@ -5,12 +5,12 @@ listing.  The law of a driver is taken as C + B t + A t²/2, where the scan of t
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...model.attitudes import held_coordinate
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)
