@@ -23,6 +23,7 @@ html_css_files = ["flexmb.css"]
 html_show_copyright = False
 exclude_patterns = ["_build", "_ext"]
 nitpicky = False
+smartquotes = False  # which would make one dash of the two of an option
 # Links to pages of other sites are not followed: the documentation builds without a network.
 linkcheck_ignore = [r"https?://.*"]
 # The formats are described beside the decks, for readers of the repository; here they are included.

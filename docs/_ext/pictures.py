@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 from gallery import gallery
-from results import DOCS, RESULTS, TOP, digest, flexmb, program, solved
+from solved_decks import DOCS, RESULTS, TOP, digest, flexmb, program, solved
 
 PICTURES = DOCS / "pictures"
 REPRODUCTION = TOP / "scripts" / "reproduction"

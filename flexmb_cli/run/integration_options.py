@@ -4,7 +4,7 @@ A method that a dialect does not have is refused with those that it has; where n
 warning names what sets the accuracy instead.
 """
 
-from ..dialects.vsdf.build import SPECTRAL_RADIUS, TOLERANCE
+from ..dialects.vsdf.build import DEFAULTS
 from ..errors import Fault, ModelError
 from ..model.fe_model import Integrator
 from ..model.flexible_mechanism import FlexibleMechanism
@@ -48,7 +48,7 @@ def mechanism_as_asked(mechanism: FlexibleMechanism, options: RunOptions) -> Fle
     given, integrator = options.integration, mechanism.integrator
     method = VSDF_METHOD.get(given.get("method"), integrator.method)
     if method != integrator.method:
-        integrator = Integrator(method, integrator.step, SPECTRAL_RADIUS if method == "GALF" else TOLERANCE)
+        integrator = Integrator(method, integrator.step, DEFAULTS[method])
     if "rtol" in given and method != "GALF":
         integrator = replace(integrator, parameter=given["rtol"])
     return replace(mechanism, integrator=integrator)

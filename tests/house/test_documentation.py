@@ -13,9 +13,10 @@ pytestmark = pytest.mark.processes
 TOP = Path(__file__).resolve().parents[2]
 DOCS = TOP / "docs"
 SHIM = f'#!/bin/sh\nexec "{sys.executable}" -m flexmb_cli "$@"\n'
+MADE = {"_build", "gallery.md", "reproduced.md"}  # by the build of the documentation
 PAGES = [
     TOP / "README.md",
-    *sorted(page for page in DOCS.rglob("*.md") if not {"_build", "gallery.md"} & set(page.parts)),
+    *sorted(page for page in DOCS.rglob("*.md") if not MADE & set(page.parts)),
     *sorted((TOP / "decks").rglob("*.md")),
     *(TOP / name for name in ("CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")),
 ]
@@ -96,7 +97,7 @@ def test_links_lead_to_files(page):
         path = target[0] or target[1]
         drawn = path.startswith(("pictures/", "../pictures/"))  # by the build of the documentation
         if not re.match(r"[a-z]+:", path) and not drawn:
-            made = path.endswith("gallery.md")
+            made = path.endswith(("gallery.md", "reproduced.md"))
             assert made or (page.parent / path).exists(), path
 
 

@@ -10,7 +10,7 @@ import pytest
 from flexmb_cli import __version__
 from flexmb_cli.cli.terminal.commit import commit
 
-TOP = Path(__file__).resolve().parents[1]
+TOP = Path(__file__).resolve().parents[2]
 GIT = shutil.which("git")
 
 

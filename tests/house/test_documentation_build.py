@@ -1,0 +1,69 @@
+"""What builds the documentation: its link checker, descriptions of the gallery, commands of its figures."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+TOP = Path(__file__).resolve().parents[2]
+DOCS = TOP / "docs"
+sys.path.insert(0, str(DOCS / "_ext"))
+
+import gallery  # noqa: E402
+import links  # noqa: E402
+import pictures  # noqa: E402
+import solved_decks  # noqa: E402
+
+DECKS = [
+    deck for where, pattern in gallery.FOLDERS.values() for deck in (TOP / "decks" / where).glob(pattern)
+]
+PAGES = [
+    page for page in DOCS.rglob("*.md") if not {"_build", "gallery.md", "reproduced.md"} & set(page.parts)
+]
+
+
+def test_broken_links_anchors_and_pictures_are_found(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "a.html").write_text(
+        '<h1 id="top">A</h1><a href="sub/b.html#place">b</a><a href="#top">t</a><a href="https://x.org">x</a>'
+    )
+    (tmp_path / "sub/b.html").write_text(
+        '<p id="place"></p><a href="../a.html#nowhere">a</a><a href="c.html">c</a><img src="d.png">'
+        '<a href="#">e</a>'
+    )
+    found, inside, outside = links.broken(tmp_path)
+    assert [line.split(": ", 1) for line in found] == [
+        ["sub/b.html", "../a.html#nowhere: no such place"],
+        ["sub/b.html", "c.html: no such file"],
+        ["sub/b.html", "d.png: no such file"],
+    ]
+    assert (inside, outside) == (6, 1)
+
+
+@pytest.mark.parametrize("deck", DECKS, ids=lambda deck: deck.name)
+def test_every_deck_of_the_gallery_is_described(deck):
+    assert len(gallery.purpose(deck)) > 15
+
+
+def test_the_gallery_has_every_supplied_deck():
+    supplied = [p for p in (TOP / "decks").rglob("*") if p.suffix in (".dat", ".DAT", ".vsdf")]
+    assert len(DECKS) == len(supplied) == 52 and set(DECKS) == set(supplied)
+
+
+def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
+    file = tmp_path / "a"
+    file.write_text("1")
+    first = solved_decks.digest([file], "x")
+    file.write_text("2")
+    assert len({first, solved_decks.digest([file], "x"), solved_decks.digest([file], "y")}) == 3
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+def test_every_figure_of_a_page_is_drawn_by_the_build_after_its_command(page):
+    """The pictures of the build are those of `pictures.FIGURES`, each below a `flexmb plot` that is shown."""
+    drawn = {target for *_, target in pictures.FIGURES}
+    text = page.read_text(encoding="utf-8")
+    for match in re.finditer(r"\{(?:figure|image)\} (\S+)", text):
+        name = Path(match[1]).name
+        assert name == "four-bar.gif" or (name in drawn and "flexmb plot" in text[: match.start()]), match[0]
