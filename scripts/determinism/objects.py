@@ -1,4 +1,4 @@
-"""Run every shipped deck with kernels from object files and with kernels of numba's own, and compare the files.
+"""Run every shipped deck with kernels from objects and with kernels of numba's own, and compare the files.
 
 Example: scripts/determinism/run objects --kinds young dafms
 One process runs all decks by objects, another all by what numba compiles in memory for this processor; every
@@ -52,7 +52,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="flexmb-objects-") as name:
         folders = {numba: Path(name) / ("numba" if numba else "objects") for numba in (True, False)}
         running = [results(numba, decks, folder) for numba, folder in folders.items()]
-        if any([process.wait() for process in running]):
+        if max(process.wait() for process in running):
             return 1
         one, other = (written(folder) for folder in folders.values())
     differing = sorted(path for path in one.keys() | other.keys() if one.get(path) != other.get(path))
