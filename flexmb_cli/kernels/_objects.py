@@ -84,6 +84,15 @@ def read(content: bytes) -> tuple[dict, bytes]:
     return json.loads(header), code
 
 
+def is_current(path: Path, digest: str, target: str) -> bool:
+    """Whether a whole object of these kernels for this target lies at `path`."""
+    try:
+        header, _ = read(path.read_bytes())
+    except (OSError, ValueError, DamagedError):
+        return False
+    return (header.get("digest"), header.get("target")) == (digest, target)
+
+
 class Compiled:
     """One function of an object, as Python calls it."""
 
