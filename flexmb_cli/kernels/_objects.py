@@ -98,10 +98,18 @@ class Compiled:
 
     def __init__(self, address: int, parameters: list, result: "str | list"):
         self.key = key_of(parameters)
-        self._words, self._results = Words(parameters), Results(result)
+        self._kinds = parameters, result
         # The interpreter stays locked, as in a call of numba's.
         self._call = ctypes.PYFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)
         self._lock = threading.Lock()
+
+    @functools.cached_property
+    def _words(self):
+        return Words(self._kinds[0])
+
+    @functools.cached_property
+    def _results(self):
+        return Results(self._kinds[1])
 
     def takes(self, values: tuple) -> bool:
         """Whether the values are of the kinds that it was compiled for."""
