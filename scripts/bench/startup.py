@@ -2,8 +2,8 @@
 
 Example: .venv/bin/python scripts/bench/startup.py --pairs 9
 Each command runs in turn with the import it is measured against; the median of the ratios is told, and the
-limit.  Bytecode is kept, as pip keeps it.  Run twice where nothing is compiled yet.  With --fresh every run is
-a first one: it finds neither HOME nor a cache, and keeps nothing.  An installed wheel is measured by
+limit.  Bytecode is kept, as pip keeps it.  Run twice where nothing is compiled yet.  With --fresh every run
+is a first one: it finds neither HOME nor a cache, and keeps nothing.  An installed wheel is measured by
 pip install --no-deps --target FOLDER WHEEL && PYTHONPATH=FOLDER python scripts/bench/startup.py --fresh
 """
 
