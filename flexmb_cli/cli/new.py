@@ -205,7 +205,7 @@ class _Talk:
         return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
 
     def accepted(self):
-        """Whether `flexmb check` takes the deck; else its faults are shown, and the dialogue goes back."""
+        """Return whether `flexmb check` takes the deck; else show its faults and let the dialogue go back."""
         from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
 

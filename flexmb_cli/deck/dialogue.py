@@ -127,7 +127,7 @@ class Dialogue:
         return []
 
     def _answered(self, entry):
-        """How many cells of `entry`, from its first on, have a good answer."""
+        """Return how many cells of `entry`, from its first on, have a good answer."""
         known = (self._known(entry, cell) is not None for cell in entry.cells)
         return sum(takewhile(bool, known))
 

@@ -165,11 +165,11 @@ class Layout:
         return self._template * len(values) % printed
 
     def _needs_text(self, field):
-        """Whether C's `%` cannot print the field."""
+        """Return whether C's `%` cannot print the field."""
         return field.kind == "e" or (field.stars and self.layout == HISTORIC)
 
     def _column(self, k, values):
-        """What the template takes for the values of field `k`."""
+        """Return what the template takes for the values of field `k`."""
         if not self._as_text[k]:
             return values.tolist()
         field, separated = self.fields[k], self._separated[k]

@@ -55,7 +55,7 @@ def unit_of(word: str) -> float:
 
 
 def overflows(value: float, edit: Edit) -> bool:
-    """Whether a number prints as stars."""
+    """Return whether a number prints as stars."""
     text = replace(edit, stars=False).text(value, separated=False)
     return len(text.strip()) > edit.width
 

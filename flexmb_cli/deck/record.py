@@ -76,7 +76,7 @@ class Record:
 
     @cached_property
     def positions(self) -> dict[str, int]:
-        """Where among the numbers each key stands first."""
+        """Return where among the numbers each key stands first."""
         return {number.key: k for k, number in reversed([*enumerate(self.numbers)])}
 
     def __contains__(self, key: str) -> bool:

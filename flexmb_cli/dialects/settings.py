@@ -36,7 +36,7 @@ class SettableDeck:
         return name in self._known
 
     def unknown(self, name: str) -> str:
-        """What to say of a name that the deck lacks."""
+        """Return what to say of a name that the deck lacks."""
         from difflib import get_close_matches
 
         close = get_close_matches(name, self._known, n=_NEAREST, cutoff=0.0)

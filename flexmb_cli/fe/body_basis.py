@@ -113,7 +113,7 @@ def _too_few_masses(given, count):
 
 
 def _clamped_on_a_line(given):
-    """Whether the body is held by clamped nodes that leave it a rotation."""
+    """Return whether the body is held by clamped nodes that leave it a rotation."""
     if not given.clamped:
         return False
     held = given.positions[np.isin(given.numbers, given.clamped)]

@@ -112,7 +112,7 @@ class Compiled:
         return Results(self._kinds[1])
 
     def takes(self, values: tuple) -> bool:
-        """Whether the values are of the kinds that it was compiled for."""
+        """Return whether the values are of the kinds that it was compiled for."""
         with self._lock:
             return self._words.pack(values)
 

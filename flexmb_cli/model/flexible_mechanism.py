@@ -100,6 +100,22 @@ class PointSpring:
 
 
 @dataclass(frozen=True)
+class StressOutput:
+    """Stresses of body number `body` that are reported, Pa per unit of each mode, body axes.
+
+    Components are xx yy zz xy yz zx; `largest`: whether the largest von Mises stress of all nodes is, too.
+    """
+
+    body: int
+    nodes: np.ndarray  # (s,) numbers of nodes
+    nodal: np.ndarray  # (s, 6, N)
+    elements: np.ndarray  # (e,) numbers of elements
+    points: np.ndarray  # (e, g, 6, N) at the points of integration
+    volumes: np.ndarray  # (e, g) m³
+    largest: bool = False
+
+
+@dataclass(frozen=True)
 class FlexibleMechanism:
     """Everything that dynamics needs of a VSDF deck."""
 
@@ -115,3 +131,4 @@ class FlexibleMechanism:
     springs: tuple[PointSpring, ...] = ()
     joint_springs: tuple[JointSpring, ...] = ()
     outputs: tuple[NodePoint, ...] = ()
+    stresses: tuple[StressOutput, ...] = ()

@@ -120,7 +120,7 @@ class TimeGrid:
 
     @property
     def left_out(self) -> str:
-        """What to say where the end is no report time, "" where it is."""
+        """Return what to say where the end is no report time, "" where it is."""
         # The round-off that `rows` allows.
         if self.end - self.last <= 1e-6 * self.step:
             return ""

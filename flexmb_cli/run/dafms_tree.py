@@ -18,7 +18,7 @@ def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
 
 
 def _integration(deck, options):
-    """What the options change; another method has another tolerance, where none is given."""
+    """Return what the options change; another method has another tolerance, where none is given."""
     given = dict(options.integration)
     if "method" in given and not deck.section("tolerance"):
         rtol, atol = default_tolerances(given["method"])

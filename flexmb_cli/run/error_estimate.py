@@ -118,7 +118,7 @@ class EstimatingCount:
 
     @property
     def doubts(self) -> tuple[Fault, ...]:
-        """What the rows make doubtful."""
+        """Return what the rows make doubtful."""
         return (*self.count.doubts, *self.estimate.doubts)
 
     def __str__(self):

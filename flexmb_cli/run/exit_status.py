@@ -33,7 +33,7 @@ def ending_recorded(outcome: Outcome, options: RunOptions):
 
 
 def reason_of(ending: BaseException) -> str:
-    """Why a run ended in its midst, for the rows that are kept."""
+    """Return why a run ended in its midst, for the rows that are kept."""
     if Stop.asked is not None or not isinstance(ending, Exception):
         return "interrupted"
     if isinstance(ending, FlexmbError):

@@ -59,7 +59,7 @@ class CaseSolver:
 
     @property
     def single(self) -> int:
-        """How many of the results are one number."""
+        """Return how many of the results are one number."""
         return sum(take != SERIES for take in self.takes)
 
     def _refuse_unknown_numbers(self):
@@ -130,7 +130,7 @@ def _told(fault):
 
 
 def _quantities(study, deck, solution) -> list[Quantity]:
-    """What the study keeps, looked up in a result without rows.  Raises DeckError."""
+    """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
     faults = []

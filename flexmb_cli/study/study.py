@@ -51,7 +51,7 @@ class Study:
 
     @property
     def cases(self) -> int:
-        """How many variants there are."""
+        """Return how many variants there are."""
         if self.sampling == LATIN:
             return self.count
         lengths = [len(item.values) for item in self.parameters]

@@ -37,12 +37,12 @@ class Job:
 
     @property
     def parts(self) -> Parts:
-        """Where the cases are kept."""
+        """Return where the cases are kept."""
         return Parts(self.parts_folder, dict(self.identity))
 
     @property
     def blocks(self) -> int:
-        """How many blocks there are."""
+        """Return how many blocks there are."""
         return -(-self.study.cases // self.block_size)
 
     def cases(self, block: int) -> range:
@@ -120,7 +120,7 @@ class Sweep:
 
     @property
     def left(self) -> int:
-        """How many cases there were still to solve when `pending` looked."""
+        """Return how many cases there were still to solve when `pending` looked."""
         return self.job.study.cases - sum(self.kept.values())
 
     def results(self) -> Iterator[CaseResult]:
@@ -135,7 +135,7 @@ class Sweep:
 
     @property
     def failed(self) -> int:
-        """How many of the cases done failed."""
+        """Return how many of the cases done failed."""
         return sum(block.failed for block in self.done.values())
 
 

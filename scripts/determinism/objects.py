@@ -52,7 +52,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="flexmb-objects-") as name:
         folders = {numba: Path(name) / ("numba" if numba else "objects") for numba in (True, False)}
         running = [results(numba, decks, folder) for numba, folder in folders.items()]
-        if max(process.wait() for process in running):
+        codes = [process.wait() for process in running]
+        if any(codes):
             return 1
         one, other = (written(folder) for folder in folders.values())
     differing = sorted(path for path in one.keys() | other.keys() if one.get(path) != other.get(path))

@@ -1,6 +1,7 @@
 """What flexmb keeps for itself: drafts of `new`, journals of runs, caches of flexible bodies."""
 
 import io
+import json
 import os
 import shutil
 
@@ -11,7 +12,6 @@ from damage import NUMBERS, WORDS, damaged_bytes, damaged_text
 from damaged_decks import DECKS
 
 from flexmb_cli.errors import BAD_INPUT, DONE
-from flexmb_cli.fe import cache
 
 DRAFTS = {"young": 40, "dafms": 40, "vsdf": 40}
 
@@ -99,7 +99,8 @@ def reduce_from_cache(chance, seeds, work):
 def _changed_arrays(chance, raw):
     """The file with one array missing, of another shape, type or value."""
     stored = io.BytesIO(raw)
-    arrays = {name: np.load(stored) for name in (*cache._ARRAYS, "notes")}
+    notes = np.load(stored)
+    arrays = {"notes": notes} | {name: np.load(stored) for name in json.loads(str(notes))["arrays"]}
     name = chance.choice(sorted(arrays))
     change = chance.randrange(6)
     if change == 0:

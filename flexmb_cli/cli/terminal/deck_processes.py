@@ -120,7 +120,7 @@ class _Work:
             self.notice(sentence)
 
     def _take(self, worker, index, deck, answer):
-        """What became of a deck; `answer` None: its process was killed."""
+        """Return what became of a deck; `answer` None: its process was killed."""
         outcome, goes_on = answer or (_failed(deck, KILLED), False)
         if goes_on:
             self.idle.append(worker)

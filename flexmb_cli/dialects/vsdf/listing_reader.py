@@ -108,7 +108,7 @@ class _Scan:
 
 
 def _is_nameless(words, edits):
-    """Whether stars stand where the number of a body or node is wanted."""
+    """Return whether stars stand where the number of a body or node is wanted."""
     return any(edit.kind == "d" and word.startswith("*") for word, edit in zip(words, edits, strict=True))
 
 

@@ -52,7 +52,7 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
 
 
 def imbalance(counts: Mapping[str, int]) -> str:
-    """What is wrong with the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
+    """Return the fault of the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
     coordinates = _PER_BODY * counts["NBODY"]
     equations = sum(
         kind.equations * counts[kind.young_count] for kind in BY_NAME.values() if kind.young_count

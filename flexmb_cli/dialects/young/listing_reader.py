@@ -182,7 +182,7 @@ def _read_together(texts, width):
 
 
 def _decimals_agree(joined, decimals, lines):
-    """Whether every point of the text is followed by just its column's digits.
+    """Return whether every point of the text is followed by just its column's digits.
 
     Without this `0.0000245.3407` would be read as 0.0000245 and 0.3407.
     """

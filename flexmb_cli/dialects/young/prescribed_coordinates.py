@@ -30,7 +30,7 @@ class _Hold:
 
     @property
     def imposed(self):
-        """What the equation imposes: the coordinate, or the Euler parameter."""
+        """Return what the equation imposes: the coordinate, or the Euler parameter."""
         return math.sin(self.value / 2) if self.direction > 3 else self.value
 
 

@@ -256,7 +256,7 @@ def _values(reading, section, number_of_record, found):
 
 
 def _turns(section, values):
-    """Whether the record's direction is a rotation, so that its values are angles."""
+    """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)
 

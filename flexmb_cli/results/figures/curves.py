@@ -76,7 +76,7 @@ class Source:
 
 
 def default_quantities(result: h5py.File) -> list[Quantity]:
-    """What to draw when nothing is named: the telling quantities of the dialect that move, and energies.
+    """Return the quantities drawn when none is named: the dialect's main ones that move, and energies.
 
     Of these those that change, and their sum; `still_energies` are the others.
     """

@@ -14,8 +14,10 @@ import numpy as np
 
 from ... import __version__
 from ...deck.record import Deck
+from ...dialects.young.sections import AS_PRINTED
 from ...errors import OutputError
 from ...quick_dataclass import dataclass
+from ...solvers.as_printed.errors import EMULATED
 from ..files.full_disk_guard import ForgivingDisk
 from ..files.replaced_file import Replacement, located, put_in_place
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
@@ -117,7 +119,7 @@ class ResultFile:
 
     @property
     def temporary(self) -> str:
-        """Where the file is until it is complete."""
+        """Return where the file is until it is complete."""
         return self._place.temporary
 
     def rows(self, values: Values) -> None:
@@ -153,7 +155,7 @@ class ResultFile:
 
     @property
     def path(self) -> str:
-        """Where the file will be."""
+        """Return where the file will be."""
         return self._place.path
 
     @property
@@ -203,6 +205,8 @@ class ResultFile:
         for name, lines in (("settings", deck.settings), ("options", deck.options)):
             if lines:
                 set_texts(self._file, **{name: "\n".join(lines)})
+        if AS_PRINTED in deck.options:
+            set_texts(self._file, emulation=EMULATED)
         text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
         set_texts(text, units="1", long_name="text of the deck")
 

@@ -97,7 +97,7 @@ def _check_times(times):
 
 
 def _other_kind(path, error):
-    """What the file is that HDF5 cannot open."""
+    """Return what the file is that HDF5 cannot open."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
         begins = file.read(4)

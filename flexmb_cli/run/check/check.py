@@ -171,7 +171,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
 
 
 def _is_far(grid, jacobian):
-    """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    """Return whether the Jacobian is asked for so late that the way there wants compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 

@@ -120,7 +120,7 @@ def _rows(mechanism):
     for block in analysis.rows():
         blocks.append(block)
         Stop.heed()
-    names = [each.name for each in fields(blocks[0]) if each.name != "amplitude"]
+    names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
     return rows, not analysis.found.redundant
 

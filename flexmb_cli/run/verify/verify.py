@@ -120,7 +120,7 @@ def _joined(blocks):
 
 
 def differences(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
-    """What two motions of a tree differ in, quantity by quantity."""
+    """Return what two motions of a tree differ in, quantity by quantity."""
     found = [*_coordinates(tree, kane, absolute)]
     for kind, unit in POINTS.items():
         for place in ("body", "point"):

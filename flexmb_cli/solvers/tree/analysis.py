@@ -71,7 +71,7 @@ class TreeAnalysis:
 
     @property
     def checkpoint(self) -> Checkpoint:
-        """Where to go on after the rows that have been yielded."""
+        """Return where to go on after the rows that have been yielded."""
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
@@ -180,7 +180,7 @@ class TreeAnalysis:
         return status, self._rows_of(tree_dop853.Report(*(part[:filled] for part in report)))
 
     def failure(self) -> AnalysisError:
-        """What the clock says went wrong."""
+        """Return what the clock says went wrong."""
         clock = self.clock[0]
         t = float(clock["t"])
         norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}
