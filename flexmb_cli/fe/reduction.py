@@ -16,7 +16,7 @@ from .formats.formats import read_matrix
 from .formats.matrix_file import FEFileFault
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants
-from .linear_algebra import Matrix, in_three_directions, of_mass, turned
+from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turned
 from .massless_shapes import split_by_mass
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
@@ -129,7 +129,7 @@ def _effective_limit(S, frame):
     rigid = rigid_motions(frame.r0)
     if frame.mean:
         return np.zeros(6)
-    free = np.setdiff1d(np.arange(S.shape[0]), frame.held)
+    free = all_but(S.shape[0], frame.held)
     carried = (S @ rigid)[free]
     inner = S[free][:, free]
     if not isinstance(inner, np.ndarray):
