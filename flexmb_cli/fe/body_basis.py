@@ -11,6 +11,7 @@ from . import modes
 from .free_motion import FreeMotion, NegativeStrain
 from .independent_shapes import reduced_basis
 from .input_tests import COLLINEAR
+from .linear_algebra import distinct
 from .massless_shapes import IndefiniteMass
 from .reference_frame import Frame
 from .static_shapes import static_shapes, unit_forces
@@ -123,7 +124,7 @@ def _clamped_on_a_line(given):
 
 def _rows_of(given, nodes):
     first = np.array([3 * int(np.flatnonzero(given.numbers == node)[0]) for node in nodes], dtype=np.int64)
-    return np.unique((first[:, None] + np.arange(3)).ravel())
+    return distinct(first[:, None] + np.arange(3))
 
 
 def _eigen_basis(given, K, S, frame, available):

@@ -1,14 +1,14 @@
 """Flexible bodies kept on disk under the hash of what they are made of: files, settings, layout.
 
 Files appear whole or not at all, hold plain arrays and text (no pickle), and one that cannot be read is
-made anew.
+made anew.  They are notes and arrays of numpy's one behind the other: archives need modules that take
+longer to import than all the rest to read.
 """
 
 import hashlib
 import io
 import json
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +19,11 @@ from ..model.flexible_body import BodyStress, Dropped, FlexibleBody, FlexibleInp
 from ..quick_dataclass import fields
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 6
-# Bytes behind the archive: a damage anywhere makes the body anew, instead of another body.
+LAYOUT = 7
+# Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
+_ENDING = ".body"
 _ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped", "stress"))
 _STRESS = tuple(item.name for item in fields(BodyStress))
 
@@ -83,19 +84,19 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     if folder is None:
         return None
     try:
-        with open(open_managed(str(folder / f"{key_of(given)}.npz"), os.O_RDONLY), "rb") as stream:
+        with open(open_managed(str(folder / f"{key_of(given)}{_ENDING}"), os.O_RDONLY), "rb") as stream:
             raw = stream.read()
     except (OSError, UnsafePlace):
         return None
     content, digest = raw[:-DIGEST], raw[-DIGEST:]
     if hashlib.sha256(content).digest() != digest:
         return None
-    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-        return _restored(given, {name: stored[name] for name in stored.files})
+    stream = io.BytesIO(content)
+    notes = json.loads(str(np.load(stream, allow_pickle=False)))
+    return _restored(given, notes, {name: np.load(stream, allow_pickle=False) for name in notes["arrays"]})
 
 
-def _restored(given, stored):
-    notes = json.loads(str(stored["notes"]))
+def _restored(given, notes, stored):
     arrays = {name: stored[name] for name in _ARRAYS}
     for name in ("m", "mass_deviation", "rigid_residual", "massless"):
         arrays[name] = arrays[name].item()
@@ -131,16 +132,19 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
     if body.stress:
         arrays |= {f"stress_{name}": np.asarray(getattr(body.stress, name)) for name in _STRESS}
     try:
-        _write(folder / f"{key_of(given)}.npz", arrays | {"notes": np.array(json.dumps(notes))})
+        _write(folder / f"{key_of(given)}{_ENDING}", notes | {"arrays": list(arrays)}, arrays.values())
     except OSError:
         return
 
 
-def _write(path, arrays):
+def _write(path, notes, arrays):
+    import tempfile
+
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
     try:
         content = io.BytesIO()
-        np.savez(content, **arrays)
+        for array in (np.array(json.dumps(notes)), *arrays):
+            np.save(content, array, allow_pickle=False)
         with os.fdopen(handle, "wb") as stream:
             stream.write(content.getvalue())
             stream.write(hashlib.sha256(content.getvalue()).digest())

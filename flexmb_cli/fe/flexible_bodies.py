@@ -1,32 +1,9 @@
-"""Files of a finite-element program to a flexible body: read, tested, reduced, cached."""
-
-import math
-
-import numpy as np
+"""Flexible bodies: from the cache, or reduced from the files of a finite-element program."""
 
 from ..errors import Fault, ModelError
 from ..model.diagnostics import Findings
-from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
-from ..quick_dataclass import dataclass
+from ..model.flexible_body import FlexibleBody, FlexibleInput
 from . import cache
-from .body_basis import basis_of
-from .centrifugal import centrifugal_stiffness
-from .elements.assembled_matrices import OF_ELEMENTS, element_matrix
-from .elements.body_elements import element_table
-from .elements.stress_shapes import body_stress
-from .formats.formats import read_matrix
-from .formats.matrix_file import FEFileFault
-from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
-from .invariants import effective_masses, inertia_invariants
-from .linear_algebra import Matrix, in_three_directions, of_mass, turned
-from .massless_shapes import split_by_mass
-from .nodal_matrices import NodalMatrix, condensed, nodal_part
-from .precision import frequency_errors
-from .reference_frame import reference_frame
-from .static_shapes import as_solved
-
-# A relative error of a frequency that is worth a warning.
-DOUBTFUL_FREQUENCY = 1e-3
 
 
 def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBody, list[Fault]]:
@@ -37,159 +14,13 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
     found = cache.load(given) if cached else None
     if found is not None:
         return found
+    # Most runs find their bodies in the cache and do without.
+    from .reduction import reduced_body
+
     findings = Findings()
-    body = _built(given, findings)
+    body = reduced_body(given, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError(findings.in_order)
     if cached:
         cache.store(given, body, findings.faults)
     return body, findings.in_order
-
-
-@dataclass(frozen=True)
-class _Matrices:
-    """Mass and stiffness in body axes (3 n, 3 n), the scalar masses (n, n), and as the files have them."""
-
-    S: Matrix
-    K: Matrix
-    scalar: Matrix
-    of_mass: NodalMatrix
-    of_stiffness: NodalMatrix
-
-
-def _built(given, findings) -> FlexibleBody | None:
-    S = _read(given, given.mass, "M", nodal_part, findings)
-    K = _read(given, given.stiffness, "K", condensed, findings)
-    _check_reference_nodes(given, findings)
-    if S is None or K is None or findings.faults:
-        return None
-    figures = check_matrices(given, S.matrix, K.matrix, findings)
-    if any(fault.severity == "error" for fault in findings.faults):
-        return None
-    scalar = scalar_mass(S.matrix)
-    weights = np.asarray(scalar.sum(axis=1)).ravel()
-    frame = reference_frame(given, weights @ given.positions / weights.sum())
-    matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, S, K)
-    basis = basis_of(given, matrices.K, matrices.S, frame, findings)
-    return basis and _body(given, matrices, frame, basis, figures, findings)
-
-
-def _read(given, file: FEFile, letter, arrange, findings):
-    mapping = given.mapping
-    try:
-        if file.form == OF_ELEMENTS:
-            table = element_table(given, given.material.file, given.positions, findings)
-            return table and arrange(file.path.name, element_matrix(given, table, letter), given.numbers)
-        found = read_matrix(
-            file.path, file.form, letter, mapping.path if mapping else None, mapping.form if mapping else ""
-        )
-        return arrange(file.path.name, found, given.numbers)
-    except FEFileFault as fault:
-        findings.error(given.name, str(fault), file.place, id=fault.id)
-        return None
-
-
-def _check_reference_nodes(given, findings):
-    if given.reference:
-        rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
-        check_reference(given, given.positions[rows], findings)
-
-
-def _body(given, matrices, frame, basis, figures: Figures, findings) -> FlexibleBody:
-    Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
-    invariants = inertia_invariants(frame.r0, Phi, matrices.scalar)
-    invariants["Mff"] = _with_massless(invariants["Mff"], basis.massless)
-    alpha, beta, ratio = given.damping
-    Kr = np.diag(basis.values)
-    Dr = alpha * invariants["Mff"] + beta * Kr + np.diag(2.0 * ratio * omega)
-    return FlexibleBody(
-        given.name,
-        given.numbers,
-        frame.r0,
-        frame.origin,
-        frame.axes,
-        Phi,
-        **invariants,
-        Kr=Kr,
-        Dr=Dr,
-        KG=_geometric(given, matrices, frame, Phi, findings),
-        frequencies=omega / math.tau,
-        frequency_errors=_errors(given, matrices, frame, basis, findings),
-        effective_mass=effective_masses(invariants["S1"], invariants["C0"]),
-        effective_limit=_effective_limit(matrices.S, frame),
-        mass_deviation=figures.mass_deviation,
-        rigid_residual=figures.rigid_residual,
-        massless=basis.massless,
-        dropped=Dropped(
-            len(matrices.of_stiffness.internal),
-            basis.superfluous,
-            basis.left_out,
-            math.sqrt(basis.next_value) / math.tau,
-        ),
-        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
-    )
-
-
-def _with_massless(Mff, count):
-    """`Mff` with a unit mass for each of the last `count` coordinates, whose shapes have none.
-
-    Without it they would have no acceleration.  It couples them to nothing, and puts them at the highest
-    frequency of the others, where they follow the loads as the modes there do.
-    """
-    first = len(Mff) - count
-    completed = np.eye(len(Mff))
-    completed[:first, :first] = Mff[:first, :first]
-    return completed
-
-
-def _effective_limit(S, frame):
-    """Sums of the effective masses over all modes: R' S R less what only the held freedoms carry."""
-    rigid = rigid_motions(frame.r0)
-    if frame.mean:
-        return np.zeros(6)
-    free = np.setdiff1d(np.arange(S.shape[0]), frame.held)
-    carried = (S @ rigid)[free]
-    inner = S[free][:, free]
-    if not isinstance(inner, np.ndarray):
-        return np.einsum("ij,ij->j", carried, of_mass(inner, carried))
-    # Shapes without mass make the matrix singular; they carry nothing.
-    split = split_by_mass(inner)
-    return np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
-
-
-def _in_axes_of_table(frame, Phi):
-    n, size = len(frame.r0), Phi.shape[1]
-    return np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
-
-
-def _errors(given, matrices, frame, basis, findings):
-    """Relative errors of the frequencies by the digits of the files; nan for shapes without mass."""
-    heavy = len(basis.values) - basis.massless
-    errors = np.full(len(basis.values), np.nan)
-    shapes = _in_axes_of_table(frame, as_solved(frame, basis.shapes[:, :heavy]))
-    errors[:heavy] = frequency_errors(matrices.of_stiffness, matrices.of_mass, shapes, basis.values[:heavy])
-    worst = int(np.argmax(errors[:heavy]))
-    if errors[worst] > DOUBTFUL_FREQUENCY:
-        message = (
-            f"the digits of the matrices leave mode {worst + 1}, "
-            f"{math.sqrt(basis.values[worst]) / math.tau:.4g} Hz, a relative error of about "
-            f"{errors[worst]:.0e}; export them with more digits, in double precision"
-        )
-        findings.warn(given.name, message, given.stiffness.place, id="FE-012")
-    return errors
-
-
-def _geometric(given, matrices, frame, Phi, findings):
-    """Phi' KG Phi per component of w~ w~ in body axes; the files' unit loads are in those of the table."""
-    size = Phi.shape[1]
-    if given.stiffening:
-        return centrifugal_stiffness(given, matrices.K, matrices.S, frame, Phi, findings)
-    if not given.unit_loads:
-        return np.zeros((0, 0, size, size))
-    shapes = _in_axes_of_table(frame, Phi)
-    reduced = np.zeros((3, 3, size, size))
-    for load in given.unit_loads:
-        found = _read(given, load.file, "K", nodal_part, findings)
-        if found is not None:
-            reduced[load.i, load.j] = shapes.T @ (found.matrix @ shapes)
-    return np.einsum("ia,jb,ijkl->abkl", frame.axes, frame.axes, reduced)

@@ -27,6 +27,19 @@ def summed(values: np.ndarray, rows: np.ndarray, columns: np.ndarray, size: int)
     return sparse.coo_matrix((values, (rows, columns)), (size, size)).tocsc()
 
 
+def all_but(size: int, chosen: np.ndarray) -> np.ndarray:
+    """Return the numbers below `size` that are not `chosen`; numpy's sets import masked arrays, for 15 ms."""
+    left = np.ones(size, dtype=bool)
+    left[np.asarray(chosen, dtype=np.int64)] = False
+    return np.flatnonzero(left)
+
+
+def distinct(values: np.ndarray) -> np.ndarray:
+    """Return the different ones of some numbers, in order."""
+    values = np.sort(values, axis=None)
+    return values[np.concatenate([[True], values[1:] != values[:-1]])[: len(values)]]
+
+
 def as_array(A) -> np.ndarray:
     """`A` as an array."""
     return A if isinstance(A, np.ndarray) else A.toarray()

@@ -7,7 +7,7 @@ Journal 6 (1968), 1313-1319.  All shapes are (3 n, k), x y z node by node, body 
 import numpy as np
 
 from .free_motion import NEGATIVE, FreeMotion, check_strain
-from .linear_algebra import Singular, as_array, is_small, lowest_by_iteration, pencil, solver
+from .linear_algebra import Singular, all_but, as_array, is_small, lowest_by_iteration, pencil, solver
 from .massless_shapes import quasi_static_shapes, split_by_mass
 from .reference_frame import Frame
 from .static_shapes import FreeBody, held_solver
@@ -31,7 +31,7 @@ def eigenmodes(K, S, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
     """
     if frame.mean:
         return _mean_axis_modes(K, S, frame, count)
-    free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
+    free = all_but(K.shape[0], frame.held)
     values, full = _modes_of(K, S, free, count)
     return values, signed(full)
 
@@ -41,7 +41,7 @@ def massless_modes(K, S, frame: Frame) -> np.ndarray:
 
     With all eigenmodes they span every deformation: z' K φ = ω² z' S φ = 0 keeps both apart.
     """
-    free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
+    free = all_but(K.shape[0], frame.held)
     light = split_by_mass(as_array(S[free][:, free])).light
     shapes = np.zeros((K.shape[0], light.shape[1]))
     shapes[free] = light
@@ -148,7 +148,7 @@ def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> tuple[np.
     The rigid motion in the interface modes is taken out, which leaves six of them dependent; the forces
     that K answers them with are at the interface.  Raises FreeMotion, IndefiniteMass, and TooFewMasses.
     """
-    inner = np.setdiff1d(np.arange(K.shape[0]), np.union1d(rows, _clamped(frame)))
+    inner = all_but(K.shape[0], np.concatenate([rows, _clamped(frame)]))
     shapes, forces = np.zeros((2, K.shape[0], len(rows)))
     shapes[rows, np.arange(len(rows))] = 1.0
     shapes[inner] = -held_solver(K, inner)(as_array(K[inner][:, rows]))

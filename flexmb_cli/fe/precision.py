@@ -11,6 +11,7 @@ out, hence the sum over entries of one magnitude before the sum of squares over 
 import numpy as np
 
 from ..quick_dataclass import dataclass
+from .linear_algebra import distinct
 from .nodal_matrices import NodalMatrix
 
 # The largest number of decimal digits that double precision always keeps.
@@ -56,7 +57,7 @@ def rounding_errors(values: np.ndarray) -> EntryErrors:
 
 def _decimals(values):
     """The significant digits that all values are content with, DECIMALS + 1 where these are too few."""
-    magnitudes = np.unique(np.abs(values[values != 0]))
+    magnitudes = distinct(np.abs(values[values != 0]))
     power = np.floor(np.log10(magnitudes))
     for digits in range(1, DECIMALS + 1):
         unit = 10.0 ** (power + 1 - digits)

@@ -4,7 +4,7 @@ import numpy as np
 
 from .free_motion import FreeMotion
 from .input_tests import rigid_motions
-from .linear_algebra import Singular, as_array, is_small, solver
+from .linear_algebra import Singular, all_but, as_array, is_small, solver
 from .reference_frame import Frame
 
 
@@ -13,7 +13,7 @@ class FreeBody:
 
     def __init__(self, K, S, frame: Frame):
         self.S, self.frame = S, frame
-        self._free = np.setdiff1d(np.arange(K.shape[0]), _supports(frame.r0))
+        self._free = all_but(K.shape[0], _supports(frame.r0))
         self._solve = held_solver(K, self._free)
         self._rigid = rigid_motions(frame.r0)
         self._weighted = S @ self._rigid
@@ -53,7 +53,7 @@ def static_shapes(K, S, frame: Frame, forces: np.ndarray) -> np.ndarray:
     """
     if frame.mean:
         return FreeBody(K, S, frame).shapes(forces)
-    free = np.setdiff1d(np.arange(K.shape[0]), frame.held)
+    free = all_but(K.shape[0], frame.held)
     shapes = np.zeros(forces.shape)
     shapes[free] = held_solver(K, free)(forces[free])
     return shapes

@@ -184,11 +184,16 @@ def emit(unit: str, entries: list, digest: str, targets: list[str]) -> dict[str,
 
 
 def package_objects(folder: Path) -> Iterator[Path]:
-    """Compile all units for all processors and systems into `folder`, for a wheel; yield each file."""
+    """Compile all units for all processors and systems into `folder`, for a wheel; yield each file.
+
+    Those of an earlier build stay until a kernel's text changes; delete them after a change of numba.
+    """
     digest = _objects.kernel_digest()
     for unit in UNITS:
-        for target, content in emit(unit, unit_entries(unit), digest, list(PROCESSORS)).items():
-            path = folder / target / f"{unit}{_cache.ENDING}"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
-            yield path
+        paths = {target: folder / target / f"{unit}{_cache.ENDING}" for target in PROCESSORS}
+        missing = [target for target, path in paths.items() if not _objects.is_current(path, digest, target)]
+        made = emit(unit, unit_entries(unit), digest, missing) if missing else {}
+        for target, content in made.items():
+            paths[target].parent.mkdir(parents=True, exist_ok=True)
+            paths[target].write_bytes(content)
+        yield from paths.values()

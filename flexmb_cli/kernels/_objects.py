@@ -84,15 +84,32 @@ def read(content: bytes) -> tuple[dict, bytes]:
     return json.loads(header), code
 
 
+def is_current(path: Path, digest: str, target: str) -> bool:
+    """Whether a whole object of these kernels for this target lies at `path`."""
+    try:
+        header, _ = read(path.read_bytes())
+    except (OSError, ValueError, DamagedError):
+        return False
+    return (header.get("digest"), header.get("target")) == (digest, target)
+
+
 class Compiled:
     """One function of an object, as Python calls it."""
 
     def __init__(self, address: int, parameters: list, result: "str | list"):
         self.key = key_of(parameters)
-        self._words, self._results = Words(parameters), Results(result)
+        self._kinds = parameters, result
         # The interpreter stays locked, as in a call of numba's.
         self._call = ctypes.PYFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(address)
         self._lock = threading.Lock()
+
+    @functools.cached_property
+    def _words(self):
+        return Words(self._kinds[0])
+
+    @functools.cached_property
+    def _results(self):
+        return Results(self._kinds[1])
 
     def takes(self, values: tuple) -> bool:
         """Return whether the values are of the kinds that it was compiled for."""

@@ -1,6 +1,7 @@
 """What flexmb keeps for itself: drafts of `new`, journals of runs, caches of flexible bodies."""
 
 import io
+import json
 import os
 import shutil
 
@@ -72,13 +73,13 @@ def cache_seeds(folder):
         answered(["modes", str(folder / "mm.vsdf")])
     finally:
         del os.environ["FLEXMB_CACHE_DIR"]
-    assert len(list((folder / "cache").rglob("*.npz"))) == 1
+    assert len(list((folder / "cache").rglob("*.body"))) == 1
 
 
 def reduce_from_cache(chance, seeds, work):
     """A damaged cache of a flexible body changes nothing."""
     shutil.copytree(seeds / "cache", work / "cache")
-    (victim,) = (work / "cache").rglob("*.npz")
+    (victim,) = (work / "cache").rglob("*.body")
     raw = victim.read_bytes()
     victim.write_bytes(
         _changed_arrays(chance, raw) if chance.random() < 0.5 else damaged_bytes(chance, raw, raw)
@@ -96,9 +97,10 @@ def reduce_from_cache(chance, seeds, work):
 
 
 def _changed_arrays(chance, raw):
-    """The archive with one array missing, of another shape, type or value."""
-    with np.load(io.BytesIO(raw)) as stored:
-        arrays = {name: stored[name] for name in stored.files}
+    """The file with one array missing, of another shape, type or value."""
+    stored = io.BytesIO(raw)
+    notes = np.load(stored)
+    arrays = {"notes": notes} | {name: np.load(stored) for name in json.loads(str(notes))["arrays"]}
     name = chance.choice(sorted(arrays))
     change = chance.randrange(6)
     if change == 0:
@@ -116,5 +118,6 @@ def _changed_arrays(chance, raw):
             chance.choice(("{", "[]", "{}", '{"warnings": [["x", "y"]], "dropped": {}}'))
         )
     stream = io.BytesIO()
-    np.savez(stream, **arrays)
+    for array in arrays.values():
+        np.save(stream, array)
     return stream.getvalue()

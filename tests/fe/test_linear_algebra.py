@@ -76,3 +76,14 @@ def test_a_pencil_has_scipys_eigenvalues_and_unit_vectors(largest):
     assert values == pytest.approx(wanted[-3:] if largest else wanted[:3], rel=1e-12)
     assert vectors.T @ B @ vectors == pytest.approx(np.eye(3), abs=1e-12)
     assert A @ vectors == pytest.approx(B @ vectors * values, abs=1e-11)
+
+
+@pytest.mark.parametrize("chosen", [(), np.arange(0.0), [0, 4], np.array([3, 1, 3])])
+def test_the_numbers_that_are_not_chosen(chosen):
+    assert linear_algebra.all_but(5, chosen).tolist() == sorted(set(range(5)) - set(map(int, chosen)))
+
+
+@pytest.mark.parametrize("values", [[], [2.0], [3.0, 1.0, 3.0, 2.0, 1.0], [[4, 5], [5, 6]]])
+def test_different_numbers_in_order(values):
+    found = linear_algebra.distinct(np.array(values))
+    assert found.tolist() == sorted(set(np.array(values).ravel().tolist()))

@@ -6,6 +6,7 @@ from ...kernels.constrained.report import Report
 from ...model.arrays.node_joints import reaction_point
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
+from ...model.vectors import cross_rows
 from ...quick_dataclass import dataclass
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
 
@@ -74,8 +75,8 @@ class _Motion:
         q, u, ud = self.q[:, point.body], self.u[:, point.body], self.ud[:, point.body]
         s, sd, sdd = self.of(point)
         p, w = q[:, 3:], u[:, 3:]
-        turned = np.cross(w, s)
-        rest = np.cross(w, turned + 2.0 * sd) + np.cross(ud[:, 3:], s) + sdd
+        turned = cross_rows(w, s)
+        rest = cross_rows(w, turned + 2.0 * sd) + cross_rows(ud[:, 3:], s) + sdd
         return (
             q[:, :3] + global_axes(p, s),
             u[:, :3] + global_axes(p, turned + sd),
@@ -162,4 +163,4 @@ def _reaction(motion, joint, wrenches):
     q, wrench = motion.q[:, body], sign * wrenches[:, side]
     force = wrench[:, :3].copy()
     arm = motion.point(point)[0] - q[:, :3]
-    return force, global_axes(q[:, 3:], wrench[:, 3:]) - np.cross(arm, force)
+    return force, global_axes(q[:, 3:], wrench[:, 3:]) - cross_rows(arm, force)

@@ -5,6 +5,7 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...model.loads import holders
 from ...model.mechanism import Mechanism
+from ...model.vectors import cross_rows
 from ...quick_dataclass import dataclass, fields
 from ..kinematics.rows import Rows
 from ..kinematics.system import rotated, rows_of
@@ -60,7 +61,7 @@ def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:
 def parameter_rates(p, w):
     """½ Lᵀ w (…, 4) for Euler parameters p (…, 4) and w (…, 3) in body axes."""
     e0, e = p[..., :1], p[..., 1:]
-    return 0.5 * np.concatenate([-np.sum(e * w, -1, keepdims=True), e0 * w + np.cross(e, w)], axis=-1)
+    return 0.5 * np.concatenate([-np.sum(e * w, -1, keepdims=True), e0 * w + cross_rows(e, w)], axis=-1)
 
 
 def coordinate_rates(q, u):
@@ -84,7 +85,7 @@ def body_axes(p, v):
 def global_axes(p, v):
     """Vectors v (…, 3) in body axes, in global axes."""
     e0, e = p[..., :1], p[..., 1:]
-    return v + 2.0 * np.cross(e, np.cross(e, v) + e0 * v)
+    return v + 2.0 * cross_rows(e, cross_rows(e, v) + e0 * v)
 
 
 def _forces(mechanism, wrenches, p):
@@ -132,7 +133,7 @@ def _reactions(mechanism, wrench, p):
     P = np.array([joint.P_j for joint in mechanism.joints], dtype=float).reshape(-1, 3)
     force = wrench[..., :3].copy()
     arm = rotated(p[:, on], p[:, on], P)
-    return force, global_axes(p[:, on], wrench[..., 3:]) - np.cross(arm, force)
+    return force, global_axes(p[:, on], wrench[..., 3:]) - cross_rows(arm, force)
 
 
 def _efforts(mechanism, wrench, p):

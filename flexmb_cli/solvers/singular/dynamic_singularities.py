@@ -1,5 +1,7 @@
 """Singular positions of a mechanism that moves under forces: its joints lose a rank there, by name."""
 
+from bisect import insort
+
 import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
@@ -102,13 +104,16 @@ class PassedPositions:
         self.active = 0 < work <= MOST_WORK
         self.stride = max(1, analysis.grid.rows // LOOKS)
         self.seen, self.row, self.told = [], 0, 0
+        self.sorted: list[float] = []  # the values seen
 
     def look(self, times, states) -> None:
         """Look at report rows at `times`, in order, with coordinates first in `states`."""
         size = self.analysis.arrays.coordinate_scale.size
         for t, state in zip(times, states, strict=True):
             if self.active and self.row % self.stride == 0 and self.told < MOST_NOTES:
-                self.seen.append((float(t), state[:size].copy(), self._smallest(state[:size].copy())))
+                value = self._smallest(state[:size].copy())
+                self.seen.append((float(t), state[:size].copy(), value))
+                insort(self.sorted, value)
                 self._judge()
             self.row += 1
 
@@ -129,7 +134,7 @@ class PassedPositions:
 
     def _usual(self):
         """The median of the values seen; numpy's imports more than all this file takes."""
-        values, middle = sorted(value for _, _, value in self.seen), len(self.seen) // 2
+        values, middle = self.sorted, len(self.sorted) // 2
         return values[middle] if len(values) % 2 else 0.5 * (values[middle - 1] + values[middle])
 
     def _search(self, first, last):
