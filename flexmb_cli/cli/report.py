@@ -15,6 +15,8 @@ from .terminal.written_place import WrittenPlace
 def report(result, output, quiet):
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
+    Of the table of a study: parallel coordinates and each result over the parameters.
+
     The page needs no network and shows the motion in any browser with WebGL: play, scrub, turn.
     Needs plotly (the extra `report`).
 
@@ -25,18 +27,17 @@ def report(result, output, quiet):
     from pathlib import Path
 
     from ..extras import needed
-    from ..results.figures.report_page import report_page
     from ..results.files.replaced_file import write_whole
-    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from ..study.text import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
 
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
     library = needed("plotly.offline", "plotly", "report", "flexmb report").get_plotlyjs()
-    with open_result(result) as file:
-        refuse_uneven(file)
-        lacking = shortfall(file)
-        page = report_page(file, library).encode("utf-8")
+    if is_study(result):
+        page, lacking = _study_page(result, library), ""
+    else:
+        page, lacking = _result_page(result, library)
     if output == STANDARD_OUTPUT:
         click.echo(page, nl=False)
     else:
@@ -47,3 +48,21 @@ def report(result, output, quiet):
         size, library_size = len(page) / 1e6, len(library.encode("utf-8")) / 1e6
         sizes = f"{size:.1f} MB, of them {library_size:.1f} MB plotly.js"
         tell(f"{result} → {told(output)}, {sizes}")
+
+
+def _result_page(path, library):
+    from ..results.figures.report_page import report_page
+    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+
+    with open_result(path) as file:
+        refuse_uneven(file)
+        return report_page(file, library).encode("utf-8"), shortfall(file)
+
+
+def _study_page(path, library):
+    from ..study.cases_table import cases_table
+    from ..study.page import study_page
+    from ..study.text import open_study
+
+    with open_study(path) as file:
+        return study_page(cases_table(file, (), path), file["study"].asstr()[()], library).encode("utf-8")
