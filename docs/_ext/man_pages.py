@@ -52,9 +52,9 @@ def _paragraphs(text) -> Iterator[str]:
 
 
 def _options(command, context):
-    options = (one for one in command.get_params(context) if isinstance(one, click.Option))
-    records = (option.get_help_record(context) for option in options)
-    return _definitions(record for record in records if record)
+    options = (one for one in command.params if isinstance(one, click.Option))
+    records = [option.get_help_record(context) for option in options]
+    return _definitions([*filter(None, records), ("-h, --help", "Show this message and exit.")])
 
 
 def _commands():

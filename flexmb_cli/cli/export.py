@@ -28,12 +28,18 @@ def export(result, form, output, quiet):
         flexmb export OUT4-BAR.h5 --to vtkhdf -o four-bar.vtkhdf
     """
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from ..study.text import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output, told
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
     if form != "csv":
         refuse_standard_output(output, f"a file of the form {form}")
+    if is_study(result):
+        _export_study(result, form, output)
+        if not quiet:
+            tell(f"{result} → {told(output)}")
+        return
     with open_result(result) as file:
         refuse_uneven(file)
         lacking = shortfall(file)
@@ -42,6 +48,25 @@ def export(result, form, output, quiet):
         tell(f"{result}: note: {lacking}")
     if not quiet:
         tell(f"{result} → {told(output)}")
+
+
+def _export_study(path, form, output):
+    from ..results.files.matlab import matlab_bytes
+    from ..results.files.replaced_file import write_whole
+    from ..study.text import open_study, study_columns, study_text
+    from .options.output_file import STANDARD_OUTPUT
+
+    if form == "vtkhdf":
+        raise click.UsageError(f"{path} is the table of a study, which has no motion to show: csv or mat")
+    with open_study(path) as file:
+        if form == "mat":
+            write_whole(output, matlab_bytes(file))
+            return
+        text = "".join(study_text(file, study_columns(file)))
+    if output == STANDARD_OUTPUT:
+        click.echo(text, nl=False)
+    else:
+        write_whole(output, text.encode("utf-8"))
 
 
 def _write_vtkhdf(file, output):

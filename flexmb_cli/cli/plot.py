@@ -22,13 +22,17 @@ from .terminal.written_place import WrittenPlace
 @click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")
 @click.option("--to", "stop", type=AnyFinite(), metavar="T", help="End with the row at T seconds.")
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
+@click.option("--kind", type=click.Choice(["auto", "curve", "map", "scatter", "parallel"]), default="auto",
+              help="Of the table of a study: curve over one parameter, map over two, scatter, "
+              "parallel coordinates.")  # fmt: skip
 @click.option("--title", default=None, help="Text above the curves [default: the names of the decks].")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def plot(result, names, output, others, across, start, stop, every, title, quiet):
+def plot(result, names, output, others, across, start, stop, every, title, kind, quiet):
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
     NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
     driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and how energies change.
+    Of the table of a study (flexmb sweep) NAMEs are results; they are drawn over the parameters.
     Needs matplotlib (the extra `plot`).
 
     \b
@@ -41,6 +45,7 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     from ..results.figures.plots import FORMATS, picture
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import attribute
+    from ..study.text import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output
 
     output = output or f"{Path(result).stem}.png"
@@ -49,6 +54,14 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     if form not in FORMATS:
         raise click.UsageError(f"{output}: pictures are written as .png, .svg or .pdf files")
     needed("matplotlib", "matplotlib", "plot", "flexmb plot")
+    if is_study(result):
+        if others or across != "time" or start is not None or stop is not None or every > 1:
+            raise click.UsageError("the table of a study has no times: --with, --x, --from, --to and --every")
+        refuse_inputs(output, [result])
+        _plot_study(result, names, output, form, kind, title, quiet)
+        return
+    if kind != "auto":
+        raise click.UsageError(f"--kind {kind} is for tables of studies, and {result} is none")
     paths = (result, *others)
     refuse_inputs(output, paths)
     with contextlib.ExitStack() as open_files:
@@ -63,6 +76,25 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
         tell(f"{result} → {output}, {curves} curve{'s' * (curves != 1)}")
+
+
+def _plot_study(path, names, output, form, kind, title, quiet):
+    from ..results.files.replaced_file import write_whole
+    from ..study.cases_table import cases_table
+    from ..study.figures import kind_for, study_picture
+    from ..study.text import open_study
+
+    with open_study(path) as file:
+        cases = cases_table(file, names, path)
+    kind = kind_for(cases) if kind == "auto" else kind
+    try:
+        drawn = study_picture(cases, kind, form, cases.deck_name if title is None else title)
+    except ValueError as fault:
+        raise click.UsageError(f"{path}: {fault}") from fault
+    write_whole(output, drawn)
+    if not quiet:
+        left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
+        tell(f"{path} → {output}, {kind} of {', '.join(cases.results)}{left_out}")
 
 
 def _source(open_files, path, label, names, across, window, quiet):

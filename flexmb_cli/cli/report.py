@@ -17,23 +17,25 @@ def report(result, output, quiet):
 
     The page needs no network and shows the motion in any browser with WebGL 2: play, scrub, turn.
 
+    Of the table of a study: parallel coordinates and each result over the parameters; this needs plotly
+    (the extra `report`).
+
     \b
     Example:
         flexmb report OUT4-BAR.h5 -o four-bar.html
     """
     from pathlib import Path
 
-    from ..results.figures.report_page import report_page
     from ..results.files.replaced_file import write_whole
-    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+    from ..study.text import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
 
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
-    with open_result(result) as file:
-        refuse_uneven(file)
-        lacking = shortfall(file)
-        page = report_page(file).encode("utf-8")
+    if is_study(result):
+        page, lacking = _study_page(result), ""
+    else:
+        page, lacking = _result_page(result)
     if output == STANDARD_OUTPUT:
         click.echo(page, nl=False)
     else:
@@ -42,3 +44,23 @@ def report(result, output, quiet):
         tell(f"{result}: note: {lacking}")
     if not quiet:
         tell(f"{result} → {told(output)}, {len(page) / 1e6:.1f} MB")
+
+
+def _result_page(path):
+    from ..results.figures.report_page import report_page
+    from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
+
+    with open_result(path) as file:
+        refuse_uneven(file)
+        return report_page(file).encode("utf-8"), shortfall(file)
+
+
+def _study_page(path):
+    from ..extras import needed
+    from ..study.cases_table import cases_table
+    from ..study.page import study_page
+    from ..study.text import open_study
+
+    library = needed("plotly.offline", "plotly", "report", "flexmb report of a study").get_plotlyjs()
+    with open_study(path) as file:
+        return study_page(cases_table(file, (), path), file["study"].asstr()[()], library).encode("utf-8")

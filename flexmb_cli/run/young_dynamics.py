@@ -41,7 +41,7 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
         return kinematic_solution(deck, options, outcome, listener)
     if options.as_printed:
         told = "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
-        raise ModelError([Fault("error", told, id="RUN-027")])
+        raise ModelError([Fault("error", told, id="RUN-029")])
     from ..dialects.young.build_dynamics import build_young_dynamics
     from ..model.unit_checks import unit_doubts
     from ..results.hdf5.dynamic import dynamic_layout, dynamic_values

@@ -71,7 +71,7 @@ def _refuse_elements(model):
         message = (
             f"natural coordinates have neither functions nor elements at joints, which this deck has ({what})"
         )
-        raise ModelError([Fault("error", message, id="RUN-028")])
+        raise ModelError([Fault("error", message, id="RUN-030")])
 
 
 def _joined(blocks):

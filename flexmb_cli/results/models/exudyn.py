@@ -1,0 +1,203 @@
+"""A rigid mechanism with loads as a Python script for Exudyn.
+
+Each body stands in the script by its mass centre; positions and speeds are those at the start that flexmb
+has assembled, so that joints are closed to round-off.  Exudyn's reference manual (MainSystem functions
+Create…) is the source of the calls.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...model.loads import DynamicModel
+from ...model.vectors import rotation_matrix
+
+HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.
+
+Run it: results are positions of the mass centres at the report times, in the file {title}-exudyn.csv.
+"""
+
+import exudyn as exu
+import numpy as np
+from exudyn.utilities import RigidBodyInertia
+
+SC = exu.SystemContainer()
+mbs = SC.AddSystem()
+ground = mbs.CreateGround()
+gravity = {gravity}
+'''
+TAIL = """
+END, ROWS = {end!r}, {rows!r}
+sensors = [
+    mbs.AddSensor(dict(sensorType="Body", bodyNumber=body, storeInternal=True, writeToFile=False,
+                       outputVariableType=exu.OutputVariableType.Position, localPosition=[0, 0, 0]))
+    for body in bodies
+]
+mbs.Assemble()
+settings = exu.SimulationSettings()
+settings.timeIntegration.numberOfSteps = {steps!r}
+settings.timeIntegration.endTime = END
+settings.timeIntegration.newton.relativeTolerance = 1e-10
+settings.timeIntegration.newton.absoluteTolerance = 1e-12
+# The trapezoidal rule with constraints of velocities: no numerical damping.
+settings.timeIntegration.generalizedAlpha.spectralRadius = 1
+settings.timeIntegration.generalizedAlpha.useNewmark = True
+settings.timeIntegration.generalizedAlpha.useIndex2Constraints = True
+settings.solutionSettings.writeSolutionToFile = False
+settings.solutionSettings.sensorsWritePeriod = END / (ROWS - 1)
+settings.timeIntegration.verboseMode = 0
+mbs.SolveDynamic(settings)
+table = [mbs.GetSensorStoredData(sensor) for sensor in sensors]
+rows = np.hstack([table[0][:, :1], *(column[:, 1:] for column in table)])
+np.savetxt("{title}-exudyn.csv", rows, delimiter=",", fmt="%.17g")
+"""
+STEPS_PER_ROW = 100
+
+
+def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) -> str:
+    """Return the script.
+
+    `start`: "r" (bodies, 3) in m, Euler parameters "p" (bodies, 4), "v" and "omega" (bodies, 3), global axes.
+    Raises ModelError for what is not converted.
+    """
+    faults = [
+        Fault("error", message, place, subject, id="RESULT-025")
+        for message, place, subject in _foreign(model)
+    ]
+    if faults:
+        raise ModelError(faults)
+    time = model.mechanism.time
+    lines = [HEAD.format(title=name, gravity=_list(model.gravity)), "bodies = []"]
+    placed = _Placed(model, start)
+    lines += [*placed.bodies(), *placed.joints(), *placed.loads()]
+    end, rows = time.last - time.start, time.rows
+    return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
+
+
+def _foreign(model) -> Iterator[tuple]:
+    """Yield what cannot be converted: message, place in the deck, subject."""
+    mechanism = model.mechanism
+    for joint in mechanism.joints:
+        if joint.kind not in _JOINTS:
+            yield (
+                "only spherical, revolute, cylindrical and translational joints convert",
+                joint.place,
+                joint.name,
+            )
+    for item in (*mechanism.simplified, *mechanism.distances, *mechanism.drivers):
+        yield "drivers and constraints of single coordinates do not convert", item.place, item.name
+    heavy, still = {item.body for item in model.masses}, {item.body for item in mechanism.grounds}
+    for k, body in enumerate(mechanism.bodies):
+        if k not in heavy | still:
+            yield "Exudyn needs a mass for every moving body", body.place, body.name
+    for load in (*model.forces, *model.torques):
+        if load.table is not None:
+            yield "loads over time do not convert", load.place, load.name
+
+
+_JOINTS = ("spherical", "revolute", "cylindrical", "translational")
+
+
+class _Placed:
+    """The parts of the model in global axes at the start."""
+
+    def __init__(self, model, start):
+        self.model, self.start = model, start
+        self.A = [rotation_matrix(p) for p in start["p"]]
+        self.still = {item.body for item in model.mechanism.grounds}
+        self.centre = np.zeros((len(self.A), 3))
+        moving = sorted(mass.body for mass in model.masses if mass.body not in self.still)
+        self.numbers = {body: number for number, body in enumerate(moving)}
+        for mass in model.masses:
+            self.centre[mass.body] = mass.centre
+
+    def bodies(self):
+        """Yield a line for every moving body."""
+        for mass in sorted(self.model.masses, key=lambda mass: mass.body):
+            k = mass.body
+            if k in self.still:
+                continue
+            xx, yy, zz, xy, yz, zx = mass.inertia
+            tensor = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]
+            arm = self.A[k] @ self.centre[k]
+            velocity = self.start["v"][k] + np.cross(self.start["omega"][k], arm)
+            yield (
+                f"bodies.append(mbs.CreateRigidBody(name={self.model.mechanism.bodies[k].name!r}, "
+                f"inertia=RigidBodyInertia(mass={mass.mass!r}, inertiaTensor=np.array({tensor!r})), "
+                f"nodeType=exu.NodeType.RotationEulerParameters, gravity=gravity, "
+                f"referencePosition={_list(self.start['r'][k] + arm)}, "
+                f"referenceRotationMatrix=np.array({[list(map(float, row)) for row in self.A[k]]!r}), "
+                f"initialVelocity={_list(velocity)}, initialAngularVelocity={_list(self.start['omega'][k])}))"
+            )
+
+    def joints(self):
+        """Yield a line for every joint."""
+        for joint in self.model.mechanism.joints:
+            place = _list(self._at(joint.i, joint.P_i))
+            pair = f"bodyNumbers=[{self._word(joint.i)}, {self._word(joint.j)}], position={place}"
+            if joint.kind == "spherical":
+                yield f"mbs.CreateSphericalJoint({pair})"
+                continue
+            axis = self.A[joint.i] @ np.array(joint.s_i)
+            axis = axis / np.linalg.norm(axis)
+            if joint.kind == "revolute":
+                yield f"mbs.CreateRevoluteJoint({pair}, axis={_list(axis)})"
+            elif joint.kind == "translational":
+                yield f"mbs.CreatePrismaticJoint({pair}, axis={_list(axis)})"
+            else:
+                frame = [list(map(float, row)) for row in _frame_along(axis)]
+                yield (
+                    f"mbs.CreateGenericJoint({pair}, rotationMatrixAxes=np.array({frame!r}), "
+                    "constrainedAxes=[1, 1, 0, 1, 1, 0])"
+                )
+
+    def loads(self):
+        """Yield a line for every spring, force and torque."""
+        for item in self.model.springs:
+            ends = ", ".join(
+                f"localPosition{n}={_list(self._local(body, point))}"
+                for n, (body, point) in enumerate(((item.i, item.P_i), (item.j, item.P_j)))
+            )
+            yield (
+                f"mbs.CreateSpringDamper(bodyNumbers=[{self._word(item.i)}, {self._word(item.j)}], {ends}, "
+                f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
+                f"damping={item.damping!r})"
+            )
+        for item in self.model.forces:
+            if item.body not in self.still:
+                yield (
+                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "
+                    f"localPosition={_list(self._local(item.body, item.point))}, "
+                    f"bodyFixed={bool(item.following)})"
+                )
+        for item in self.model.torques:
+            if item.body not in self.still:
+                yield (
+                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "
+                    f"bodyFixed={bool(item.following)})"
+                )
+
+    def _at(self, body, point):
+        return self.start["r"][body] + self.A[body] @ np.array(point)
+
+    def _local(self, body, point):
+        """A point from the mass centre of a moving body, or global of one at rest."""
+        if body in self.still:
+            return self._at(body, point)
+        return np.array(point) - self.centre[body]
+
+    def _word(self, body):
+        return "ground" if body in self.still else f"bodies[{self.numbers[body]}]"
+
+
+def _frame_along(axis):
+    """A rotation matrix whose third axis is `axis`."""
+    across = np.eye(3)[int(np.argmin(np.abs(axis)))]
+    x = np.cross(across, axis)
+    x = x / np.linalg.norm(x)
+    return np.column_stack([x, np.cross(axis, x), axis])
+
+
+def _list(values) -> str:
+    return repr([float(value) for value in values])

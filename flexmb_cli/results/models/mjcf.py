@@ -1,0 +1,156 @@
+"""A rigid tree as MJCF, the model format of MuJoCo.
+
+Bodies, hinges and joint coordinates correspond one to one: the frame of a MuJoCo body is that of P_k at zero
+coordinates, its joints are the free translations and then the rotations, in the order of the tree.  MuJoCo's
+XML reference (body, joint, inertial, keyframe) is the source of the elements.
+"""
+
+from collections.abc import Iterator
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
+from ...model.vectors import rotation_matrix
+
+STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
+
+
+def mjcf(tree: Tree, name: str) -> str:
+    """Return the file's text; `name` is the deck's.  Raises ModelError for what MJCF cannot hold."""
+    _refuse_foreign(tree)
+    top = ElementTree.Element("mujoco", {"model": name})
+    ElementTree.SubElement(top, "compiler", {"angle": "radian", "autolimits": "true"})
+    option = {"timestep": repr(STEP), "integrator": "RK4", "gravity": _numbers(tree.gravity)}
+    ElementTree.SubElement(top, "option", option)
+    parents = {INERTIAL: ElementTree.SubElement(top, "worldbody")}
+    for k in range(len(tree.bodies)):
+        parents[k] = _add_body(parents[tree.hinges[k].parent], tree, k)
+    qpos, qvel = _start(tree)
+    frame = ElementTree.SubElement(top, "keyframe")
+    ElementTree.SubElement(frame, "key", {"name": "start", "qpos": _numbers(qpos), "qvel": _numbers(qvel)})
+    ElementTree.indent(top)
+    return ElementTree.tostring(top, encoding="unicode") + "\n"
+
+
+def _refuse_foreign(tree):
+    faults = [
+        Fault("error", message, place, subject, id="RESULT-026") for message, place, subject in _foreign(tree)
+    ]
+    if faults:
+        raise ModelError(faults)
+
+
+def _foreign(tree) -> Iterator[tuple]:
+    """Yield what cannot be converted: message, place in the deck, subject."""
+    for body in tree.bodies:
+        if body.elastic is not None:
+            yield "the body is flexible; --to mjcf is for rigid trees", body.place, body.name
+        elif body.mass <= 0 or np.linalg.eigvalsh(_central_inertia(body)).min() <= 0:
+            yield "MuJoCo needs a positive mass and inertia about the mass centre", body.place, body.name
+        elif not _is_real(np.linalg.eigvalsh(_central_inertia(body))):
+            yield "MuJoCo refuses an inertia larger than the sum of the two others", body.place, body.name
+        if any((*body.force, *body.torque)):
+            yield "MJCF holds no constant external force or torque", body.place, body.name
+    for items, what in (
+        (tree.torques, "torques over time"), (tree.motors, "motors over time"),
+        (tree.prescribed, "prescribed motions"),
+    ):  # fmt: skip
+        for item in items:
+            yield f"MJCF holds no {what}", item.place, tree.bodies[item.body].name
+    for closure in tree.closures:
+        yield (
+            "MuJoCo closes loops softly, which is another motion; only trees convert",
+            closure.place,
+            closure.name,
+        )
+    for spring in tree.springs:
+        if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
+            yield (
+                "a damper of three free rotations does not convert",
+                spring.place,
+                tree.bodies[spring.body].name,
+            )
+
+
+def _is_real(moments):
+    return moments[2] <= moments[0] + moments[1] + 1e-12 * moments[2]
+
+
+def _add_body(parent, tree, k):
+    body, hinge = tree.bodies[k], tree.hinges[k]
+    turned = rotation_matrix(hinge.frame)
+    if not hinge.rotations:
+        turned = turned @ rotation_matrix(hinge.attitude)
+    about = {"name": body.name, "pos": _numbers(hinge.point), "quat": _numbers(_quaternion(turned))}
+    element = ElementTree.SubElement(parent, "body", about)
+    ElementTree.SubElement(element, "inertial", _inertial(body))
+    # With no free rotation the body's frame is turned against P_k, along whose axes it slides.
+    axes = np.eye(3) if hinge.rotations else rotation_matrix(hinge.attitude).T
+    for axis in hinge.translations:
+        _add_joint(element, tree, (k, TRANSLATION, axis), "slide", axes[:, axis - 1])
+    if len(hinge.rotations) == 3:
+        ElementTree.SubElement(element, "joint", {"name": f"{body.name} rotation", "type": "ball"})
+    else:
+        for axis in hinge.rotations:
+            _add_joint(element, tree, (k, ROTATION, axis), "hinge", np.eye(3)[axis - 1])
+    return element
+
+
+def _add_joint(element, tree, place, kind, direction):
+    k, motion, axis = place
+    about = {"name": f"{tree.bodies[k].name} {motion} {axis}", "type": kind, "axis": _numbers(direction)}
+    for spring in tree.springs:
+        if (spring.body, spring.motion, spring.axis) == place:
+            about |= {"stiffness": repr(float(spring.stiffness)), "damping": repr(float(spring.damping))}
+            about["springref"] = repr(float(spring.rest))
+    ElementTree.SubElement(element, "joint", about)
+
+
+def _inertial(body):
+    inertia = _central_inertia(body)
+    full = [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]]
+    return {"pos": _numbers(body.centre), "mass": repr(float(body.mass)), "fullinertia": _numbers(full)}
+
+
+def _central_inertia(body):
+    """Inertia about the mass centre: that about O_k less the mass's."""
+    c = np.array(body.centre)
+    return np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+
+
+def _start(tree):
+    """Initial qpos and qvel in MuJoCo's order: body by body, translations first."""
+    place = {(c.body, c.motion, c.axis): n for n, c in enumerate(tree.coordinates)}
+    qpos, qvel = [], []
+    for k, hinge in enumerate(tree.hinges):
+        single = [(TRANSLATION, axis) for axis in hinge.translations]
+        ball = len(hinge.rotations) == 3
+        single += [] if ball else [(ROTATION, axis) for axis in hinge.rotations]
+        for motion, axis in single:
+            qpos.append(tree.q[place[k, motion, axis]])
+            qvel.append(tree.y[place[k, motion, axis]])
+        if ball:
+            turned = rotation_matrix(hinge.attitude)
+            qpos += list(_quaternion(turned))
+            # The tree has the relative angular velocity in the axes of P_k, MuJoCo in those of the body.
+            qvel += list(turned.T @ np.array([tree.y[place[k, ROTATION, axis]] for axis in (1, 2, 3)]))
+    return qpos, qvel
+
+
+def _quaternion(A: np.ndarray) -> np.ndarray:
+    """Euler parameters of a rotation matrix, from its largest component: no division by a small one."""
+    K = np.array([
+        [A[0, 0] + A[1, 1] + A[2, 2], A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]],
+        [0, A[0, 0] - A[1, 1] - A[2, 2], A[0, 1] + A[1, 0], A[0, 2] + A[2, 0]],
+        [0, 0, A[1, 1] - A[0, 0] - A[2, 2], A[1, 2] + A[2, 1]],
+        [0, 0, 0, A[2, 2] - A[0, 0] - A[1, 1]],
+    ])  # fmt: skip
+    _, vectors = np.linalg.eigh(K, UPLO="U")
+    p = vectors[:, -1]
+    return p if p[0] >= 0 else -p
+
+
+def _numbers(values) -> str:
+    return " ".join(repr(float(value)) for value in values)

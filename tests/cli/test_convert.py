@@ -1,0 +1,152 @@
+"""Models written for other programs, proved by running these: MuJoCo and Exudyn are independent of flexmb."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.convert import convert
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.model.loads import AppliedForce, DynamicModel, InitialVelocity, SpringDamper
+from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
+from flexmb_cli.model.tree import Body, Hinge, Spring, Tree
+from flexmb_cli.results.models.exudyn import exudyn_script
+from flexmb_cli.results.models.mjcf import mjcf
+from flexmb_cli.run.convert import start_of
+from flexmb_cli.solvers.tree.analysis import TreeAnalysis
+from flexmb_cli.solvers.tree.points import point_motion
+from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body, run, uneven_masses
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+INERTIA = np.array([[0.9, 0.02, -0.03], [0.02, 1.0, 0.04], [-0.03, 0.04, 1.1]])
+TURNED = (0.8, 0.36, -0.48, 0.0)
+
+
+def positions_of_tree(tree):
+    """Times and origins of the bodies (rows, bodies, 3) by flexmb."""
+    from flexmb_cli.results.hdf5.tree import tree_values
+
+    blocks = [tree_values(tree, rows, point_motion(tree, rows)) for rows in TreeAnalysis(tree).rows()]
+    return [np.concatenate([block[name] for block in blocks]) for name in ("time", "body/position")]
+
+
+def positions_by_mujoco(text, times):
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra bench)")
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    rows = []
+    for time in times:
+        while data.time < time - 1e-9:
+            mujoco.mj_step(model, data)
+        mujoco.mj_forward(model, data)
+        rows.append(data.xpos[1:].copy())
+    return np.array(rows)
+
+
+def every_hinge():
+    """A chain with a ball, a slide with a spring, a weld, two successive rotations, and a branch."""
+    heavy = [Body(f"body {k + 1}", 1.0 + k, INERTIA * (1 + k), (0.1, -0.05 * k, 0.2)) for k in range(5)]
+    hinges = (
+        Hinge(-1, (0.0, 0.0, 1.0), frame=TURNED, attitude=(0.6, 0.0, 0.8, 0.0), rotations=(1, 2, 3)),
+        Hinge(0, (0.3, 0.1, 0.5), frame=TURNED, rotations=(2,), translations=(3,)),
+        Hinge(1, (0.1, 0.4, 0.2), frame=TURNED, attitude=(0.8, 0.0, 0.0, 0.6)),
+        Hinge(2, (0.2, 0.1, 0.3), rotations=(1, 3)),
+        Hinge(0, (-0.2, 0.3, 0.1), attitude=(0.6, 0.8, 0.0, 0.0), translations=(1,)),
+    )
+    springs = (
+        Spring(1, "translation", 3, 40.0, 1.5, 0.1), Spring(3, "rotation", 1, 5.0, 0.3, 0.2),
+        Spring(4, "translation", 1, 30.0, 0.5, -0.1),
+    )  # fmt: skip
+    y = np.array([0.5, -0.4, 0.8, 0.6, -0.7, 0.3, 0.2, -0.1])
+    q = np.array([0.0, 0.0, 0.0, 0.2, 0.3, -0.4, 0.1, 0.05])
+    time = TimeGrid(0.0, 0.5, 0.1)
+    return Tree(tuple(heavy), hinges, q, y, time, (0.5, -9.0, 2.0), springs=springs)
+
+
+def test_a_tree_with_every_hinge_moves_alike_in_mujoco():
+    """Two programs, minimal coordinates in both, but other equations: RNE and CRB against Kane's."""
+    tree = every_hinge()
+    times, wanted = positions_of_tree(tree)
+    found = positions_by_mujoco(mjcf(tree, "chain"), times)
+    assert np.abs(wanted - wanted[0]).max() > 0.1
+    assert np.abs(found - wanted).max() < 1e-9
+
+
+def test_a_supplied_deck_of_1992_moves_alike_in_mujoco(tmp_path):
+    done = CliRunner().invoke(
+        convert, [str(DECKS / "dafms/spatial_rigid.DAT"), "--to", "mjcf", "-o", str(tmp_path / "m.xml")]
+    )
+    assert done.exit_code == 0, done.output
+    tree = build_dafms(read_deck(read_text(str(DECKS / "dafms/spatial_rigid.DAT"))))[0]
+    times, wanted = positions_of_tree(tree)
+    early = times <= 0.5
+    found = positions_by_mujoco((tmp_path / "m.xml").read_text(), times[early])
+    assert np.abs(found - wanted[early]).max() < 1e-10
+
+
+def spatial_chain():
+    """Ground, revolute, spherical, cylindrical and translational joint, a spring, a force, initial speeds."""
+    bodies = (GROUND, body(2, (0.5, 0.0, 0.0)), body(3, (1.5, 0.0, 0.0)), body(4, (2.5, 0.0, 0.0)))
+    bodies += (body(5, (0.0, 2.0, 0.0)),)
+    x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    joints = (
+        Joint("revolute", "r", 0, 1, (0, 0, 0), (-0.5, 0, 0), (0, 0.6, 0.8), (0, 0.6, 0.8)),
+        Joint("spherical", "s", 1, 2, (0.5, 0, 0), (-0.5, 0, 0)),
+        Joint("cylindrical", "c", 2, 3, (0.5, 0, 0), (-0.5, 0, 0), (0, 0, 1.0), (0, 0, 1.0)),
+        Joint("translational", "t", 0, 4, (0, 2.0, 0), (0, 0, 0), x, x, y, y),
+    )  # fmt: skip
+    mechanism = Mechanism(bodies, TimeGrid(0.0, 0.2, 0.05), joints, grounds=(AT_REST,))
+    masses = tuple(mass for mass in uneven_masses(5) if mass.body)
+    springs = (SpringDamper("k", 4, 2, (0.1, 0, 0), (0, 0.2, 0), 60.0, 1.0, 2.0),)
+    forces = (
+        AppliedForce("f", 3, (3.0, -2.0, 1.0), (0.1, 0.2, 0.3)),
+        AppliedForce("g", 2, (1.0, 2.0, 0.5), (0.2, 0.0, 0.1), following=True),
+    )
+    speeds = (InitialVelocity("v", 4, (0.7, 0.0, 0.0), (0.0, 0.0, 0.0)),)
+    return DynamicModel(mechanism, "forward", masses, forces, (), springs, (0.0, -9.81, 1.0), speeds, 1e-11)
+
+
+@pytest.mark.processes
+def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
+    """Absolute coordinates in both, but other equations and integrators: index 2, trapezoidal rule."""
+    pytest.importorskip("exudyn", reason="Exudyn is not installed (extra bench)")
+    model = spatial_chain()
+    rows = run(model)
+    (tmp_path / "m.py").write_text(exudyn_script(model, start_of(model), "chain"), encoding="utf-8")
+    done = subprocess.run([sys.executable, "m.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    found = np.loadtxt(tmp_path / "chain-exudyn.csv", delimiter=",")
+    from flexmb_cli.model.vectors import rotation_matrix
+    from flexmb_cli.results.hdf5.dynamic import dynamic_values
+
+    values = dynamic_values(model, rows)
+    r, p = values["body/position"], values["body/euler_parameters"]
+    for k, mass in enumerate(model.masses):
+        b = mass.body
+        arms = np.array([rotation_matrix(row) @ np.array(mass.centre) for row in p[:, b]])
+        np.testing.assert_allclose(found[:, 1 + 3 * k : 4 + 3 * k], r[:, b] + arms, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("deck", "form", "told"),
+    [
+        ("dafms/pendulum.DAT", "mjcf", "body 1: the body is flexible; --to mjcf is for rigid trees"),
+        ("dafms/fourbar_rigid.DAT", "mjcf", "MuJoCo closes loops softly"),
+        ("young/IN4-BAR.dat", "mjcf", "this is a YOUNG deck"),
+        ("young/IN4-BAR.dat", "exudyn", "YOUNG decks with DYNAMICS forward"),
+        ("vsdf/pendulum.vsdf", "exudyn", "YOUNG decks with DYNAMICS forward"),
+    ],
+)
+def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, form, told, tmp_path):
+    output = tmp_path / "m"
+    done = CliRunner().invoke(convert, [str(DECKS / deck), "--to", form, "-o", str(output)])
+    assert done.exception.exit_code == 2
+    assert told in " ".join(fault.sentence for fault in done.exception.faults)
+    assert done.exception.file == str(DECKS / deck)
+    assert not output.exists()

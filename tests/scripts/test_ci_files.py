@@ -1,0 +1,144 @@
+"""The files for other people's CI: their steps are run here as far as no network is needed."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
+
+TOP = Path(__file__).resolve().parents[2]
+SHIM = f'#!/bin/sh\nexec "{sys.executable}" -m flexmb_cli "$@"\n'
+pytestmark = pytest.mark.processes
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A project with a deck and its references, and flexmb on the path; runs commands of a shell there."""
+    (tmp_path / "bin").mkdir()
+    for name, text in (("flexmb", SHIM), ("python", f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')):
+        (tmp_path / "bin" / name).write_text(text)
+        (tmp_path / "bin" / name).chmod(0o755)
+    (tmp_path / "decks").mkdir()
+    shutil.copy(TOP / "decks/young/IN4-BAR.dat", tmp_path / "decks")
+
+    def shell(command, **environment):
+        path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
+        return subprocess.run(
+            ["bash", "-e", "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=300,
+            env=os.environ | {"PATH": path} | environment,
+        )  # fmt: skip
+
+    assert shell("flexmb run -q decks/*.dat -o reference").returncode == 0
+    return tmp_path, shell
+
+
+def spoil(path):
+    """Change the first number below 10 with three decimals in a table."""
+    text = path.read_text()
+    path.write_text(re.sub(r"-2\.355\b", "-2.455", text, count=1))
+    assert path.read_text() != text
+
+
+def steps_of_action():
+    """Names, shell commands and settings of the steps of the action."""
+    action = yaml.safe_load((TOP / "action.yml").read_text())
+    inputs = {name: given.get("default", "") for name, given in action["inputs"].items()}
+    return inputs, [step for step in action["runs"]["steps"] if "run" in step]
+
+
+def filled(text, inputs):
+    """Put the inputs into the expressions, as GitHub does."""
+    return re.sub(r"\$\{\{ inputs\.([\w-]+) \}\}", lambda match: inputs[match[1]], text)
+
+
+def test_the_steps_of_the_action_run_and_compare(project):
+    folder, shell = project
+    inputs, steps = steps_of_action()
+    inputs |= {"decks": "decks/*.dat", "reference": "reference"}
+    assert [step["name"] for step in steps] == [
+        "Install flexmb", "Run the decks", "Compare with the references",
+    ]  # fmt: skip
+    codes = []
+    for spoiled in (False, True):
+        if spoiled:
+            spoil(folder / "reference/OUT4-BAR.dat")
+        for step in steps[1:]:
+            done = shell(step["run"], **{name: filled(text, inputs) for name, text in step["env"].items()})
+            codes.append(done.returncode)
+    assert codes == [0, 0, 0, 1]
+    suite = ElementTree.parse(folder / "flexmb-diff.xml").getroot().find("testsuite")
+    assert suite.get("failures") == "1"
+
+
+def test_the_action_passes_tolerances_and_refuses_a_broken_deck(project):
+    folder, shell = project
+    inputs, steps = steps_of_action()
+    (folder / "t.toml").write_text("[kinds]\nposition = 0.2\n")
+    inputs |= {"decks": "decks/*.dat", "reference": "reference", "tolerances": "t.toml"}
+    spoil(folder / "reference/OUT4-BAR.dat")
+    environment = {name: filled(text, inputs) for step in steps[1:] for name, text in step["env"].items()}
+    assert shell(steps[1]["run"], **environment).returncode == 0
+    assert shell(steps[2]["run"], **environment).returncode == 0
+    (folder / "decks/IN4-BAR.dat").write_text("nonsense")
+    assert shell(steps[1]["run"], **environment).returncode == 2
+
+
+def test_the_steps_of_gitlab_run_and_compare(project):
+    folder, shell = project
+    job = yaml.safe_load((TOP / "docs/ci/gitlab-ci.yml").read_text())["flexmb"]
+    script = "\n".join(line for line in job["script"] if "pip install" not in line)
+    assert shell(script).returncode == 0
+    assert (folder / job["artifacts"]["reports"]["junit"]).exists()
+    spoil(folder / "reference/OUT4-BAR.dat")
+    assert shell(script).returncode == 1
+
+
+def test_decks_are_collected_as_tests(project):
+    folder, shell = project
+    decks = folder / "decks"
+    shutil.copy(TOP / "docs/ci/conftest.py", decks)
+    (decks / "reference").mkdir()
+    shutil.move(folder / "reference", decks / "reference/IN4-BAR")
+    shutil.copy(TOP / "decks/young/IN1-1-1.dat", decks)  # without references: no test
+    pytest_here = "python -m pytest -p no:cacheprovider -q decks"
+    done = shell(pytest_here)
+    assert done.returncode == 0 and "1 passed" in done.stdout, done.stdout
+    spoil(decks / "reference/IN4-BAR/OUT4-BAR.dat")
+    done = shell(pytest_here)
+    assert done.returncode == 1
+    assert "numbers differ" in done.stdout and "body 2, X at t = 1.8" in done.stdout
+
+
+def test_the_hook_checks_decks_by_their_names(project):
+    _folder, shell = project
+    (hook,) = yaml.safe_load((TOP / ".pre-commit-hooks.yaml").read_text())
+    decks = [path.relative_to(TOP).as_posix() for path in (TOP / "decks").rglob("*") if path.is_file()]
+    chosen = {name for name in decks if re.search(hook["files"], name)}
+    assert chosen == {name for name in decks if name.endswith((".dat", ".DAT", ".vsdf"))}
+    assert not re.search(hook["files"], "README.md") and not re.search(hook["files"], "data/other.dat")
+    assert shell(f"{hook['entry']} decks/IN4-BAR.dat").returncode == 0
+    assert shell(f"echo nonsense > decks/IN4-BAR.dat; {hook['entry']} decks/IN4-BAR.dat").returncode == 2
+    clientlib = pytest.importorskip("pre_commit.clientlib", reason="pre-commit is not installed")
+    assert clientlib.load_manifest(str(TOP / ".pre-commit-hooks.yaml"))[0]["id"] == "flexmb-check"
+
+
+def test_the_image_installs_and_compiles_what_is_there():
+    """Without Docker: the options that its lines give to flexmb and pip exist."""
+    text = (TOP / "docs/ci/Dockerfile").read_text()
+    extras = re.search(r"/src\[([\w,]+)\]", text)[1].split(",")
+    known = (TOP / "pyproject.toml").read_text()
+    assert all(re.search(rf"^{extra} = \[", known, re.MULTILINE) for extra in extras)
+    assert "flexmb compile" in text and 'ENTRYPOINT ["flexmb"]' in text
+
+
+def test_the_pages_show_the_files_themselves():
+    page = (TOP / "docs/how-to/ci-files.md").read_text(encoding="utf-8")
+    shown = re.findall(r"```\{literalinclude\} (\S+)", page)
+    assert {Path(name).name for name in shown} == {"conftest.py", "Dockerfile", "gitlab-ci.yml"}
+    assert all((TOP / "docs/how-to" / name).resolve().is_file() for name in shown)

@@ -1,0 +1,132 @@
+"""`plot`, `report` and `export` of the table of a study, and the table in xarray."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.export import export
+from flexmb_cli.cli.plot import plot
+from flexmb_cli.cli.report import report
+from flexmb_cli.study.cases_table import cases_table
+from flexmb_cli.study.figures import kind_for
+from flexmb_cli.study.table import Column, TableHead, write_table
+from flexmb_cli.study.text import open_study
+
+LENGTH, RATE = Column("parameter/length", "m", "length"), Column("parameter/rate", "rad/s", "rate")
+TOP, PATH = Column("result/top", "m", "max of z"), Column("result/path", "m", "series of z", 3)
+
+
+def study(path, pairs, failed=()):
+    """A study whose result `top` is 10 length + rate; cases `failed` have none."""
+    head = TableHead("a = 1", "deck", "a.dat", "0" * 64, (LENGTH, RATE, TOP, PATH), len(pairs))
+    rows = [
+        (n, int(n in failed), 3, "", [x, y, np.nan if n in failed else 10 * x + y, np.full(3, x)])
+        for n, (x, y) in enumerate(pairs, 1)
+    ]
+    write_table(str(path), head, rows)
+    return path
+
+
+LINE = [(x, 2.0) for x in (0.3, 0.1, 0.2)]
+GRID = [(x, y) for x in (0.1, 0.2, 0.3) for y in (1.0, 2.0)]
+CLOUD = [(0.1, 1.0), (0.25, 3.0), (0.3, 2.0)]
+
+
+def called(command, *arguments):
+    return CliRunner().invoke(command, [*map(str, arguments)])
+
+
+@pytest.mark.parametrize(("pairs", "kind"), [(LINE, "curve"), (GRID, "map"), (CLOUD, "scatter")])
+def test_the_picture_suits_the_parameters(pairs, kind, tmp_path):
+    pytest.importorskip("matplotlib")
+    path = study(tmp_path / "s.h5", pairs)
+    with open_study(path) as file:
+        cases = cases_table(file, (), str(path))
+    assert kind_for(cases) == kind
+    done = called(plot, path, "-o", tmp_path / "s.svg", "--title", "T")
+    assert done.exit_code == 0, done.output
+    assert f"{kind} of top [m]" in done.stderr
+    labels = re.findall(r"<!-- (.*?) -->", (tmp_path / "s.svg").read_text())
+    assert {"T", "length [m]", "top [m]"} <= set(labels)
+    # The same table gives the same bytes.
+    called(plot, path, "-o", tmp_path / "again.svg", "--title", "T")
+    assert (tmp_path / "again.svg").read_bytes() == (tmp_path / "s.svg").read_bytes()
+
+
+def test_the_numbers_drawn_are_those_of_the_table(tmp_path):
+    """Of a 3 by 2 grid with one failed case five cases are left, each with 10 length + rate."""
+    path = study(tmp_path / "s.h5", GRID, failed=(4,))
+    with open_study(path) as file:
+        cases = cases_table(file, ("top",), str(path))
+    assert cases.failed == 1 and not cases.is_grid
+    length, rate, top = (*cases.parameters.values(), cases.results["top [m]"])
+    np.testing.assert_array_equal(top, 10 * length + rate)
+    assert len(top) == 5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--kind", "curve"], "a curve needs one parameter that varies"),
+        (["--x", "length"], "the table of a study has no times"),
+        (["path"], "is a series of each case"),
+        (["tip"], "no such parameter or result; near it are"),
+    ],
+)
+def test_what_cannot_be_drawn_of_a_study_is_refused_without_a_file(arguments, told, tmp_path):
+    pytest.importorskip("matplotlib")
+    path = study(tmp_path / "s.h5", GRID)
+    done = called(plot, path, "-o", tmp_path / "s.png", *arguments)
+    assert done.exit_code != 0
+    assert told in done.output + str(done.exception)
+    assert not (tmp_path / "s.png").exists()
+
+
+def test_parallel_coordinates_have_an_axis_for_every_column(tmp_path):
+    pytest.importorskip("matplotlib")
+    path = study(tmp_path / "s.h5", CLOUD)
+    assert called(plot, path, "--kind", "parallel", "-o", tmp_path / "s.svg").exit_code == 0
+    labels = re.findall(r"<!-- (.*?) -->", (tmp_path / "s.svg").read_text())
+    assert {"0.1 to 0.3", "1 to 3", "2 to 5.5"} <= {line for label in labels for line in label.split("\n")}
+
+
+def test_the_page_of_a_study_holds_its_numbers(tmp_path):
+    pytest.importorskip("plotly")
+    path = study(tmp_path / "s.h5", CLOUD)
+    assert called(report, path, "-o", tmp_path / "s.html").exit_code == 0
+    page = (tmp_path / "s.html").read_text(encoding="utf-8")
+    figures = json.loads(re.search(r"const figures = (\{.*\});", page)[1].replace("<\\/", "</"))
+    (parallel,) = figures["parallel"]["data"]
+    assert [axis["label"] for axis in parallel["dimensions"]] == ["length [m]", "rate [rad/s]", "top [m]"]
+    assert parallel["dimensions"][2]["values"] == [2.0, 5.5, 5.0]
+    assert figures["result0"]["data"][0]["y"] == [1.0, 3.0, 2.0]
+
+
+def test_exports_of_a_study_hold_every_column(tmp_path):
+    path = study(tmp_path / "s.h5", CLOUD)
+    assert called(export, path, "--to", "csv", "-o", tmp_path / "s.csv").exit_code == 0
+    lines = (tmp_path / "s.csv").read_text().splitlines()
+    assert lines[0].startswith("case,parameter.length [m],parameter.rate [rad/s],result.path.1 [m]")
+    assert lines[2].startswith("2,0.25,3.0,0.25,0.25,0.25,5.5,0,3")
+    assert called(export, path, "--to", "mat", "-o", tmp_path / "s.mat").exit_code == 0
+    from scipy.io import loadmat
+
+    table = loadmat(tmp_path / "s.mat", simplify_cells=True)["flexmb"]
+    np.testing.assert_array_equal(table["result"]["top"], [2.0, 5.5, 5.0])
+    refused = called(export, path, "--to", "vtkhdf")
+    assert refused.exit_code == 2 and "no motion to show" in refused.output
+
+
+def test_xarray_has_the_parameters_as_coordinates(tmp_path):
+    """As docs/reference/studies.md shows: a map over two parameters by their names."""
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    path = study(tmp_path / "s.h5", GRID)
+    tree = xarray.open_datatree(path, engine="h5netcdf")
+    cases = tree["result"].to_dataset().assign_coords(tree["parameter"].to_dataset().data_vars)
+    grid = cases.set_index(case=["length", "rate"]).unstack("case")
+    assert grid["top"].dims == ("length", "rate")
+    assert float(grid["top"].sel(length=0.2, rate=2.0)) == 4.0
