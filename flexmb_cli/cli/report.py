@@ -2,12 +2,13 @@
 
 import click
 
+from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5")
+@click.argument("result", metavar="RESULT.h5", shell_complete=files)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
               help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")

@@ -1,7 +1,6 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from ..model.flexible_mechanism import (
     PointPin,
     PointSpring,
 )
+from ..quick_dataclass import replace
 from .elements.stress_outputs import stress_outputs
 from .flexible_bodies import flexible_body
 

@@ -9,7 +9,6 @@ import io
 import json
 import os
 import tempfile
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from ..errors import Fault
 from ..managed_files import UnsafePlace, open_managed
 from ..model.flexible_body import BodyStress, Dropped, FlexibleBody, FlexibleInput
+from ..quick_dataclass import fields
 
 # To be raised when the arrays, or how they are computed, change.
 LAYOUT = 6

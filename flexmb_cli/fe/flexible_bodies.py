@@ -1,13 +1,13 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced, cached."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import Fault, ModelError
 from ..model.diagnostics import Findings
 from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
+from ..quick_dataclass import dataclass
 from . import cache
 from .body_basis import basis_of
 from .centrifugal import centrifugal_stiffness

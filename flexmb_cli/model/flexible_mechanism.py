@@ -4,11 +4,10 @@ A rigid body is one without modal coordinates: m, s0 and J0 mean the same for bo
 from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass
 from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
 from .mechanism import TimeGrid, Vector

@@ -24,10 +24,10 @@ from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.fe.nodal_matrices import condensed
 from flexmb_cli.model.flexible_body import ElementMaterial, FEFile
 from scripts.brick_beam import Beam, run_calculix
+from tests.dialects.vsdf.vsdf_decks import build, supplied, told
 from tests.fe.calculix import needs_ccx
 from tests.fe.supplied import FILES, body, nodes, pendulum, spin_up
 from tests.fe.trusses import write_matrix
-from tests.read.vsdf_decks import build, supplied, told
 
 # 30 x 1 x 1 bricks with incompatible modes; four nodes a section, in the order (y, z).
 SPIN_UP = np.array([[4 * i + a for a in (1, 5, 7, 3, 2, 6, 8, 4)] for i in range(30)])

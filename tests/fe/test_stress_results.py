@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.run import run
 from flexmb_cli.cli.table import table
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from tests.read.vsdf_decks import DECKS, build, supplied, told
+from tests.dialects.vsdf.vsdf_decks import DECKS, build, supplied, told
 
 MATERIAL = "MATL\n    2    2.1E11       0.3    7850.0\n"
 

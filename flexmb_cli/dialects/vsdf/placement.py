@@ -1,7 +1,5 @@
 """The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...deck.record import Record
@@ -9,6 +7,7 @@ from ...deck.records import DeckValues
 from ...fe.build_mechanism import euler_parameters
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
+from ...quick_dataclass import replace
 
 # Of the distance between two nodes: a point farther beside the second one was meant for another node.
 BESIDE = 1e-3

@@ -211,7 +211,7 @@ class _Reader:
 
 
 def _hint(word: str) -> str:
-    """What may have been meant by a word that no card has."""
+    """Return what may have been meant by a word that no card has."""
     if word in DATA_WORDS:
         return f"; '{word}' stands on a data card, behind a blank"
     from difflib import get_close_matches

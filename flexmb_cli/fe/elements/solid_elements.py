@@ -5,10 +5,9 @@ Wilson, Int. J. Num. Meth. Eng. 10 (1976), 1211-1219.  All elements at once: arr
 and the point of integration.  Tetrahedra have their shape functions in `tetrahedra`.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from . import tetrahedra
 
 _CORNERS = np.array(

@@ -4,11 +4,11 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 """
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .bulk_data import bulk_cards, integer_field
 from .file_text import integer, line_fault, lines_of
 from .matrix_file import FEFileFault

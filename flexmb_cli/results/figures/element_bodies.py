@@ -1,11 +1,11 @@
 """Finite-element bodies of a result, whose elements it holds: nodes, cells, motion and stresses over time."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, check_shapes
 from .element_faces import FACES
 from .scene import rotations

@@ -4,11 +4,10 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
-from dataclasses import dataclass, replace
-
 import h5py
 import numpy as np
 
+from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, texts
 from ..quantities.quantities import ResultError
 from .gabriel_graph import different, gabriel_edges

@@ -1,11 +1,11 @@
 """How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
 
 import re
-from dataclasses import dataclass
 
 import h5py
 
 from ...errors import visible
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
 
 TIME = "time"
@@ -51,7 +51,7 @@ class Slot:
         return [word for words in self.words for word in words]
 
     def positions(self, pattern: re.Pattern) -> list[int]:
-        """Where along the axis a spelling, folded, matches."""
+        """Return where along the axis a spelling, folded, matches."""
         return [n for n, words in enumerate(self.words) if any(pattern.match(folded(w)) for w in words)]
 
 
@@ -75,7 +75,7 @@ class Family:
         return self.units[index[0] if len(self.units) > 1 else 0]
 
     def meaning(self, index: tuple[int, ...]) -> str:
-        """What it is, in words."""
+        """Return what it is, in words."""
         return f"{self.items[index[0]]}: {self.long_name}" if self.items else self.long_name
 
 
@@ -138,7 +138,7 @@ def _form(path, item, dataset):
 
 
 def _numbered_axes(dataset):
-    """How many axes behind time, from the first, count things: bodies, joints, nodes."""
+    """Return how many axes behind time, from the first, count things: bodies, joints, nodes."""
     scales = [scale_of(dataset, axis) for axis in range(1, dataset.ndim)]
     kinds = [scale is not None and is_number(scale) for scale in scales]
     return kinds.index(False) if False in kinds else len(kinds)

@@ -3,14 +3,13 @@
 Both begin at the position that flexmb assembles.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...deck.record import Deck
 from ...dialects.young.build import build_young
 from ...dialects.young.build_dynamics import build_young_dynamics
 from ...dialects.young.dynamic_cards import FORWARD, analysis_of
+from ...quick_dataclass import replace
 from ..outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 from .difference import Difference, largest_difference
 

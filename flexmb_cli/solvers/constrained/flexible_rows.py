@@ -1,13 +1,12 @@
 """Report rows of a mechanism of rigid and flexible bodies."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.node_joints import reaction_point
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
+from ...quick_dataclass import dataclass
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
 
 
