@@ -26,8 +26,20 @@ from .terminal.written_place import WrittenPlace
               help="Of the table of a study: curve over one parameter, map over two, scatter, "
               "parallel coordinates.")  # fmt: skip
 @click.option("--title", default=None, help="Text above the curves [default: the names of the decks].")
+@click.option("--width", type=click.FloatRange(20, 1000), metavar="MM",
+              help="Draw for print, MM millimetres wide: thin lines, small letters, no title.")  # fmt: skip
+@click.option("--font", default="", metavar="FAMILY", help="Font of a picture for print, such as serif.")
+@click.option(
+    "--font-size", type=click.FloatRange(3, 40), default=8.0, metavar="PT", help="Its size [default: 8]."
+)
+@click.option(
+    "--style", default="", metavar="FILE", help="A style file of matplotlib, or the name of a style."
+)
+@click.option("--latex", is_flag=True, help="Set texts by LaTeX, which must be installed.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def plot(result, names, output, others, across, start, stop, every, title, kind, quiet):
+def plot(
+    result, names, output, others, across, start, stop, every, title, kind, width, quiet, **print_options
+):
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
     NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
@@ -39,10 +51,11 @@ def plot(result, names, output, others, across, start, stop, every, title, kind,
     Example:
         flexmb plot OUT4-BAR.h5 "body.3.velocity" point.1.z -o four-bar.svg
         flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
+        flexmb plot OUT4-BAR.h5 point.1.z --width 85 --font serif -o column.pdf
     """
     from ..extras import needed
     from ..results.figures.curves import panels
-    from ..results.figures.plots import FORMATS, picture
+    from ..results.figures.plots import FORMATS
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import attribute
     from ..study.text import is_study
@@ -70,9 +83,11 @@ def plot(result, names, output, others, across, start, stop, every, title, kind,
             for path, label in zip(paths, _labels(paths), strict=True)
         ]
         drawn = panels(sources)
+        if title is None and width:
+            title = ""
         if title is None:
             title = ", ".join(dict.fromkeys(attribute(one.result, "deck_name") for one in sources))
-    write_whole(output, picture(drawn, form, title))
+    write_whole(output, _drawn(drawn, form, title, width, print_options))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
         tell(f"{result} → {output}, {curves} curve{'s' * (curves != 1)}")
@@ -95,6 +110,27 @@ def _plot_study(path, names, output, form, kind, title, quiet):
     if not quiet:
         left_out = f"; {cases.failed} failed cases are left out" if cases.failed else ""
         tell(f"{path} → {output}, {kind} of {', '.join(cases.results)}{left_out}")
+
+
+def _drawn(panels, form, title, width, options):
+    """The picture's bytes; options of print need a width."""
+    from ..results.figures.look import Look
+    from ..results.figures.plots import picture
+
+    given = [f"--{name.replace('_', '-')}" for name in ("font", "style", "latex") if options[name]]
+    if given and not width:
+        raise click.UsageError(f"{', '.join(given)}: for pictures of print; give --width, too")
+    if "://" in options["style"]:
+        raise click.UsageError(
+            f"--style {options['style']}: a file wanted; nothing is fetched from a network"
+        )
+    look = width and Look(width, options["font"], options["font_size"], options["style"], options["latex"])
+    try:
+        return picture(panels, form, title, look or None)
+    except OSError as error:
+        raise click.UsageError(f"--style {options['style']}: {error}") from None
+    except (RuntimeError, FileNotFoundError) as error:
+        raise click.UsageError(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}") from None
 
 
 def _source(open_files, path, label, names, across, window, quiet):

@@ -189,7 +189,8 @@ def calculix_body(folder, beam, **choices):
 
 @needs_ccx
 @pytest.mark.parametrize(
-    "element, cells", [("C3D20R", (12, 1, 2)), ("C3D20", (12, 1, 1)), ("C3D8I", (24, 1, 1))]
+    "element, cells",
+    [("C3D20R", (12, 1, 2)), ("C3D20", (12, 1, 1)), ("C3D8I", (24, 1, 1)), ("C3D10", (16, 1, 1))],
 )
 @pytest.mark.processes
 def test_a_beam_of_calculix_stiffens_as_southwell_says(tmp_path, element, cells):

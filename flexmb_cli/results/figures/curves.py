@@ -100,6 +100,8 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
             chosen += _crowd(moving)
+    stresses = [one for one in known if one.dataset.startswith("stress/") and one.name.endswith("von_mises")]
+    chosen += _crowd(_moving(result, stresses))
     return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
 
 

@@ -4,6 +4,8 @@ import io
 from collections.abc import Sequence
 
 from .curves import Panel
+from .look import PANEL, ROOMY, TICKS, Look
+from .look import SQUARE as SQUARE_PART
 
 FORMATS = ("png", "svg", "pdf")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -12,6 +14,8 @@ THICKNESSES = (1.3, 2.6, 0.6)
 LEGEND_ROWS = 14
 WIDTH, HEIGHT, SQUARE, RESOLUTION = 8.0, 2.8, 6.0, 150
 # No dates and no versions: pictures are compared in repositories.
+# Signs that LaTeX takes for commands.
+_LATEX = {sign: f"\\{sign}" for sign in "#$%&_{}"} | {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
 METADATA = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
@@ -19,11 +23,12 @@ METADATA = {
 }
 
 
-def picture(panels: Sequence[Panel], form: str, title: str = "") -> bytes:
+def picture(panels: Sequence[Panel], form: str, title: str = "", look: Look | None = None) -> bytes:
     """The panels one below the other as a file of `form`, one of `FORMATS`.
 
     Colours tell quantities apart, dashes results, and quantities where there are no more colours; panels
-    over time share its axis, and paths (both axes of one unit) have equal ones.  Imports matplotlib.
+    over time share its axis, and paths (both axes of one unit) have equal ones.  A `look` is for print.
+    Imports matplotlib; raises OSError for a style that there is not.
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -32,28 +37,59 @@ def picture(panels: Sequence[Panel], form: str, title: str = "") -> bytes:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
-        heights = [SQUARE if panel.same_unit else HEIGHT for panel in panels]
-        figure = Figure(figsize=(WIDTH, sum(heights) + 0.5), layout="constrained")
+        if look:
+            _apply(look, matplotlib)
+        width, heights, rest = _sizes(panels, look)
+        figure = Figure(figsize=(width, sum(heights) + rest), layout="constrained")
         axes = figure.subplots(len(panels), squeeze=False, height_ratios=heights)[:, 0]
         for panel, axis in zip(panels, axes, strict=True):
-            _draw(panel, axis)
-        axes[-1].set_xlabel(_plain(panels[-1].x_label))
-        figure.suptitle(_plain(title))
+            _draw(panel, axis, look)
+        axes[-1].set_xlabel(_text(panels[-1].x_label, look))
+        if title:
+            figure.suptitle(_plain(title))
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     return stream.getvalue()
 
 
-def _draw(panel, axis):
+def _apply(look: Look, matplotlib):
+    """Set the settings of a look; those of its style file come last."""
+    matplotlib.rcParams.update(look.settings())
+    if look.style:
+        from matplotlib import style
+
+        style.use(look.style)
+
+
+def _sizes(panels, look):
+    """Width of the picture, heights of its panels, and what legends and the lowest axis take, in."""
+    if look is None:
+        return WIDTH, [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5
+    heights = [look.inches * (SQUARE_PART if panel.same_unit else PANEL) for panel in panels]
+    legends = sum(look.legend_height([curve.label for curve in panel.curves]) for panel in panels)
+    return look.inches, heights, legends + 0.3
+
+
+def _draw(panel, axis, look):
     results = 1 + max(curve.result for curve in panel.curves)
     for curve in panel.curves:
-        axis.plot(curve.x, curve.y, label=_plain(curve.label), **style(curve.quantity, curve.result, results))
-    axis.set_ylabel(_plain(panel.y_label))
+        drawn = style(curve.quantity, curve.result, results)
+        if look:
+            drawn["linewidth"] *= 0.75
+        axis.plot(curve.x, curve.y, label=_text(curve.label, look), **drawn)
+    axis.set_ylabel(_text(look.wrapped(panel.y_label) if look else panel.y_label, look))
+    if look:
+        axis.locator_params(nbins=TICKS)
     axis.grid(True, linewidth=0.4, color="#cccccc")
     axis.margins(x=0.02)
     if panel.same_unit:
         axis.set_aspect("equal", adjustable="datalim")
-    if len(panel.curves) > 1:
+    if look and 1 < len(panel.curves) <= ROOMY:
+        axis.legend(loc="best", frameon=False)
+    elif look and len(panel.curves) > ROOMY:
+        columns = look.legend_columns([curve.label for curve in panel.curves])
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=columns, frameon=False)
+    elif len(panel.curves) > 1:
         columns = -(-len(panel.curves) // LEGEND_ROWS)
         axis.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)
 
@@ -66,6 +102,13 @@ def style(quantity: int, result: int = 0, results: int = 1) -> dict:
         "linestyle": DASHES[dashes % len(DASHES)],
         "linewidth": THICKNESSES[dashes // len(DASHES) % len(THICKNESSES)],
     }
+
+
+def _text(text, look):
+    """Text as matplotlib, or LaTeX, shows it."""
+    if look is None or not look.latex:
+        return _plain(text)
+    return "".join(_LATEX.get(sign, sign) for sign in text)
 
 
 def _plain(text):

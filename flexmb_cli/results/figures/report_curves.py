@@ -12,7 +12,7 @@ from .curves import Panel
 from .report_scene import COLOURS
 
 WIDTH, HEIGHT = 1000, 300
-LEFT, RIGHT, TOP, BOTTOM = 90, 15, 12, 44
+LEFT, RIGHT, TOP, BOTTOM = 90, 34, 14, 44
 COLUMNS = 450
 # More points than this for each column are an envelope.
 POINTS = 3

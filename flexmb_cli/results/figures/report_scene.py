@@ -87,20 +87,41 @@ def _surface(body: ElementBody):
     nodes = np.unique(faces)
     place = np.zeros(len(body.undeformed), int)
     place[nodes] = np.arange(len(nodes))
+    faces = place[faces]
     return {
         "name": body.name,
         "colour": COLOURS[(body.number - 1) % len(COLOURS)],
         "modes": body.amplitude.shape[1],
         "numbers": body.node_numbers[nodes].tolist(),
-        "nodes": _numbers(body.undeformed[nodes]),
-        "shape": _numbers(body.shape[nodes]),
-        "stress": _numbers(body.stress_shape[nodes]),
+        "nodes": _numbers(with_centres(body.undeformed[nodes], faces)),
+        "shape": _numbers(with_centres(body.shape[nodes], faces)),
+        "stress": _numbers(with_centres(body.stress_shape[nodes], faces)),
         "amplitude": _numbers(body.amplitude),
         "origin": _numbers(body.origin),
         "turn": _numbers(body.turn),
-        "triangles": _integers(place[triangles(faces)]),
-        "edges": _integers(place[face_edges(faces)]),
+        "triangles": _integers(_fans(faces, len(nodes)) if faces.shape[1] == 8 else triangles(faces)),
+        "edges": _integers(face_edges(faces)),
     }
+
+
+def with_centres(values: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Values at nodes (n, ...) and, behind them, at the middles of faces of eight nodes.
+
+    The shape functions of eight nodes give the middle -1/4 of each corner and 1/2 of each middle of an edge.
+    """
+    if faces.shape[1] != 8:
+        return values
+    return np.concatenate(
+        [values, values[faces[:, 1::2]].sum(axis=1) / 2 - values[faces[:, ::2]].sum(axis=1) / 4]
+    )
+
+
+def _fans(faces, first):
+    """Eight triangles round the middle of every face; the middles are numbered from `first`."""
+    centres = np.arange(first, first + len(faces))
+    pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)
+    fans = np.concatenate([pairs, np.broadcast_to(centres[:, None, None], (*faces.shape, 1))], axis=-1)
+    return fans.reshape(-1, 3)
 
 
 def _traces(scene):

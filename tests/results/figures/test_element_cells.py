@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from flexmb_cli.cli.export import export
 from flexmb_cli.results.figures.element_faces import face_edges, outer_faces, triangles
+from flexmb_cli.results.figures.report_scene import with_centres
 from scripts.brick_beam import Beam
 from tests.fe.test_stress_results import result  # noqa: F401
 
@@ -100,3 +101,16 @@ def test_vtk_reads_the_stresses_of_nodes_and_none_of_rigid_bodies(steps):
     assert found[2]["von_mises"][place] == pytest.approx(wanted, rel=1e-9)
     assert found[2]["stress"][place] == pytest.approx(file["stress/body 2/node_tensor"][2, 0], rel=1e-9)
     assert np.isnan(found[2]["von_mises"][found[2]["body"] != 2]).all()
+
+
+def test_the_middle_of_a_quadratic_face_is_interpolated_by_its_eight_nodes():
+    """Quadratic functions of position are met exactly: the middle has their value."""
+    places, cells = block("C3D20")
+    faces = outer_faces(cells)
+
+    def values(p):
+        return np.stack([p[:, 0] * p[:, 1] - 3 * p[:, 2] + 2, p[:, 0] ** 2], axis=-1)
+
+    found = with_centres(values(places), faces)[len(places) :]
+    centres = places[faces[:, ::2]].mean(axis=1)
+    np.testing.assert_allclose(found, values(centres), atol=1e-14)

@@ -1,5 +1,6 @@
 """Curves as pictures: which are drawn by default, in which panels, and always by the same bytes."""
 
+import re
 import shutil
 import sys
 import time
@@ -184,3 +185,41 @@ def test_a_run_that_failed_before_its_first_row_is_told_as_the_reason(tmp_path, 
     path = write_result(tmp_path / "none.h5", 0, "failed", "locks at once")
     done = CliRunner().invoke(plot, [str(path), *names, "-o", str(tmp_path / "p.png")])
     assert "nothing to draw: the run is not complete, it has no rows: locks at once" in str(done.exception)
+
+
+def pdf_width(content):
+    """Width of a PDF's page, mm."""
+    box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", content)
+    return float(box[1]) / 72 * 25.4
+
+
+@pytest.mark.parametrize("width", ["85", "170"])
+def test_a_picture_for_print_has_the_width_asked_for(bar, tmp_path, width):
+    pytest.importorskip("matplotlib")
+    target = tmp_path / "p.pdf"
+    done = CliRunner().invoke(plot, [str(bar), "point.1", "--width", width, "-o", str(target), "-q"])
+    assert done.exit_code == 0, done.output
+    assert pdf_width(target.read_bytes()) == pytest.approx(float(width), abs=0.05)
+
+
+@pytest.mark.parametrize("options, message", [
+    (["--font", "serif"], "--font: for pictures of print; give --width, too"),
+    (["--width", "85", "--style", "nowhere.mplstyle"], "--style nowhere.mplstyle"),
+    (["--width", "85", "--style", "https://example.org/a"], "nothing is fetched from a network"),
+])  # fmt: skip
+def test_options_of_print_that_cannot_be_met_are_usage_errors(bar, tmp_path, options, message):
+    pytest.importorskip("matplotlib")
+    done = CliRunner().invoke(plot, [str(bar), "point.1", *options, "-o", str(tmp_path / "p.png")])
+    assert done.exit_code == 2
+    assert message in done.output
+
+
+def test_a_style_file_decides_last(bar, tmp_path):
+    """The style's figure colour is on the picture's edge."""
+    pytest.importorskip("matplotlib")
+    image = pytest.importorskip("PIL.Image")
+    (tmp_path / "s.mplstyle").write_text("figure.facecolor: 102030\nsavefig.facecolor: 102030\n")
+    target = tmp_path / "p.png"
+    options = ["--width", "85", "--style", str(tmp_path / "s.mplstyle"), "-o", str(target), "-q"]
+    assert CliRunner().invoke(plot, [str(bar), "point.1", *options]).exit_code == 0
+    assert image.open(target).convert("RGB").getpixel((0, 0)) == (0x10, 0x20, 0x30)

@@ -119,6 +119,11 @@ class Viewer {
     gl.bindBuffer(gl.ARRAY_BUFFER, made.valueBuffer); gl.enableVertexAttribArray(1); gl.vertexAttribPointer(1, 1, gl.FLOAT, false, 0, 0);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, made.triangles, gl.STATIC_DRAW);
+    made.lines = gl.createVertexArray(); made.lineCount = integers(one.edges).length;
+    gl.bindVertexArray(made.lines);
+    gl.bindBuffer(gl.ARRAY_BUFFER, made.placeBuffer); gl.enableVertexAttribArray(0); gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, integers(one.edges), gl.STATIC_DRAW);
     return made;
   }
 
@@ -199,7 +204,7 @@ class Viewer {
       const colour = rgb(trace.colour), m = trace.marks;
       for (let k = 0; k + 5 < m.length; k += 3) data.push(m[k], m[k + 1], m[k + 2], m[k + 3], m[k + 4], m[k + 5], ...colour, 0.3);
     }
-    const j = this.joints, count = j.names.length, axis = scaled(this.turn.eye, 1.6 * this.radius());
+    const j = this.joints, count = j.names.length, axis = scaled(this.turn.eye, 1.2 * this.radius());
     for (let k = 0; k < count; k++) {
       const at = 3 * (count * this.frame + k), p = [j.marks[at], j.marks[at + 1], j.marks[at + 2]];
       data.push(p[0] - axis[0], p[1] - axis[1], p[2] - axis[2], p[0] + axis[0], p[1] + axis[1], p[2] + axis[2], 0.35, 0.35, 0.35, 1.5);
@@ -228,7 +233,14 @@ class Viewer {
       gl.bindVertexArray(one.array);
       gl.bindBuffer(gl.ARRAY_BUFFER, one.placeBuffer); gl.bufferData(gl.ARRAY_BUFFER, one.places, gl.DYNAMIC_DRAW);
       gl.bindBuffer(gl.ARRAY_BUFFER, one.valueBuffer); gl.bufferData(gl.ARRAY_BUFFER, one.values, gl.DYNAMIC_DRAW);
+      gl.enable(gl.POLYGON_OFFSET_FILL); gl.polygonOffset(1, 1);
       gl.drawElements(gl.TRIANGLES, one.triangles.length, gl.UNSIGNED_INT, 0);
+      gl.disable(gl.POLYGON_OFFSET_FILL);
+      if (!this.part("mesh").checked) continue;
+      gl.uniform4f(this.surface.at("plain"), 0.1, 0.1, 0.12, 1); gl.uniform1f(this.surface.at("lit"), 0);
+      gl.bindVertexArray(one.lines);
+      gl.drawElements(gl.LINES, one.lineCount, gl.UNSIGNED_INT, 0);
+      gl.uniform1f(this.surface.at("lit"), 1);
     }
   }
 
@@ -252,7 +264,8 @@ class Viewer {
     this.part("view").addEventListener("change", event => this.look(event.target.value));
     this.part("colour").addEventListener("change", event => { this.colouring = event.target.value; this.show(this.frame); });
     this.part("scale").addEventListener("change", event => { this.magnify = Number(event.target.value) || 0; this.show(this.frame); });
-    for (const name of ["colour", "scale"]) this.part(name).parentElement.hidden = !this.surfaces.length;
+    this.part("mesh").addEventListener("change", () => this.show(this.frame));
+    for (const name of ["colour", "scale", "mesh"]) this.part(name).parentElement.hidden = !this.surfaces.length;
     this.part("shade").addEventListener("click", () => {
       const root = document.documentElement, dark = root.dataset.shade ? root.dataset.shade === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
       root.dataset.shade = dark ? "light" : "dark"; this.show(this.frame);
@@ -313,7 +326,7 @@ class Viewer {
       for (let e = 0; e < body.edges.length; e += 2) for (let t = 0; t <= 1; t += 0.125)
         near([0, 1, 2].map(i => (1 - t) * body.marks[first + 3 * body.edges[e] + i] + t * body.marks[first + 3 * body.edges[e + 1] + i]), body.name);
     }
-    for (const one of this.surfaces) for (let n = 0; n < one.count; n++) near(one.places.subarray(3 * n, 3 * n + 3), `${one.name} node ${one.numbers[n]}`);
+    for (const one of this.surfaces) for (let n = 0; n < one.numbers.length; n++) near(one.places.subarray(3 * n, 3 * n + 3), `${one.name} node ${one.numbers[n]}`);
     label.textContent = best;
     label.style.left = `${event.clientX - bounds.left + 12}px`; label.style.top = `${event.clientY - bounds.top + 12}px`;
   }

@@ -1,0 +1,65 @@
+"""How pictures look: width on paper, fonts, a style file of matplotlib, texts by LaTeX."""
+
+import textwrap
+from typing import Any
+
+from ...quick_dataclass import dataclass
+
+MILLIMETRES = 25.4
+# Height of a panel by the width of the picture.
+PANEL, SQUARE = 0.45, 0.85
+# Curves of a panel whose legend still fits into it.
+ROOMY = 4
+TICKS = 6
+# Distance of a legend's lines by the size of letters; points an inch.
+LINE, POINTS = 1.5, 72
+# Widths of a letter and of a line of a legend by the size of letters.
+LETTER, HANDLE = 0.55, 5.0
+
+
+@dataclass(frozen=True)
+class Look:
+    """A picture for print: `width` in mm; font family and size in points, "" and 0 for matplotlib's own.
+
+    `style`: a style file of matplotlib, or the name of a style; `latex`: texts are set by LaTeX.
+    """
+
+    width: float
+    font: str = ""
+    size: float = 0.0
+    style: str = ""
+    latex: bool = False
+
+    @property
+    def inches(self) -> float:
+        """The width, in."""
+        return self.width / MILLIMETRES
+
+    def wrapped(self, label: str) -> str:
+        """The label of a vertical axis in lines that are no longer than a panel is high."""
+        letters = PANEL * self.inches / (LETTER * (self.size or 8.0) / POINTS)
+        return "\n".join(textwrap.wrap(label, max(10, int(letters))))
+
+    def legend_columns(self, labels: list[str]) -> int:
+        """How many names stand side by side below a panel."""
+        size = (self.size or 8.0) / POINTS
+        widest = max(map(len, labels)) * LETTER * size + HANDLE * size
+        return 2 if 2 * widest < self.inches else 1
+
+    def legend_height(self, labels: list[str]) -> float:
+        """Height of a legend below its panel, in; 0 where it fits into the panel."""
+        if len(labels) <= ROOMY:
+            return 0.0
+        rows = -(-len(labels) // self.legend_columns(labels))
+        return rows * LINE * (self.size or 8.0) / POINTS
+
+    def settings(self) -> dict[str, Any]:
+        """Settings of matplotlib that follow, for rcParams."""
+        size = self.size or 8.0
+        found: dict[str, Any] = {
+            "font.size": size, "axes.labelsize": size, "axes.titlesize": size, "figure.titlesize": size,
+            "legend.fontsize": 0.9 * size, "xtick.labelsize": 0.9 * size, "ytick.labelsize": 0.9 * size,
+            "lines.linewidth": 1.0, "axes.linewidth": 0.6, "xtick.direction": "in", "ytick.direction": "in",
+            "pdf.fonttype": 42, "svg.fonttype": "path", "text.usetex": self.latex,
+        }  # fmt: skip
+        return found | ({"font.family": self.font} if self.font else {})
