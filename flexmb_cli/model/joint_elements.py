@@ -5,9 +5,8 @@ along it, m; both are 0 at the deck's estimates.  Joints and drivers are numbere
 ground, whose axes are global.
 """
 
-from dataclasses import dataclass, fields
-
 from ..errors import Place
+from ..quick_dataclass import dataclass, fields
 from .mechanism import Vector
 from .time_functions import MotionLaw
 

@@ -2,13 +2,13 @@
 
 import os
 from contextlib import contextmanager
-from dataclasses import replace
 
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.tree import Tree
 from ..model.unit_checks import unit_doubts
+from ..quick_dataclass import replace
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .absolute_march import AbsoluteMarch
@@ -199,7 +199,7 @@ class _March:
 
     @property
     def statistics(self):
-        """What -v prints."""
+        """Return what -v prints."""
         parts = []
         if self.analysis:
             clock = self.analysis.clock[0]
@@ -210,7 +210,7 @@ class _March:
 
     @property
     def stopped_at(self):
-        """What unit 3 is told of a stop: tolerance, time aimed at, step, time, speeds and coordinates."""
+        """Return the record of a stop for unit 3: tolerance, aim, step, time, speeds, coordinates."""
         if self.analysis is None:
             return None
         clock, grid = self.analysis.clock[0], self.tree.time
@@ -263,7 +263,7 @@ class _ResultFiles:
 
     @property
     def unfinished(self):
-        """Where the files are until they are complete."""
+        """Return where the files are until they are complete."""
         return tuple(file.temporary for file in self._all())
 
     def _all(self):

@@ -1,10 +1,9 @@
 """The tree of a DAFMS deck as the options of a run want it integrated, and its solution in memory."""
 
-from dataclasses import replace
-
 from ..deck.record import Deck
 from ..dialects.dafms.build import build_dafms
 from ..model.tree import Tree, default_tolerances
+from ..quick_dataclass import replace
 from ..solvers.compilation import tell_of_compiling
 from .outcome import Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution
@@ -19,7 +18,7 @@ def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
 
 
 def _integration(deck, options):
-    """What the options change; another method has another tolerance, where none is given."""
+    """Return what the options change; another method has another tolerance, where none is given."""
     given = dict(options.integration)
     if "method" in given and not deck.section("tolerance"):
         rtol, atol = default_tolerances(given["method"])

@@ -1,12 +1,12 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from dataclasses import replace
-
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
 from ..dialects.recognise import read_deck
+from ..dialects.young.sections import AS_PRINTED
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from ..results.files.file_names import result_paths
 from .exit_status import ending_recorded
 from .outcome import ABSOLUTE, SOLVER_OPTIONS, Listener, Outcome, RunOptions, Stop
@@ -85,6 +85,8 @@ def _told_options(dialect, options):
     """The options of this run on which its numbers depend, as the command has them."""
     given = options.solver if dialect == "young" else options.integration if dialect == "dafms" else {}
     told = [f"{SOLVER_OPTIONS.get(key, key)}={value}" for key, value in given.items()]
+    if dialect == "young" and options.as_printed:
+        told.append(AS_PRINTED)
     if dialect == "dafms" and options.formulation == ABSOLUTE:
         told.append(f"formulation={ABSOLUTE}")
     return tuple(told)
@@ -94,7 +96,8 @@ def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -
     """Options that mean nothing to the deck's dialect are said to be without effect."""
     foreign = []
     if deck.dialect != "young":
-        foreign.append(("YOUNG", [SOLVER_OPTIONS[key] for key in options.solver]))
+        given = [SOLVER_OPTIONS[key] for key in options.solver]
+        foreign.append(("YOUNG", given + [AS_PRINTED] * options.as_printed))
     if deck.dialect != "dafms":
         given = [*options.integration, *["formulation"] * (options.formulation == ABSOLUTE)]
         foreign.append(("DAFMS", given + ["resume"] * options.resume))
@@ -122,7 +125,7 @@ def _doubly_set(changes):
 
 
 def paths_of(deck: Deck, options: RunOptions):
-    """Where the results of `deck` go."""
+    """Return where the results of `deck` go."""
     return result_paths(
         deck.source.name,
         deck.dialect,

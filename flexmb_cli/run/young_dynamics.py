@@ -1,11 +1,11 @@
 """A YOUNG deck with dynamic cards from its records to OUT table and HDF5 result."""
 
-from dataclasses import dataclass
 from functools import partial
 
 from ..deck.record import Deck
 from ..dialects.young.dynamic_cards import INVERSE, analysis_of
-from ..errors import Fault
+from ..errors import Fault, ModelError
+from ..quick_dataclass import dataclass
 from ..results.files.file_names import ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .energy_drift import ConstrainedDrift
@@ -35,9 +35,12 @@ def run_young_deck(
 
 
 def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -> Solution:
-    """What a YOUNG deck asks for, ready to be solved; warnings go into `outcome`.  Raises ModelError."""
+    """Return the solution that a YOUNG deck asks for; warnings go into `outcome`.  Raises ModelError."""
     if analysis_of(deck) is None:
         return kinematic_solution(deck, options, outcome, listener)
+    if options.as_printed:
+        told = "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
+        raise ModelError([Fault("error", told, id="RUN-025")])
     from ..dialects.young.build_dynamics import build_young_dynamics
     from ..model.unit_checks import unit_doubts
     from ..results.hdf5.dynamic import dynamic_layout, dynamic_values
@@ -89,7 +92,7 @@ class StepCount:
 
     @property
     def doubts(self) -> tuple[Fault, ...]:
-        """What the energy of the rows makes doubtful."""
+        """Return what the energy of the rows makes doubtful."""
         return self.drift.doubts if self.drift else ()
 
     def __str__(self):

@@ -1,8 +1,8 @@
 """What a card behind DYNAMICS is: a keyword, and the columns of its numbers."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
+from ...quick_dataclass import dataclass, replace
 from .sections import Column
 
 MOST_NUMBERS = 2_000_000  # of a card

@@ -1,9 +1,8 @@
 """Elements at joints of a YOUNG deck → equations, measures and loads for the kernels."""
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
+from ...quick_dataclass import dataclass, replace
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, CompositeJoint, JointElements
 from ..loads import DynamicModel

@@ -1,11 +1,10 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
-from dataclasses import replace
-
 from ...model.arrays.young_elements import reported_coordinates
 from ...model.element_names import element_names
 from ...model.joint_elements import ANGLE
 from ...model.loads import DynamicModel
+from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series
 from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .kinematic import readable_names

@@ -3,7 +3,6 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from ...deck.record import Deck
 from ...dialects.young.dynamic_cards import FORWARD, analysis_of, has_elements
 from ...errors import Fault, ModelError
+from ...quick_dataclass import dataclass, field, replace
 from ..deck import open_deck
 from ..exit_status import ending_recorded
 from ..outcome import Outcome, RunOptions, Stop, refuse_warnings
@@ -172,7 +172,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
 
 
 def _is_far(grid, jacobian):
-    """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    """Return whether the Jacobian is asked for so late that the way there wants compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 

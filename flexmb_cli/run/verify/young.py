@@ -3,8 +3,6 @@
 Both begin at the position that flexmb assembles.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...deck.record import Deck
@@ -12,6 +10,7 @@ from ...dialects.young.build import build_young
 from ...dialects.young.build_dynamics import build_young_dynamics
 from ...dialects.young.dynamic_cards import FORWARD, analysis_of
 from ...errors import Fault, ModelError
+from ...quick_dataclass import replace
 from ..outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 from .difference import Difference, largest_difference
 
@@ -72,7 +71,7 @@ def _refuse_elements(model):
         message = (
             f"natural coordinates have neither functions nor elements at joints, which this deck has ({what})"
         )
-        raise ModelError([Fault("error", message, id="RUN-025")])
+        raise ModelError([Fault("error", message, id="RUN-026")])
 
 
 def _joined(blocks):

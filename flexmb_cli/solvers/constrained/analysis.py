@@ -184,7 +184,7 @@ class ConstrainedMotion:
         return angles
 
     def _failure(self, answer, due: float = np.inf) -> AnalysisError:
-        """Why no step, or no row that was `due` at that time, could be made."""
+        """Return why no step, or no row that was `due` at that time, could be made."""
         clock = self.clock[0]
         t, step = float(clock["t"]), float(clock["step"])
         norms = {"reached": t, "step": step}
@@ -252,7 +252,7 @@ def _repetition(found, usual):
             f"planar mechanism of spatial joints: {usual} of {found.equations} equations repeat others, 3 a "
             "loop, as they must; the motion is unique, reactions are those of least norm"
         )
-        return Fault("note", message, id="SOLVE-031")
+        return Fault("note", message, id="SOLVE-036")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
     repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
     owners = list(dict.fromkeys(equation.owner for equation in repeated))

@@ -1,7 +1,5 @@
 """Report rows of a YOUNG deck with elements at joints: joint coordinates, and what every element does."""
 
-from dataclasses import dataclass, fields
-
 import numpy as np
 
 from ...kernels.constrained.elements import COORDINATE, EFFORT, POWER, SPEED
@@ -9,6 +7,7 @@ from ...kernels.constrained.report import Report
 from ...model.arrays.dynamic import DynamicArrays
 from ...model.arrays.young_elements import reported_coordinates
 from ...model.loads import DynamicModel
+from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows
 
 
