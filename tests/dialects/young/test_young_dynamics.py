@@ -125,7 +125,9 @@ def test_an_inverse_deck_must_balance_equations_and_coordinates():
 def test_every_dynamic_deck_stands_in_the_readme():
     text = README.read_text(encoding="utf-8")
     assert {path.stem for path in DECKS.glob("*.dat")} == {
-        stem for stem in ("IN4-BAR-MASS", "IN-RSSR-MASS", "IN-BRICARD", "IN-ANDREWS") if f"`{stem}`" in text
+        stem
+        for stem in ("IN4-BAR-MASS", "IN-RSSR-MASS", "IN-BRICARD", "IN-ANDREWS", "IN-ARM")
+        if f"`{stem}`" in text
     }
 
 

@@ -8,8 +8,15 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli import cli
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
 from flexmb_cli.errors import AnalysisError
+from flexmb_cli.model.joint_elements import JointElements
+from flexmb_cli.quick_dataclass import replace
 from flexmb_cli.solvers.constrained.driven_dynamics import DrivenDynamics
+from tests.solvers.constrained.dynamic_runs import run
 from tests.solvers.constrained.element_decks import ARM, ROTOR, SLIDER, TWO_ROTORS, model_of, rows_of
 
 # Slender links: centres of mass, masses, moments of inertia about z.
@@ -151,7 +158,7 @@ def test_turns_of_rate_and_position_agree_with_a_full_revolution_of_the_base():
 @pytest.mark.long_motion
 def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
     """TMOTOR with splines through the efforts of IN-ARM, which has a spring and a damper at its elbow."""
-    text = (Path(__file__).parents[2] / "decks/young/dynamics/IN-ARM.dat").read_text()
+    text = (Path(__file__).parents[3] / "decks/young/dynamics/IN-ARM.dat").read_text()
     mechanism, cards = text.split("0 1 0.01\n")
     loads = cards.partition("inverse")[2].partition("SINE")[0]
     driven = rows_of(mechanism, "0 1 0.005", cards.partition("inverse")[2].partition("END")[0], "inverse")
@@ -162,3 +169,16 @@ def test_both_motors_of_the_supplied_arm_move_it_as_they_were_driven():
     free = rows_of(mechanism, "0 1 0.05", f"{loads}RATE 1 1 1.8\nRATE 2 1 0\nTOLERANCE 1e-12")
     assert free.joint_coordinate == pytest.approx(driven.joint_coordinate[::10], abs=1e-8)
     assert free.joint_rate == pytest.approx(driven.joint_rate[::10], abs=1e-8)
+
+
+def test_an_inverse_run_by_projection_has_the_efforts_of_the_kinematic_analysis():
+    """The RSSR of the dissertation by both ways: JOINTS alone asks for the constrained one."""
+    path = Path(__file__).parents[3] / "decks/young/dynamics/IN-RSSR-MASS.dat"
+    deck = apply_settings(read_deck(read_text(str(path))), ["time.end=0.02"])
+    model = build_young_dynamics(deck)[0]
+    wanted = run(model)
+    (found,) = DrivenDynamics(replace(model, elements=JointElements(reported=True))).rows()
+    scale = np.abs(wanted.driver_effort).max()
+    assert len(found.time) > 3
+    assert found.driver_effort == pytest.approx(wanted.driver_effort, abs=1e-10 * scale)
+    assert found.reaction_force == pytest.approx(wanted.reaction_force, rel=1e-8, abs=1e-8)
