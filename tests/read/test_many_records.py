@@ -73,3 +73,26 @@ def test_faults_are_those_of_small_decks(read, old, new, told):
     with pytest.raises(ModelError) as stopped:
         build_young(read(DECK.replace(old, new)))
     assert told in [(fault.place.line, fault.sentence) for fault in stopped.value.faults]
+
+
+CARDS = (
+    DECK
+    + """\
+DYNAMICS inverse
+MASS 1 2 0.1 0.2 0.3 1 1 1 { about the axes }
+force 2 0 0 0
+  1 2.5 3 { along } FORCE {here} 2 0 0 0 4 5 6 1
+END
+"""
+)
+
+
+def test_cards_of_a_large_deck_are_those_of_a_small_one(read, monkeypatch):
+    many = read(CARDS)
+    monkeypatch.setattr(many_records, "MANY", 10**6)
+    few = read(CARDS)
+    assert isinstance(few.records, tuple) and not isinstance(many.records, tuple)
+    for one, other in zip(few.records[-4:], many.records[-4:], strict=True):
+        assert (one.prefix, one.values, one.place) == (other.prefix, other.values, other.place)
+        assert one.numbers == other.numbers
+    assert [record.place.line for record in many.section("force")] == [10, 11]

@@ -10,7 +10,7 @@ import re
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import islice, takewhile
 
 from ...deck import many_records, number
@@ -18,8 +18,8 @@ from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words, words_from
 from ...errors import DeckError, Fault, FaultList, Place
+from .dynamic_card_table import BY_KEYWORD, CARDS, Card
 from .reader import read_young
-from .sections import Column
 
 MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 NAME = re.compile("DYNAMICS", re.IGNORECASE)
@@ -27,119 +27,11 @@ NAME = re.compile("DYNAMICS", re.IGNORECASE)
 NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
+# A card without comments: its keyword and its numbers.
+_PLAIN_CARD = re.compile(r"[A-Za-z]+\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 SECTION = "dynamics"
 CLOSING = "END"
 INVERSE, FORWARD = "inverse", "forward"
-
-
-@dataclass(frozen=True)
-class Card:
-    """A card: its keyword, the section its records form, and its columns.
-
-    The last `optional` columns may be left out and are then 0.
-    """
-
-    keyword: str
-    section: str
-    columns: tuple[Column, ...]
-    optional: int = 0
-
-
-def _whole(key, meaning):
-    return Column(key, meaning, is_integer=True)
-
-
-def _vector(key, meaning, unit):
-    return tuple(Column(f"{key}.{axis}", f"{axis} of {meaning}", unit) for axis in "xyz")
-
-
-_BODY = _whole("body", "number of the body")
-_FOLLOWING = _whole("following", "0: global axes, 1: the axes of the body, turning with it")
-
-CARDS = (
-    Card(
-        "MASS",
-        "mass",
-        (
-            _BODY,
-            Column("m", "mass", "kg"),
-            *_vector("centre", "the centre of mass, body axes", "m"),
-            *(
-                Column(
-                    f"I{a}",
-                    f"element {a} of the inertia tensor about the centre of mass, body axes",
-                    "kg m^2",
-                )
-                for a in ("xx", "yy", "zz", "xy", "yz", "zx")
-            ),
-        ),
-        optional=3,
-    ),
-    Card(
-        "FORCE",
-        "force",
-        (
-            _BODY,
-            *_vector("P", "the point of action, body axes", "m"),
-            *_vector("F", "the force", "N"),
-            _FOLLOWING,
-        ),
-        optional=1,
-    ),
-    Card("TORQUE", "torque", (_BODY, *_vector("T", "the torque", "N m"), _FOLLOWING), optional=1),
-    Card(
-        "SPRING",
-        "spring",
-        (
-            _whole("I", "number of body I"),
-            _whole("J", "number of body J"),
-            *_vector("P_i", "the end on body I, body axes", "m"),
-            *_vector("P_j", "the end on body J, body axes", "m"),
-            Column("stiffness", "stiffness", "N/m"),
-            Column("free_length", "length without force", "m"),
-            Column("damping", "force of the damper in line per rate of length", "N s/m"),
-        ),
-        optional=1,
-    ),
-    Card(
-        "DAMPER",
-        "damper",
-        (
-            _whole("I", "number of body I"),
-            _whole("J", "number of body J"),
-            *_vector("P_i", "the end on body I, body axes", "m"),
-            *_vector("P_j", "the end on body J, body axes", "m"),
-            Column("damping", "force per rate of length", "N s/m"),
-        ),
-    ),
-    Card("GRAVITY", "gravity", _vector("g", "the acceleration of gravity, global axes", "m/s^2")),
-    Card(
-        "VELOCITY",
-        "velocity",
-        (
-            _BODY,
-            *_vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
-            *_vector("w", "the angular velocity at the start, global axes", "rad/s"),
-        ),
-        optional=3,
-    ),
-    Card("TOLERANCE", "tolerance", (Column("relative", "error tolerance of the integration"),)),
-    Card(
-        "GALF",
-        "generalised-alpha",
-        (
-            Column("step", "length of the steps of the generalised-alpha method, 0: by the tolerance", "s"),
-            Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
-        ),
-    ),
-    Card(
-        "RAD5",
-        "radau",
-        (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
-        optional=1,
-    ),
-)
-BY_KEYWORD = {card.keyword: card for card in CARDS}
 
 
 def read_young_deck(source: DeckText) -> Deck:
@@ -291,9 +183,51 @@ class _Cards:
 def _again(source, section, starts, index):
     """The record of a card that was read without error before."""
     kind = next(card for card in CARDS if card.section == section)
-    keyword, *behind = islice(words_from(source.lines, starts[index]), 1 + len(kind.columns))
-    found = list(takewhile(lambda word: not _is_keyword(word), behind))
-    return _Cards(source, 0).record(kind, index + 1, keyword, found)
+    return _ReadCard(source, kind, index + 1, starts[index])
+
+
+class _ReadCard(Record):
+    """A card of a large deck: what is more of its numbers than their values is made when it is looked at."""
+
+    def __init__(self, source: DeckText, kind: Card, number_of_card: int, start: int):
+        subject = f"{kind.section} {number_of_card}"
+        vars(self).update(section=kind.section, number=number_of_card, subject=subject, made={})
+        vars(self).update(positions=kind.positions, _source=source, _kind=kind, _start=start)
+
+    @cached_property
+    def values(self) -> tuple[float | int, ...]:
+        """Values of the numbers."""
+        found = self._plain
+        if found is None:
+            return tuple(item.value for item in self.numbers)
+        texts = found[1].split()
+        spellings = [number.integer if column.is_integer else number.real for column in self._kind.columns]
+        read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
+        left_out = self._kind.columns[len(read) :]
+        return *read, *(0 if column.is_integer else 0.0 for column in left_out)
+
+    @cached_property
+    def numbers(self) -> tuple[Number, ...]:
+        """The numbers with their places."""
+        words_of_card = words_from(self._source.lines, self._start)
+        keyword, *behind = islice(words_of_card, 1 + len(self._kind.columns))
+        found = list(takewhile(lambda word: not _is_keyword(word), behind))
+        return _Cards(self._source, 0).record(self._kind, self.number, keyword, found).numbers
+
+    @property
+    def place(self) -> Place:
+        """Place of the first number."""
+        found = self._plain
+        if found is None:
+            return self.numbers[0].place
+        line, column = self._source.lines.place_of(found.start(1))
+        return Place(line, column, len(found[1].split(maxsplit=1)[0]))
+
+    @cached_property
+    def _plain(self):
+        """The card in the text; None where a comment stands in it or behind it."""
+        found = _PLAIN_CARD.match(self._source.text, self._start)
+        return found if found and not found[2] else None
 
 
 def _is_keyword(word):
