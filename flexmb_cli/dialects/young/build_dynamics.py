@@ -251,10 +251,9 @@ def _check_time(model, findings):
 
 
 def _doubt_massless(model, findings):
-    at_rest = {ground.body for ground in model.mechanism.grounds}
-    heavy = {item.body for item in model.masses}
+    told = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
-        if number not in at_rest | heavy:
+        if number not in told:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
