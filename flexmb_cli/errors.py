@@ -5,9 +5,10 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
+
+from .quick_dataclass import dataclass, field
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from .options.completion import example_names
+
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
 PLACES = (PACKAGE / "decks", PACKAGE.parent / "decks")
@@ -14,7 +16,7 @@ SUFFIXES = {".dat": "YOUNG", ".DAT": "DAFMS", ".vsdf": "VSDF", ".toml": "study"}
 
 
 @click.command()
-@click.argument("names", nargs=-1, metavar="[NAME...]")
+@click.argument("names", nargs=-1, metavar="[NAME...]", shell_complete=example_names)
 @click.option(
     "-o", "--output-dir", type=click.Path(path_type=Path), default=".", help="Folder of the copies."
 )

@@ -10,15 +10,17 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..memory import TO_LOAD, require_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
+from .terminal.progress import Progress
 from .terminal.screen import tell
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("study")
+@click.argument("study", shell_complete=files)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PATH",
               help="Table: .h5, or .parquet.  [default: STUDY's name, .h5]")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
@@ -28,8 +30,11 @@ from .terminal.written_place import WrittenPlace
               "goes away at the end.  [default: beside the table]")  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@click.option(
+    "-v", "--verbose", is_flag=True, help="Without a terminal, tell every ten seconds how far it is."
+)
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
+def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet, verbose):
     """Solve the variants of a deck that STUDY (TOML) describes, and write a table with a row for each.
 
     A study that was stopped goes on where it was when the same command is given again.  A case that
@@ -42,11 +47,11 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     stem = "" if study == "-" else PurePath(study).stem
     output = output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
-    made = _begun(study, output, parts, fresh, as_json)
+    made = _begun(study, output, parts, scheduler, fresh, as_json)
     stop_on_signals()
     try:
         with faults_in_json(as_json, {"study": study}, study), Stop.released():
-            _solve(made, jobs, scheduler, quiet)
+            _solve(made, study, jobs, scheduler, quiet, verbose)
             failures = _first_failures(made)
             _write(made, output)
     except (KeyboardInterrupt, Terminated) as stop:
@@ -59,6 +64,18 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     if as_json:
         _print_record(study, "failed" if made.failed else "complete", exit_code, made, made.failed, output)
     sys.exit(exit_code)
+
+
+def _require_libraries(output, scheduler):
+    """What is missing is reported before hours of work."""
+    if output.endswith(".parquet"):
+        from ..study.table import require_library
+
+        require_library(output)
+    if scheduler:
+        from ..study.cluster import require_dask
+
+        require_dask()
 
 
 def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
@@ -77,7 +94,7 @@ def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
         sys.stdout.flush()
 
 
-def _begun(study, output, parts, fresh, as_json):
+def _begun(study, output, parts, scheduler, fresh, as_json):
     require_memory(TO_LOAD)  # of numpy, below
     from ..results.files.replaced_file import refuse_unwritable
     from ..study.sweep import StudyError, Sweep
@@ -85,6 +102,7 @@ def _begun(study, output, parts, fresh, as_json):
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
     refuse_inputs(output, [study])
+    _require_libraries(output, scheduler)
     try:
         with faults_in_json(as_json, {"study": study}, study):
             # The cases are kept beside the table: without this their folder would be made with all its
@@ -98,7 +116,7 @@ def _begun(study, output, parts, fresh, as_json):
     sys.exit(BAD_INPUT)
 
 
-def _solve(made, jobs, scheduler, quiet):
+def _solve(made, study, jobs, scheduler, quiet, verbose):
     from ..run.processes.parent_watch import outlive_workers
     from ..study import cluster, workers
 
@@ -107,35 +125,15 @@ def _solve(made, jobs, scheduler, quiet):
     cases, left = made.job.study.cases, made.left
     if left < cases:
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
-    with _progress(left, quiet) as advance:
+    with Progress(study, "cases", quiet, verbose) as progress:
+        progress.begin(left)
+        advance = progress.advance
         if scheduler:
             cluster.solve_on_cluster(made, blocks, advance, scheduler)
         elif jobs > 1:
             workers.solve_in_processes(made, blocks, advance, jobs)
         else:
             workers.solve_here(made, blocks, advance)
-
-
-def _progress(cases, quiet):
-    """A bar on a terminal; its estimate counts only the cases of this call."""
-    from contextlib import nullcontext
-
-    if quiet or not cases or not sys.stderr.isatty():
-        return nullcontext(lambda solved: None)
-    return _Bar(cases)
-
-
-class _Bar:
-    def __init__(self, cases):
-        self.bar = click.progressbar(length=cases, label="cases", file=sys.stderr, show_pos=True,
-                                     update_min_steps=max(1, cases // 1000))  # fmt: skip
-
-    def __enter__(self):
-        self.bar.__enter__()
-        return self.bar.update
-
-    def __exit__(self, *failure):
-        self.bar.__exit__(None, None, None)
 
 
 def _first_failures(made, most=3):

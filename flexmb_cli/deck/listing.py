@@ -1,11 +1,11 @@
 """A printed listing as numbers: what the readers of the dialects yield and `diff` compares."""
 
 import sys
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..errors import DeckError, Fault
+from ..quick_dataclass import dataclass, field
 from .fortran_format import Edit
 
 # Bytes.  The numbers of two listings take seven times their size in memory.

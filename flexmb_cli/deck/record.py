@@ -1,10 +1,11 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
+import dataclasses
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 from ..errors import Fault, Place
+from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
 
 
@@ -26,7 +27,7 @@ class DeckText:
         return Lines(self.text)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True)  # of large decks there are millions
 class Number:
     """One number of the deck.
 
@@ -82,7 +83,7 @@ class Record:
 
     @cached_property
     def positions(self) -> dict[str, int]:
-        """Where among the numbers each key stands first."""
+        """Return where among the numbers each key stands first."""
         return _positions(tuple(number.key for number in self.numbers))
 
     def __contains__(self, key: str) -> bool:

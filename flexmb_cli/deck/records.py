@@ -39,6 +39,6 @@ class DeckValues:
         return default if record is None else tuple(record.values)
 
     def place(self, section: str, number: int = 0) -> Place | None:
-        """Where a record stands, None when it does not."""
+        """Return where a record stands, None when it does not."""
         record = self.record(section, number)
         return record.place if record else None

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from importlib import import_module
 from itertools import islice
 
@@ -12,6 +11,7 @@ from ..deck.lines import as_lines
 from ..deck.record import Deck, DeckText
 from ..deck.words import Word, words
 from ..errors import DeckError, Fault
+from ..quick_dataclass import dataclass, replace
 
 AUTO = "auto"
 CHOOSES = "--dialect chooses one"

@@ -1,11 +1,11 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
-from dataclasses import replace
 from itertools import islice
 
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from .young.reader import DIALECT as YOUNG
 from .young.reader import labelled
 
@@ -37,7 +37,7 @@ class SettableDeck:
         return self._place(name) is not None
 
     def unknown(self, name: str) -> str:
-        """What to say of a name that the deck lacks."""
+        """Return what to say of a name that the deck lacks."""
         from difflib import get_close_matches
 
         names = (known for known, _ in self.deck.numbers())

@@ -1,18 +1,19 @@
-"""Laws of time: polynomials, spin-up, sines and tables, with their first two derivatives.
+"""Laws of time: polynomials, spin-up, sines, tables, sums and products, with their first two derivatives.
 
 The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w over the time T.
 """
 
 import math
 from array import array
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass
+from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
 
-POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE = 1, 2, 3, 4, 5
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,9 @@ class MotionLaw:
     1: c0 + c1 t + c2 t² + c3 t³.  2: (w/T) (t²/2 + (T/2 pi)² (cos(2 pi t/T) - 1)) up to T = c1, then
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
     (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.  5: the same,
-    which keeps its first and last value outside.  The points of a table may be a million: arrays of doubles.
+    which keeps its first and last value outside.  6: `pieces`, see `piecewise_polynomials`.  7: the sum of
+    `terms`, each a product of laws of the other kinds.  The points of a table may be a million: arrays of
+    doubles.
     """
 
     kind: int
@@ -30,11 +33,12 @@ class MotionLaw:
     times: Sequence[float] = ()
     values: Sequence[float] = ()
     curvature: Sequence[float] = ()
+    pieces: Pieces = ()
+    terms: tuple[tuple["MotionLaw", ...], ...] = ()
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Value and its first and second derivative at time `t`, s."""
-        laws = {POLYNOMIAL: _polynomial, SPIN_UP: _spin_up, SINE: _sine, TABLE: _spline, HELD_TABLE: _held}
-        return laws[self.kind](self, t)
+        return _VALUES[self.kind](self, t)
 
     @property
     def of_factor(self) -> "MotionLaw":
@@ -110,6 +114,78 @@ def _held(law, t):
     if law.times[0] <= t <= law.times[-1]:
         return _spline(law, t)
     return law.values[0 if t < law.times[0] else -1], 0.0, 0.0
+
+
+def _pieces(law, t):
+    return value_and_rates(law.pieces, t)
+
+
+def _compound(law, t):
+    total = (0.0, 0.0, 0.0)
+    for factors in law.terms:
+        f, fd, fdd = 1.0, 0.0, 0.0
+        for g, gd, gdd in (factor.at(t) for factor in factors):
+            f, fd, fdd = f * g, fd * g + f * gd, fdd * g + 2.0 * fd * gd + f * gdd
+        total = (total[0] + f, total[1] + fd, total[2] + fdd)
+    return total
+
+
+_VALUES = {
+    POLYNOMIAL: _polynomial,
+    SPIN_UP: _spin_up,
+    SINE: _sine,
+    TABLE: _spline,
+    HELD_TABLE: _held,
+    PIECEWISE: _pieces,
+    COMPOUND: _compound,
+}
+
+
+def piecewise(pieces: Pieces) -> MotionLaw:
+    """The law of these pieces."""
+    return MotionLaw(PIECEWISE, pieces=pieces)
+
+
+def _terms(law):
+    return law.terms if law.kind == COMPOUND else ((law,),)
+
+
+def sum_of(laws: Iterable[MotionLaw]) -> MotionLaw:
+    """The sum of laws."""
+    return MotionLaw(COMPOUND, terms=tuple(term for law in laws for term in _terms(law)))
+
+
+def product_of(laws: Iterable[MotionLaw]) -> MotionLaw:
+    """The product of laws, multiplied out."""
+    products: list[tuple[MotionLaw, ...]] = [()]
+    for law in laws:
+        products = [(*before, *term) for before in products for term in _terms(law)]
+    return MotionLaw(COMPOUND, terms=tuple(products))
+
+
+def integral_of(law: MotionLaw, start: float = 0.0) -> MotionLaw | None:
+    """The antiderivative that is 0 at `start`; None where flexmb has none: of a product."""
+    if law.kind == PIECEWISE:
+        return piecewise(integral(law.pieces, start))
+    if law.kind == POLYNOMIAL:
+        return piecewise(integral(((0.0, *law.c),), start))
+    if law.kind == SINE and law.c[2] != 0.0:
+        mean, size, omega, phase = law.c
+        turning = MotionLaw(SINE, (0.0, -size / omega, omega, phase + math.pi / 2))
+        return sum_of([piecewise(((start, -turning.at(start)[0], mean),)), turning])
+    if law.kind == COMPOUND and all(len(factors) == 1 for factors in law.terms):
+        parts = [integral_of(factors[0], start) for factors in law.terms]
+        return None if None in parts else sum_of(parts)
+    return None
+
+
+def smoothness(law: MotionLaw) -> int:
+    """How many derivatives of a law are continuous, at most 2; -1: its value jumps."""
+    if law.kind == PIECEWISE:
+        return continuous_rates(law.pieces)
+    if law.kind == COMPOUND:
+        return min((smoothness(factor) for factors in law.terms for factor in factors), default=2)
+    return {HELD_TABLE: 0}.get(law.kind, 2)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ class AbsoluteMarch:
 
     @property
     def statistics(self) -> str:
-        """What -v prints."""
+        """Return what -v prints."""
         clock = self.analysis.clock[0]
         counts = f"{clock['evaluations']} evaluations, {clock['rejections']} rejected steps"
         return f"absolute coordinates: {counts}; {self.drift}"

@@ -2,13 +2,13 @@
 
 import os
 from contextlib import contextmanager
-from dataclasses import replace
 
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..model.tree import Tree
 from ..model.unit_checks import unit_doubts
+from ..quick_dataclass import replace
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .absolute_march import AbsoluteMarch
@@ -199,7 +199,7 @@ class _March:
 
     @property
     def statistics(self):
-        """What -v prints."""
+        """Return what -v prints."""
         parts = []
         if self.analysis:
             clock = self.analysis.clock[0]
@@ -210,7 +210,7 @@ class _March:
 
     @property
     def stopped_at(self):
-        """What unit 3 is told of a stop: tolerance, time aimed at, step, time, speeds and coordinates."""
+        """Return the record of a stop for unit 3: tolerance, aim, step, time, speeds, coordinates."""
         if self.analysis is None:
             return None
         clock, grid = self.analysis.clock[0], self.tree.time
@@ -255,15 +255,16 @@ class _ResultFiles:
     def _open_result(self, tree):
         from ..results.hdf5.result_file import ResultFile
         from ..results.hdf5.tree import tree_layout
+        from ..results.quantities.selection import selected
         from ..solvers.tree.points import point_names
 
         layout = tree_layout(tree, point_names(tree))
         layout = with_errors(layout) if self.options.estimate_error else layout
-        self.result = ResultFile(self.paths.h5, self.deck, layout)
+        self.result = ResultFile(self.paths.h5, self.deck, selected(layout, self.deck, self.options.only))
 
     @property
     def unfinished(self):
-        """Where the files are until they are complete."""
+        """Return where the files are until they are complete."""
         return tuple(file.temporary for file in self._all())
 
     def _all(self):

@@ -1,17 +1,18 @@
 """The tree of a DAFMS deck as the options of a run want it integrated, and its solution in memory."""
 
-from dataclasses import replace
-
 from ..deck.record import Deck
 from ..dialects.dafms.build import build_dafms
 from ..model.tree import Tree, default_tolerances
+from ..quick_dataclass import replace
 from ..solvers.compilation import tell_of_compiling
+from .integration_options import refuse_foreign_method
 from .outcome import Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution
 
 
 def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
     """The tree of `deck`, to be integrated as `options` say; its warnings go into `outcome`."""
+    refuse_foreign_method("dafms", options)
     tree, warnings = build_dafms(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
@@ -19,7 +20,7 @@ def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
 
 
 def _integration(deck, options):
-    """What the options change; another method has another tolerance, where none is given."""
+    """Return what the options change; another method has another tolerance, where none is given."""
     given = dict(options.integration)
     if "method" in given and not deck.section("tolerance"):
         rtol, atol = default_tolerances(given["method"])

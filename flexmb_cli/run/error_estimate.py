@@ -1,12 +1,12 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
+from ..quick_dataclass import dataclass, replace
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"
@@ -118,7 +118,7 @@ class EstimatingCount:
 
     @property
     def doubts(self) -> tuple[Fault, ...]:
-        """What the rows make doubtful."""
+        """Return what the rows make doubtful."""
         return (*self.count.doubts, *self.estimate.doubts)
 
     def __str__(self):

@@ -1,7 +1,5 @@
 """Small motions of the mechanism of a deck, about a time or an equilibrium."""
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from ..deck.record import Deck
@@ -10,6 +8,7 @@ from ..errors import Fault, ModelError
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.tree import Tree
 from ..model.unit_checks import unit_doubts
+from ..quick_dataclass import dataclass, replace
 from ..solvers.compilation import tell_of_compiling
 from .check.check import FARTHEST_STEPS
 from .outcome import Listener, Outcome, RunOptions, refuse_warnings

@@ -1,12 +1,11 @@
 """Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
 
-from dataclasses import dataclass, field
-
 from ..deck.record import Deck
 from ..dialects.young.dynamic_cards import FORWARD, analysis_of
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_doubts
+from ..quick_dataclass import dataclass, field
 from .dafms_tree import tree_of
 from .deck import open_deck
 from .exit_status import ending_recorded

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
+from ..quick_dataclass import dataclass, field, replace
 
 INTERRUPTED, TERMINATED = 130, 143
 
@@ -76,7 +76,9 @@ class RunOptions:
     """The options of `flexmb run` that concern one deck.
 
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
-    a tree: KANE or ABSOLUTE; `debug`: faults of flexmb itself are raised.
+    a tree: KANE or ABSOLUTE; `as_printed`: a YOUNG deck is solved with the errors of the program of 1996;
+    `debug`: faults of flexmb itself are raised; `only`: names of quantities that the HDF5 result holds, all
+    without any.
     """
 
     dialect: str = "auto"
@@ -93,8 +95,10 @@ class RunOptions:
     resume: bool = False
     formulation: str = KANE
     estimate_error: bool = False
+    as_printed: bool = False
     echo: bool = False
     debug: bool = False
+    only: tuple[str, ...] = ()
 
 
 @dataclass
@@ -103,7 +107,8 @@ class Outcome:
 
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
-    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets.
+    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets,
+    `as_printed` whether it was solved with the errors of the program of 1996.
     """
 
     deck: str
@@ -119,6 +124,7 @@ class Outcome:
     errors: dict = field(default_factory=dict)
     failed_at: float | None = None
     norms: dict = field(default_factory=dict)
+    as_printed: bool = False
 
     @property
     def status(self) -> str:
@@ -139,16 +145,21 @@ class Outcome:
             "rows": self.rows,
             "files": list(self.files),
             **({"global_error": self.errors} if self.errors else {}),
+            **({"as_printed": True} if self.as_printed else {}),
         }
 
 
 @dataclass(frozen=True)
 class Listener:
-    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`."""
+    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`, `status(doing)`.
+
+    A notice stays; a status holds until the first row.
+    """
 
     begin: Callable[[int], None] = lambda rows: None
     advance: Callable[[int], None] = lambda rows: None
     notice: Callable[[str], None] = lambda sentence: None
+    status: Callable[[str], None] = lambda doing: None
 
 
 def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:

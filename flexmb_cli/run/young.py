@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
+from ..quick_dataclass import dataclass
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .exit_status import reason_of
@@ -31,7 +31,14 @@ def kinematic_solution(deck: Deck, options: RunOptions, outcome: Outcome, listen
     outcome.faults += warnings
     refuse_warnings(outcome, options)
     contents = Contents(lambda: kinematic_layout(mechanism), kinematic_values)
-    return Solution(_analysis(mechanism, options, listener), mechanism.time.rows, contents, _NewtonCount())
+    if options.as_printed:
+        from ..solvers.as_printed.analysis import AsPrinted
+
+        analysis = AsPrinted(mechanism, options.solver)
+        outcome.as_printed = True
+    else:
+        analysis = _analysis(mechanism, options, listener)
+    return Solution(analysis, mechanism.time.rows, contents, _NewtonCount())
 
 
 def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: Listener) -> None:
@@ -71,7 +78,7 @@ def keep_rows(solution: "Solution", files, options, outcome: Outcome, listener: 
 
 
 def _notes(doubts, analysis) -> tuple[str, ...]:
-    """What the model made doubtful and the analysis told about its way, for the result file."""
+    """Return what the model made doubtful and the analysis told about its way, for the result file."""
     return sentences((*doubts, *analysis.warnings))
 
 
@@ -144,9 +151,10 @@ class ResultFiles:
             self._open_table(deck, options, stdout, ReplacedText)
         if paths.h5 is not None:
             from ..results.hdf5.result_file import ResultFile
+            from ..results.quantities.selection import selected
 
             try:
-                self.result = ResultFile(paths.h5, deck, contents.layout())
+                self.result = ResultFile(paths.h5, deck, selected(contents.layout(), deck, options.only))
             except BaseException:
                 self.discard()
                 raise

@@ -1,18 +1,20 @@
-"""Write tests/run/digests.txt anew: the digests of the printed tables of all shipped decks.
+"""Write tests/run/digests.txt and contents.txt anew: digests of the results of all shipped decks.
 
 Example: scripts/determinism/run digests
 To be called when a table has changed on purpose; `git diff` tells which.  The form is that of sha256sum.
-Tables of VSDF decks hold round-off of LAPACK, which is another on other processors; of these the last rows
-are kept too, in tests/run/last_rows.txt.
+digests.txt is of the printed tables, contents.txt of all numbers, names and units of the HDF5 results.
+Results of VSDF decks hold round-off of LAPACK, which is another on other processors; of these the last rows
+of the tables are kept too, in tests/run/last_rows.txt.
 """
 
 import tempfile
 from pathlib import Path
 
-from shipped import DECKS, KINDS, flexmb, shipped, written
+from shipped import DECKS, KINDS, content_digest, flexmb, shipped, written
 
 PINNED = DECKS.parent / "tests/run"
 OF_LAPACK = "vsdf"
+RESULT = ".h5"
 
 
 def last_rows(table: str) -> str:
@@ -26,14 +28,16 @@ def main():
         folder = Path(name) / "results"
         for kind in KINDS:
             given = {"FLEXMB_CACHE_DIR": f"{name}/bodies"}
-            arguments = ("run", "-q", "--no-h5", "-o", folder / kind, *shipped(kind))
-            flexmb(*arguments, cwd=name, environment=given)
-        lines = [f"{file.sha256}  {name}\n" for name, file in written(folder).items()]
+            flexmb("run", "-q", "-o", folder / kind, *shipped(kind), cwd=name, environment=given)
+        files = written(folder)
+        lines = [f"{files[name].sha256}  {name}\n" for name in files if not name.endswith(RESULT)]
+        contents = [f"{content_digest(folder / name)}  {name}\n" for name in files if name.endswith(RESULT)]
         rows = [
             f"{OF_LAPACK}/{path.name}\n{last_rows(path.read_text(encoding='utf-8'))}\n"
-            for path in sorted((folder / OF_LAPACK).iterdir())
+            for path in sorted((folder / OF_LAPACK).glob("*.OUT"))
         ]
     (PINNED / "digests.txt").write_text("".join(lines), encoding="utf-8")
+    (PINNED / "contents.txt").write_text("".join(contents), encoding="utf-8")
     (PINNED / "last_rows.txt").write_text("".join(rows), encoding="utf-8")
 
 

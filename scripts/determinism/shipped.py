@@ -7,6 +7,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
+import numpy as np
+
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 # pendulum.DAT and pendulum.vsdf give files of one name: every kind goes to a folder of its own.
 KINDS = {
@@ -15,6 +18,7 @@ KINDS = {
     "dafms": "dafms/*.DAT",
     "vsdf": "vsdf/*.vsdf",
 }
+SENTENCES = ("notes", "message")  # attributes that may be reworded without a change of any number
 
 
 @dataclass(frozen=True)
@@ -47,3 +51,37 @@ def written(folder: Path) -> dict[str, Written]:
         name = path.relative_to(folder).as_posix()
         found[name] = Written(hashlib.sha256(content).hexdigest(), len(content))
     return found
+
+
+def content_digest(path: Path) -> str:
+    """Return the digest of every dataset and attribute of an HDF5 file, but its sentences."""
+    digest = hashlib.sha256()
+    with h5py.File(path, "r") as file:
+        items = [("/", file)]
+        file.visititems(lambda name, item: items.append((name, item)))
+        for name, item in items:
+            digest.update(f"{name}\n".encode())
+            for key in sorted(set(item.attrs) - set(SENTENCES)):
+                digest.update(f"@{key}\n".encode() + _bytes(_named(item.attrs[key], file)))
+            if isinstance(item, h5py.Dataset):
+                digest.update(_bytes(item[()]))
+    return digest.hexdigest()
+
+
+def _named(value, file):
+    """Return an attribute with the names of datasets in the place of references to them."""
+    if isinstance(value, h5py.Reference):
+        return file[value].name
+    if isinstance(value, np.void):
+        return [_named(part, file) for part in value.tolist()]
+    if isinstance(value, np.ndarray) and value.dtype.kind in "OV":
+        return [_named(part, file) for part in value]
+    return value
+
+
+def _bytes(value) -> bytes:
+    """Return type, shape and bytes of a value."""
+    array = np.asarray(value)
+    if array.dtype.kind in "OU":
+        return f"{array.tolist()!r}\n".encode()
+    return f"{array.dtype.str} {array.shape}\n".encode() + array.tobytes()

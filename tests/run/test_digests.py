@@ -1,7 +1,8 @@
-"""The printed tables of all shipped decks, byte for byte as they were when somebody last looked at them.
+"""The results of all shipped decks, byte for byte as they were when somebody last looked at them.
 
 What is right is proved by the other tests; the digests tell when any of it changes.  A change on purpose is
-pinned by `scripts/determinism/run digests`, which writes `digests.txt` (the form of sha256sum) anew.
+pinned by `scripts/determinism/run digests`, which writes `digests.txt` of the printed tables and
+`contents.txt` of numbers, names and units of the HDF5 results (the form of sha256sum) anew.
 
 Tables of VSDF decks hold what LAPACK leaves of zeros, which is another on other processors.  Where a digest
 is another there, the last rows count, to a ten-thousandth of the largest number of a line (`last_rows.txt`).
@@ -15,16 +16,26 @@ import sys
 from functools import cache
 from pathlib import Path
 
+import h5py
 import pytest
 
-pytestmark = pytest.mark.processes
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/determinism"))
+from shipped import content_digest
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
+pytestmark = pytest.mark.processes
+
 KINDS = {"young": "*.dat", "young/dynamics": "*.dat", "dafms": "*.DAT", "vsdf": "*.vsdf"}
 UPDATE = "if the change is meant, `scripts/determinism/run digests` pins it"
-PINNED = {
-    name: digest for digest, name in (line.split() for line in (Path(__file__).parent / "digests.txt").open())
-}
+
+
+def pinned(name):
+    """Digests of a file by the names of results."""
+    lines = (Path(__file__).parent / name).read_text(encoding="utf-8").splitlines()
+    return {name: digest for digest, name in map(str.split, lines)}
+
+
+PINNED, CONTENTS = pinned("digests.txt"), pinned("contents.txt")
 
 
 def flexmb(folder, *arguments, **environment):
@@ -35,29 +46,48 @@ def flexmb(folder, *arguments, **environment):
 
 
 @pytest.fixture(scope="module")
-def tables(tmp_path_factory):
-    """kind → tables by their names in `digests.txt`."""
+def folders(tmp_path_factory):
+    """kind → the folder with the results of its decks."""
 
     @cache
     def of_kind(kind):
         folder = tmp_path_factory.mktemp("digests")
         decks = sorted((DECKS / kind).glob(KINDS[kind]))
-        flexmb(folder, "run", "-q", "--no-h5", "-o", "results", *decks)
-        return {f"{kind}/{path.name}": path.read_bytes() for path in (folder / "results").iterdir()}
+        flexmb(folder, "run", "-q", "-o", "results", *decks)
+        return folder / "results"
 
     return of_kind
+
+
+def tables_of(folder, kind):
+    """Tables by their names in `digests.txt`."""
+    return {f"{kind}/{path.name}": path.read_bytes() for path in folder.iterdir() if path.suffix != ".h5"}
 
 
 def moved(tables, kind):
     """Names of the tables with another digest, or none, or of no deck."""
     found = {name: hashlib.sha256(table).hexdigest() for name, table in tables.items()}
-    pinned = {name: digest for name, digest in PINNED.items() if name.rpartition("/")[0] == kind}
-    return sorted(name for name in found | pinned if found.get(name) != pinned.get(name))
+    kept = {name: digest for name, digest in PINNED.items() if name.rpartition("/")[0] == kind}
+    return sorted(name for name in found | kept if found.get(name) != kept.get(name))
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "vsdf"])
-def test_the_tables_of_the_shipped_decks_are_the_pinned_ones(tables, kind):
-    assert not moved(tables(kind), kind), UPDATE
+def test_the_results_of_the_shipped_decks_are_the_pinned_ones(folders, kind):
+    folder = folders(kind)
+    assert not moved(tables_of(folder, kind), kind), UPDATE
+    found = {f"{kind}/{path.name}": content_digest(path) for path in folder.glob("*.h5")}
+    assert found == {name: digest for name, digest in CONTENTS.items() if name in found}, UPDATE
+
+
+def test_the_digest_of_a_result_is_of_all_but_its_sentences(tmp_path):
+    path, digests = tmp_path / "r.h5", []
+    for sentence, label, value in (("a", "m", 1.0), ("b", "m", 1.0), ("a", "s", 1.0), ("a", "m", 1.5)):
+        with h5py.File(path, "w") as file:
+            file.attrs["notes"], file["x"] = sentence, [value, 2.0]
+            file["x"].attrs["units"] = label
+        digests.append(content_digest(path))
+    assert digests[0] == digests[1]
+    assert len(set(digests)) == 3
 
 
 def numbers(rows):
@@ -65,16 +95,16 @@ def numbers(rows):
     return [[float(word) for word in re.findall(r"\S+E[+-]\d+", line)] for line in rows.splitlines()]
 
 
-def test_the_tables_of_vsdf_decks_are_the_pinned_ones_or_end_in_the_same_rows(tables):
-    found = tables("vsdf")
+def test_the_tables_of_vsdf_decks_are_the_pinned_ones_or_end_in_the_same_rows(folders):
+    found = tables_of(folders("vsdf"), "vsdf")
     text = (Path(__file__).parent / "last_rows.txt").read_text(encoding="utf-8")
     names_and_rows = re.split(r"^(vsdf/.*)\n", text, flags=re.MULTILINE)[1:]
-    pinned = dict(zip(names_and_rows[::2], names_and_rows[1::2], strict=True))
-    assert found.keys() == pinned.keys(), UPDATE
+    expected_rows = dict(zip(names_and_rows[::2], names_and_rows[1::2], strict=True))
+    assert found.keys() == expected_rows.keys(), UPDATE
     for name in moved(found, "vsdf"):
         table = found[name].decode()
         rows = numbers(table[table.rindex(" TIME =") :])
-        expected = numbers(pinned[name].rstrip("\n"))
+        expected = numbers(expected_rows[name].rstrip("\n"))
         assert len(rows) == len(expected), f"{name}: {UPDATE}"
         for line, other in zip(rows, expected, strict=True):
             assert line == pytest.approx(other, rel=0, abs=1e-4 * max(map(abs, other))), f"{name}: {UPDATE}"

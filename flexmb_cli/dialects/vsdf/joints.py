@@ -2,7 +2,6 @@
 
 import math
 from array import array
-from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +12,7 @@ from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionLaw, table_law
+from ...quick_dataclass import dataclass, field
 from .bodies import end_of_body
 
 _COINCIDENT = 1e-12

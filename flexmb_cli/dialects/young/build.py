@@ -17,6 +17,7 @@ from ...model.driver_angles import check_driver_angles
 from ...model.joints import JOINT_TYPES
 from ...model.mechanism import Mechanism, TimeGrid
 from .dynamic_cards import FORWARD, analysis_of
+from .element_cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
@@ -47,8 +48,10 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     check_held_coordinates(mechanism, findings)
     check_driver_angles(mechanism, findings)
     counted = Findings()
-    # Forces may move what no equation does, and repeated equations take no part in the motion.
-    if analysis_of(deck) != FORWARD:
+    # Forces may move what no equation does, and repeated equations take no part in the motion.  Cards that
+    # bring in equations are checked where these stand in the model.
+    analysis = analysis_of(deck)
+    if analysis is None or (analysis != FORWARD and not any(map(deck.section, CONSTRAINING))):
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order

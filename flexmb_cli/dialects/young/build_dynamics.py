@@ -22,10 +22,17 @@ from ...model.loads import (
 )
 from ...model.time_checks import unsteppable
 from .build import build_young
+from .build_elements import build_elements
+from .build_functions import Functions
 from .dynamic_cards import FORWARD, analysis_of
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
+_OF_BODIES = (
+    *("mass", "force", "torque", "velocity", "spring", "damper", "lspring", "cable", "bushing"),
+    *("revcyl", "revsph", "sphsph"),
+)
 ROUND_OFF = 1e-9  # of the largest moment of inertia
+GROUND = -1  # body 0 of the cards
 DEFAULT_TOLERANCE = 1e-9
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
@@ -37,6 +44,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     """
     mechanism, warnings = build_young(deck)
     findings = Findings()
+    functions = Functions(deck, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     _check_method(deck, findings)
@@ -44,15 +52,17 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
         mechanism,
         analysis_of(deck),
         _made(deck, "mass", _mass, findings),
-        _made(deck, "force", _force, findings),
-        _made(deck, "torque", _torque, findings),
+        _made(deck, "force", partial(_force, functions=functions), findings),
+        _made(deck, "torque", partial(_torque, functions=functions), findings),
         _one_of(_made(deck, "spring", _spring, findings), _made(deck, "damper", _damper, findings)),
         next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
         _made(deck, "velocity", _velocity, findings),
         _tolerance(deck, findings),
         _alpha_steps(deck, findings),
         bool(deck.section("radau")),
+        build_elements(deck, mechanism, functions, findings),
     )
+    functions.note_unused()
     _check_time(model, findings)
     _doubt_massless(model, findings)
     _doubt_idle_velocities(model, findings)
@@ -82,12 +92,14 @@ def _one_of(springs, dampers):
 
 
 def _check_bodies(deck, bodies, findings):
-    for section in ("mass", "force", "torque", "spring", "damper", "velocity"):
+    for section in _OF_BODIES:
         for record in deck.section(section):
             keys = [key for key in ("body", "I", "J") if key in record]
+            # An element between two bodies may end on the ground, body 0.
+            least = 1 if len(keys) == 1 else 0
             for key in keys:
-                if not 1 <= record[key] <= bodies:
-                    message = f"body number {record[key]} is outside 1..{bodies}"
+                if not least <= record[key] <= bodies:
+                    message = f"body number {record[key]} is outside {least}..{bodies}"
                     findings.error(record.subject, message, record.at(key).place, id="YOUNG-001")
             if len(keys) == 2 and record["I"] == record["J"]:
                 message = f"I and J are both body {record['I']}; two bodies are needed"
@@ -143,7 +155,7 @@ def _following(record, findings):
     return following == 1
 
 
-def _force(record: Record, findings) -> AppliedForce:
+def _force(record: Record, findings, functions) -> AppliedForce:
     following = _following(record, findings)
     return AppliedForce(
         record.subject,
@@ -151,14 +163,20 @@ def _force(record: Record, findings) -> AppliedForce:
         record.vector("F"),
         record.vector("P"),
         following,
-        place=record.place,
+        functions.law(record, "factor"),
+        record.place,
     )
 
 
-def _torque(record: Record, findings) -> AppliedTorque:
+def _torque(record: Record, findings, functions) -> AppliedTorque:
     following = _following(record, findings)
     return AppliedTorque(
-        record.subject, record["body"] - 1, record.vector("T"), following, place=record.place
+        record.subject,
+        record["body"] - 1,
+        record.vector("T"),
+        following,
+        functions.law(record, "factor"),
+        record.place,
     )
 
 
@@ -259,13 +277,13 @@ def _doubt_massless(model, findings):
 
 def _note_loads_at_rest(model, findings):
     """Note the loads that act on bodies at rest only."""
-    at_rest = {ground.body for ground in model.mechanism.grounds}
+    at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
     loads = ((item, (item.body,)) for item in chain(model.forces, model.torques))
     lines = ((item, (item.i, item.j)) for item in model.springs)
     for item, numbers in chain(loads, lines):
         if at_rest.issuperset(numbers):
-            names = " and ".join(bodies[number].name for number in numbers)
+            names = " and ".join(bodies[n].name if n != GROUND else "the ground" for n in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
             findings.note(item.name, message, item.place, id="YOUNG-017")

@@ -9,17 +9,19 @@ the deck does.  `{...}` is a comment.
 import re
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from itertools import islice, takewhile
+from itertools import takewhile
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words, words_from
 from ...errors import DeckError, Fault, FaultList, Place
-from .dynamic_card_table import BY_KEYWORD, CARDS, Card
+from ...quick_dataclass import dataclass, field, replace
+from .card import Card, vector, whole
+from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
+from .sections import Column
 
 MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 NAME = re.compile("DYNAMICS", re.IGNORECASE)
@@ -28,10 +30,103 @@ NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECA
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 # A card without comments: its keyword and its numbers.
-_PLAIN_CARD = re.compile(r"[A-Za-z]+\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
+_PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 SECTION = "dynamics"
 CLOSING = "END"
 INVERSE, FORWARD = "inverse", "forward"
+
+
+_BODY = whole("body", "number of the body")
+_FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")
+_FACTOR = whole("factor", "number of the function that multiplies it, 0: none")
+
+CARDS = (
+    Card(
+        "MASS",
+        "mass",
+        (
+            _BODY,
+            Column("m", "mass", "kg"),
+            *vector("centre", "the centre of mass, body axes", "m"),
+            *(
+                Column(
+                    f"I{a}",
+                    f"element {a} of the inertia tensor about the centre of mass, body axes",
+                    "kg m^2",
+                )
+                for a in ("xx", "yy", "zz", "xy", "yz", "zx")
+            ),
+        ),
+        optional=3,
+    ),
+    Card(
+        "FORCE",
+        "force",
+        (
+            _BODY,
+            *vector("P", "the point of action, body axes", "m"),
+            *vector("F", "the force", "N"),
+            _FOLLOWING,
+            _FACTOR,
+        ),
+        optional=2,
+    ),
+    Card("TORQUE", "torque", (_BODY, *vector("T", "the torque", "N m"), _FOLLOWING, _FACTOR), optional=2),
+    Card(
+        "SPRING",
+        "spring",
+        (
+            whole("I", "number of body I, 0: the ground"),
+            whole("J", "number of body J, 0: the ground"),
+            *vector("P_i", "the end on body I, body axes", "m"),
+            *vector("P_j", "the end on body J, body axes", "m"),
+            Column("stiffness", "stiffness", "N/m"),
+            Column("free_length", "length without force", "m"),
+            Column("damping", "force of the damper in line per rate of length", "N s/m"),
+        ),
+        optional=1,
+    ),
+    Card(
+        "DAMPER",
+        "damper",
+        (
+            whole("I", "number of body I, 0: the ground"),
+            whole("J", "number of body J, 0: the ground"),
+            *vector("P_i", "the end on body I, body axes", "m"),
+            *vector("P_j", "the end on body J, body axes", "m"),
+            Column("damping", "force per rate of length", "N s/m"),
+        ),
+    ),
+    Card("GRAVITY", "gravity", vector("g", "the acceleration of gravity, global axes", "m/s^2")),
+    Card(
+        "VELOCITY",
+        "velocity",
+        (
+            _BODY,
+            *vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
+            *vector("w", "the angular velocity at the start, global axes", "rad/s"),
+        ),
+        optional=3,
+    ),
+    Card("TOLERANCE", "tolerance", (Column("relative", "error tolerance of the integration"),)),
+    Card(
+        "GALF",
+        "generalised-alpha",
+        (
+            Column("step", "length of the steps of the generalised-alpha method, 0: by the tolerance", "s"),
+            Column("radius", "spectral radius at infinity, 1: no numerical damping, 0: the most"),
+        ),
+    ),
+    Card(
+        "RAD5",
+        "radau",
+        (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
+        optional=1,
+    ),
+    *FUNCTION_CARDS,
+    *JOINT_CARDS,
+)
+BY_KEYWORD = {card.keyword: card for card in CARDS}
 
 
 def read_young_deck(source: DeckText) -> Deck:
@@ -54,6 +149,11 @@ def analysis_of(deck: Deck) -> str | None:
     """ "inverse" or "forward" for a deck with dynamic cards, None without."""
     opened = deck.section(SECTION)
     return opened[0]["analysis"] if opened else None
+
+
+def has_elements(deck: Deck) -> bool:
+    """Whether there are cards of elements at joints or of what drives them."""
+    return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
 
 
 def _opening(deck):
@@ -119,7 +219,7 @@ class _Cards:
             elif card:
                 card.append(word)
             else:
-                self.error(word.place, "", f"a card begins with a keyword, one of {', '.join(BY_KEYWORD)}")
+                self.error(word.place, "", "a card begins with a keyword, such as MASS, FORCE or GRAVITY")
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
@@ -144,24 +244,28 @@ class _Cards:
             return
         starts = self.starts.setdefault(kind.section, array("i"))
         starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
-        subject = f"{kind.section} {len(starts)}"
-        least, most = len(kind.columns) - kind.optional, len(kind.columns)
-        if not least <= len(found) <= most:
-            asked = f"{most}" if least == most else f"{least} to {most}"
-            keys = " ".join(column.key for column in kind.columns)
-            message = f"{kind.keyword} takes {asked} numbers ({keys}); read {len(found)}"
-            self.error(keyword.place, subject, message)
+        columns = kind.columns_of(len(found))
+        if columns is None:
+            subject = f"{kind.section} {len(starts)}"
+            self.error(keyword.place, subject, f"{kind.keyword} takes {kind.numbers}; read {len(found)}")
             return
-        record = self.record(kind, len(starts), keyword, found)
-        self.numbers += most
+        record = self.record(kind, columns, len(starts), keyword, found)
+        self.numbers += len(columns)
         if self.numbers <= many_records.MANY:
             self.records.append(record)
 
-    def record(self, kind: Card, number_of_card: int, keyword: Word, found: Sequence[Word]) -> Record:
+    def record(
+        self,
+        kind: Card,
+        columns: tuple[Column, ...],
+        number_of_card: int,
+        keyword: Word,
+        found: Sequence[Word],
+    ) -> Record:
         """The record of a card with as many words as it needs; faults of its numbers are noted."""
         subject = f"{kind.section} {number_of_card}"
-        numbers = [self._number(subject, *pair) for pair in zip(kind.columns, found, strict=False)]
-        left_out = kind.columns[len(found) :]
+        numbers = [self._number(subject, *pair) for pair in zip(columns, found, strict=False)]
+        left_out = columns[len(found) :]
         numbers += [
             Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0") for c in left_out
         ]
@@ -187,41 +291,46 @@ def _again(source, section, starts, index):
 
 
 class _ReadCard(Record):
-    """A card of a large deck: what is more of its numbers than their values is made when it is looked at."""
+    """A card of a large deck: places of its numbers are made when they are looked at."""
 
     def __init__(self, source: DeckText, kind: Card, number_of_card: int, start: int):
-        subject = f"{kind.section} {number_of_card}"
-        vars(self).update(section=kind.section, number=number_of_card, subject=subject, made={})
-        vars(self).update(positions=kind.positions, _source=source, _kind=kind, _start=start)
+        names = {"section": kind.section, "number": number_of_card, "made": {}}
+        vars(self).update(
+            names, subject=f"{kind.section} {number_of_card}", _source=source, _kind=kind, _start=start
+        )
 
     @cached_property
     def values(self) -> tuple[float | int, ...]:
         """Values of the numbers."""
-        found = self._plain
-        if found is None:
+        if not self._plain:
             return tuple(item.value for item in self.numbers)
-        texts = found[1].split()
-        spellings = [number.integer if column.is_integer else number.real for column in self._kind.columns]
+        texts = self._plain[1].split()
+        columns = self._kind.columns_of(len(texts))
+        spellings = [number.integer if column.is_integer else number.real for column in columns]
         read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
-        left_out = self._kind.columns[len(read) :]
-        return *read, *(0 if column.is_integer else 0.0 for column in left_out)
+        return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
+
+    @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where among the numbers each key stands."""
+        count = len(self._plain[1].split()) if self._plain else len(self.numbers)
+        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}
 
     @cached_property
     def numbers(self) -> tuple[Number, ...]:
         """The numbers with their places."""
-        words_of_card = words_from(self._source.lines, self._start)
-        keyword, *behind = islice(words_of_card, 1 + len(self._kind.columns))
-        found = list(takewhile(lambda word: not _is_keyword(word), behind))
-        return _Cards(self._source, 0).record(self._kind, self.number, keyword, found).numbers
+        behind = words_from(self._source.lines, self._start)
+        keyword, found = next(behind), list(takewhile(lambda word: not _is_keyword(word), behind))
+        columns = self._kind.columns_of(len(found))
+        return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers
 
     @property
     def place(self) -> Place:
         """Place of the first number."""
-        found = self._plain
-        if found is None:
+        if self._plain is None:
             return self.numbers[0].place
-        line, column = self._source.lines.place_of(found.start(1))
-        return Place(line, column, len(found[1].split(maxsplit=1)[0]))
+        first = self._plain[1].split(maxsplit=1)[0]
+        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
 
     @cached_property
     def _plain(self):
@@ -238,5 +347,6 @@ def _unknown(text):
     from difflib import get_close_matches
 
     near = get_close_matches(text.upper(), BY_KEYWORD, n=1)
-    hint = f"; is {near[0]} meant?" if near else ""
-    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {CLOSING}{hint}"
+    if near:
+        return f"there is no card {number.shown(text)}; is {near[0]} meant?"
+    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {CLOSING}"

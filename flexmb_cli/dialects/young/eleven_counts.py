@@ -5,7 +5,6 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from functools import partial
 from itertools import chain, zip_longest
 
@@ -14,6 +13,7 @@ from ...deck.number import Misspelt, integer
 from ...deck.record import Deck, Number, Record
 from ...deck.words import Word
 from ...errors import Fault
+from ...quick_dataclass import replace
 from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
 
 POSITIONS = 3  # numbers of a body estimate

@@ -6,14 +6,12 @@ DAFMS: Zhao, thesis (1992), appendix C.
 """
 
 import os
-from dataclasses import dataclass
 
 import numpy as np
 
-TRANSPOSED = "QD[body, coordinate] is read as QD[coordinate, body]"
-OVERRUN = "the fourth element of a three-element array is used in the universal joint's s_i · s_j row"
-WRONG_INDEX = "components M for N in the cylindrical and translational right-hand sides"
-SCREW = "the angle in the second quadrant, a factor 2 in the Jacobian, and eq. (4.50) where sin θ = 0"
+from ...quick_dataclass import dataclass
+from ...solvers.as_printed.errors import OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
+
 EARLIER = "listing of an earlier program: dde without the term of (4.64)"
 DOUBLE_ROOT = "listing of an earlier program: e0 from the normalisation near its double root e0 = 0"
 LOOSE_STOP = "listing of an earlier program: the iteration ended a digit short"
@@ -35,7 +33,7 @@ class KnownError:
     steps: tuple[int, ...] | None = None
 
     def holds(self, index, column, step):
-        """Whether it covers the cells; the arguments are numbers or arrays that broadcast."""
+        """Return whether it covers the cells; the arguments are numbers or arrays that broadcast."""
         here = np.equal(index, self.index) & np.isin(column, self.columns)
         return here if self.steps is None else here & np.isin(step, self.steps)
 
@@ -80,7 +78,7 @@ def young_errors(*listings: str) -> tuple[KnownError, ...]:
 
 
 def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Whether a and b may be one number, printed by its nearest single and by its nearest double."""
+    """Return whether a and b may be one number, printed by its nearest single and by its nearest double."""
     size = np.maximum(np.abs(a), np.abs(b))
     with np.errstate(invalid="ignore"):
         # Each rounding to the printed digits takes half a unit.

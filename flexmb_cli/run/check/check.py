@@ -3,14 +3,14 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...deck.record import Deck
-from ...dialects.young.dynamic_cards import FORWARD, analysis_of
+from ...dialects.young.dynamic_cards import FORWARD, analysis_of, has_elements
 from ...errors import Fault, ModelError
+from ...quick_dataclass import dataclass, field, replace
 from ..deck import open_deck
 from ..exit_status import ending_recorded
 from ..outcome import Outcome, RunOptions, Stop, refuse_warnings
@@ -113,7 +113,7 @@ def _refuse_jacobian(jacobian, reason):
 
 
 def _check_mechanism(report, options, jacobian):
-    if analysis_of(report.deck) == FORWARD:
+    if analysis_of(report.deck) == FORWARD or has_elements(report.deck):
         from .forward import check_forward
 
         check_forward(report, options)
@@ -155,7 +155,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     # Points take no part in what is looked at, and there may be a million of them.
     analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))
     report.counts = _counts(mechanism, analysis)
-    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q)
+    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q, analysis.arrays.screw_angles)
     if jacobian == "estimate":
         report.jacobian = _labelled(analysis, analysis.arrays.q, None)
     try:
@@ -163,7 +163,8 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     finally:
         report.outcome.faults += analysis.warnings
     report.time = mechanism.time.start
-    report.gaps = before_and_after(before, gaps_of(analysis, analysis.arrays, analysis.state[0]))
+    after = gaps_of(analysis, analysis.arrays, analysis.state[0], analysis.arrays.screw_angles)
+    report.gaps = before_and_after(before, after)
     if equations <= RANK_LIMIT:
         _look_at_rank(report, analysis)
     if jacobian not in (None, "estimate"):
@@ -171,7 +172,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
 
 
 def _is_far(grid, jacobian):
-    """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    """Return whether the Jacobian is asked for so late that the way there wants compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 

@@ -2,7 +2,7 @@
 
 
 def parts_of(mechanism) -> dict:
-    """How many of each thing a mechanism has."""
+    """Return how many of each thing a mechanism has."""
     joints: dict[str, int] = {}
     for joint in mechanism.joints:
         joints[joint.kind] = joints.get(joint.kind, 0) + 1
@@ -19,13 +19,13 @@ def parts_of(mechanism) -> dict:
 
 
 def report_times(grid) -> dict:
-    """How many report times there are, and the last where it is not the end that the deck gives."""
+    """Return how many report times there are, and the last where it is not the end that the deck gives."""
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis, arrays, q) -> dict:
-    """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
+def gaps_of(analysis, arrays, q, near) -> dict:
+    """Largest residual of each owner's equations, as {(owner, unit): m or 1}; near: the angles expected."""
+    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, near)
     gaps: dict = {}
     for equation, value in zip(arrays.equations, scaled * arrays.row_scale, strict=True):
         key = (equation.owner, equation.unit)

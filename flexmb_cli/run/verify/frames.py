@@ -5,7 +5,6 @@ body stretches, other axes, modes and invariants.  With all modes both hold the 
 of the origin strains nothing: the two models are one and the same.
 """
 
-from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from ...errors import Fault, ModelError
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
+from ...quick_dataclass import fields, replace
 from ..outcome import Listener, Outcome, RunOptions, Stop
 from ..vsdf import mechanism_of
 from .difference import Difference, largest_difference
@@ -120,7 +120,7 @@ def _rows(mechanism):
     for block in analysis.rows():
         blocks.append(block)
         Stop.heed()
-    names = [each.name for each in fields(blocks[0]) if each.name != "amplitude"]
+    names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
     return rows, not analysis.found.redundant
 

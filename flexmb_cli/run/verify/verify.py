@@ -4,12 +4,11 @@ DAFMS: Kane's equations and absolute coordinates.  YOUNG: Euler parameters and n
 floating frames.
 """
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from ...errors import ANALYSIS_FAILED
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
+from ...quick_dataclass import dataclass, replace
 from ...results.texts.echo import echo
 from ..absolute_march import AbsoluteMarch
 from ..dafms_tree import tree_of
@@ -121,7 +120,7 @@ def _joined(blocks):
 
 
 def differences(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
-    """What two motions of a tree differ in, quantity by quantity."""
+    """Return what two motions of a tree differ in, quantity by quantity."""
     found = [*_coordinates(tree, kane, absolute)]
     for kind, unit in POINTS.items():
         for place in ("body", "point"):

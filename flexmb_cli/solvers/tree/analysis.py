@@ -5,7 +5,6 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,12 +14,14 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
+from ...quick_dataclass import dataclass, replace
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
-LARGEST_BLOCK = 256  # rows
+LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
+LARGEST_FRAMES = 8192  # frames of all rows of a block, as long as it has 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,7 @@ class TreeAnalysis:
 
     @property
     def checkpoint(self) -> Checkpoint:
-        """Where to go on after the rows that have been yielded."""
+        """Return where to go on after the rows that have been yielded."""
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
@@ -169,7 +170,8 @@ class TreeAnalysis:
     def _advance(self):
         """One call of the kernel: its status, and the rows it filled (None for none)."""
         grid = self.tree.time
-        last = min(self.row + LARGEST_BLOCK, grid.rows)
+        most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
+        last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
         report = self._blank_report(np.array([grid.time(k) for k in range(self.row, last)]))
         status = self.call(tree_dop853.MARCH, report)
         filled = int(self.clock["row"][0])
@@ -178,7 +180,7 @@ class TreeAnalysis:
         return status, self._rows_of(tree_dop853.Report(*(part[:filled] for part in report)))
 
     def failure(self) -> AnalysisError:
-        """What the clock says went wrong."""
+        """Return what the clock says went wrong."""
         clock = self.clock[0]
         t = float(clock["t"])
         norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}
