@@ -285,7 +285,6 @@ class _Cards:
 
 
 def _again(source, section, starts, index):
-    """The record of a card that was read without error before."""
     kind = next(card for card in CARDS if card.section == section)
     return _ReadCard(source, kind, index + 1, starts[index])
 
@@ -295,9 +294,8 @@ class _ReadCard(Record):
 
     def __init__(self, source: DeckText, kind: Card, number_of_card: int, start: int):
         names = {"section": kind.section, "number": number_of_card, "made": {}}
-        vars(self).update(
-            names, subject=f"{kind.section} {number_of_card}", _source=source, _kind=kind, _start=start
-        )
+        names["subject"] = f"{kind.section} {number_of_card}"
+        vars(self).update(names, _source=source, _kind=kind, _start=start)
 
     @cached_property
     def values(self) -> tuple[float | int, ...]:
