@@ -6,7 +6,7 @@ from itertools import chain
 from ..quick_dataclass import dataclass, field, replace
 from .record import Record
 
-MANY = 300_000  # numbers; fewer are kept as records, which studies share
+MANY = 100_000  # numbers; fewer are kept as records, which studies share
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from ..errors import Fault, Place
 from ..quick_dataclass import dataclass, field, replace
@@ -44,6 +44,12 @@ class Number:
     text: str = ""
 
 
+@lru_cache(maxsize=256)
+def _positions(keys: tuple[str, ...]) -> dict[str, int]:
+    """Where each key stands first: one table for all records of a kind."""
+    return {key: k for k, key in reversed([*enumerate(keys)])}
+
+
 @dataclass(frozen=True)
 class Record:
     """One entry of a section: "universal" 1 is the first universal joint.
@@ -78,7 +84,7 @@ class Record:
     @cached_property
     def positions(self) -> dict[str, int]:
         """Return where among the numbers each key stands first."""
-        return {number.key: k for k, number in reversed([*enumerate(self.numbers)])}
+        return _positions(tuple(number.key for number in self.numbers))
 
     def __contains__(self, key: str) -> bool:
         return key in self.positions

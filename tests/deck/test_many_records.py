@@ -1,11 +1,13 @@
 """Records of large decks, made when they are looked at; here of small ones that are taken for large."""
 
 import pickle
+from pathlib import Path
 
 import pytest
 
 from flexmb_cli.deck import many_records
 from flexmb_cli.deck.record import DeckText
+from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.settings import apply_settings
 from flexmb_cli.dialects.young.build import build_young
@@ -73,3 +75,48 @@ def test_faults_are_those_of_small_decks(read, old, new, told):
     with pytest.raises(ModelError) as stopped:
         build_young(read(DECK.replace(old, new)))
     assert told in [(fault.place.line, fault.sentence) for fault in stopped.value.faults]
+
+
+CARDS = (
+    DECK
+    + """\
+DYNAMICS inverse
+MASS 1 2 0.1 0.2 0.3 1 1 1 { about the axes }
+force 2 0 0 0
+  1 2.5 3 { along } FORCE {here} 2 0 0 0 4 5 6 1
+END
+"""
+)
+
+
+def test_cards_of_a_large_deck_are_those_of_a_small_one(read, monkeypatch):
+    many = read(CARDS)
+    monkeypatch.setattr(many_records, "MANY", 10**6)
+    few = read(CARDS)
+    assert isinstance(few.records, tuple) and not isinstance(many.records, tuple)
+    for one, other in zip(few.records[-4:], many.records[-4:], strict=True):
+        assert (one.prefix, one.values, one.place) == (other.prefix, other.values, other.place)
+        assert one.numbers == other.numbers
+    assert [record.place.line for record in many.section("force")] == [10, 11]
+
+
+DECKS = Path(__file__).parents[2] / "decks"
+SUPPLIED = [*sorted(DECKS.glob("young/**/*.dat")), *sorted(DECKS.glob("vsdf/*.vsdf"))]
+
+
+@pytest.mark.parametrize("path", SUPPLIED, ids=lambda path: path.name)
+def test_every_supplied_deck_has_the_same_records_when_it_is_taken_for_large(path, monkeypatch):
+    few = read_deck(read_text(path))
+    monkeypatch.setattr(many_records, "MANY", 0)
+    many = read_deck(read_text(path))
+    assert isinstance(few.records, tuple) and not isinstance(many.records, tuple)
+    by_name = {record.prefix: record for record in many.records}
+    assert len(by_name) == len(many.records) == len(few.records)
+    for record in few.records:
+        found = by_name[record.prefix]
+        assert (found.subject, found.values, found.place) == (record.subject, record.values, record.place)
+        assert tuple(found.numbers) == record.numbers
+    if few.dialect == "young":
+        one, other = build_young(few)[0], build_young(many)[0]
+        for name in ("bodies", "joints", "simplified", "distances", "drivers", "grounds", "points"):
+            assert tuple(getattr(one, name)) == tuple(getattr(other, name))

@@ -94,16 +94,16 @@ def _one_of(springs, dampers):
 def _check_bodies(deck, bodies, findings):
     for section in _OF_BODIES:
         for record in deck.section(section):
-            numbers = [number for number in record.numbers if number.key in ("body", "I", "J")]
+            keys = [key for key in ("body", "I", "J") if key in record]
             # An element between two bodies may end on the ground, body 0.
-            least = 1 if len(numbers) == 1 else 0
-            for number in numbers:
-                if not least <= number.value <= bodies:
-                    message = f"body number {number.value} is outside {least}..{bodies}"
-                    findings.error(record.subject, message, number.place, id="YOUNG-001")
-            if len(numbers) == 2 and numbers[0].value == numbers[1].value:
-                message = f"I and J are both body {numbers[0].value}; two bodies are needed"
-                findings.error(record.subject, message, numbers[1].place, id="YOUNG-002")
+            least = 1 if len(keys) == 1 else 0
+            for key in keys:
+                if not least <= record[key] <= bodies:
+                    message = f"body number {record[key]} is outside {least}..{bodies}"
+                    findings.error(record.subject, message, record.at(key).place, id="YOUNG-001")
+            if len(keys) == 2 and record["I"] == record["J"]:
+                message = f"I and J are both body {record['I']}; two bodies are needed"
+                findings.error(record.subject, message, record.at("J").place, id="YOUNG-002")
 
 
 def _check_once(deck, findings):
@@ -135,25 +135,24 @@ def _check_inertia(record, inertia, findings):
     """1. No principal moment is negative.  2. None exceeds the sum of the others."""
     moments = np.linalg.eigvalsh(inertia_matrix(inertia))
     slack = ROUND_OFF * max(abs(moments[0]), moments[2])
-    place = record.at("Ixx").place
     shown = ", ".join(f"{moment:.6g}" for moment in moments)
     if moments[0] < -slack:
         message = f"the inertia tensor must have no negative principal moment; they are {shown} kg m^2"
-        findings.error(record.subject, message, place, id="YOUNG-005")
+        findings.error(record.subject, message, record.at("Ixx").place, id="YOUNG-005")
     elif moments[2] > moments[0] + moments[1] + slack:
         message = (
             f"no body has principal moments of inertia {shown} kg m^2: the largest exceeds the sum of "
             "the others"
         )
-        findings.warn(record.subject, message, place, id="YOUNG-006")
+        findings.warn(record.subject, message, record.at("Ixx").place, id="YOUNG-006")
 
 
 def _following(record, findings):
-    found = record.at("following")
-    if found.value not in (0, 1):
-        message = f"following must be 0 (global axes) or 1 (body axes); read {found.value}"
-        findings.error(record.subject, message, found.place, id="YOUNG-007")
-    return found.value == 1
+    following = record["following"]
+    if following not in (0, 1):
+        message = f"following must be 0 (global axes) or 1 (body axes); read {following}"
+        findings.error(record.subject, message, record.at("following").place, id="YOUNG-007")
+    return following == 1
 
 
 def _force(record: Record, findings, functions) -> AppliedForce:
@@ -270,10 +269,9 @@ def _check_time(model, findings):
 
 
 def _doubt_massless(model, findings):
-    at_rest = {ground.body for ground in model.mechanism.grounds}
-    heavy = {item.body for item in model.masses}
+    told = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
-        if number not in at_rest | heavy:
+        if number not in told:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 

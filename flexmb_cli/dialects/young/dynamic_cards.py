@@ -9,8 +9,8 @@ the deck does.  `{...}` is a comment.
 import re
 from array import array
 from collections.abc import Sequence
-from functools import partial
-from itertools import islice, takewhile
+from functools import cached_property, partial
+from itertools import takewhile
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
@@ -18,7 +18,7 @@ from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words, words_from
 from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
-from .card import MOST_NUMBERS, Card, vector, whole
+from .card import Card, vector, whole
 from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
@@ -29,6 +29,8 @@ NAME = re.compile("DYNAMICS", re.IGNORECASE)
 NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
+# A card without comments: its keyword and its numbers.
+_PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 SECTION = "dynamics"
 CLOSING = "END"
 INVERSE, FORWARD = "inverse", "forward"
@@ -283,11 +285,56 @@ class _Cards:
 
 
 def _again(source, section, starts, index):
-    """The record of a card that was read without error before."""
     kind = next(card for card in CARDS if card.section == section)
-    keyword, *behind = islice(words_from(source.lines, starts[index]), 1 + MOST_NUMBERS)
-    found = list(takewhile(lambda word: not _is_keyword(word), behind))
-    return _Cards(source, 0).record(kind, kind.columns_of(len(found)), index + 1, keyword, found)
+    return _ReadCard(source, kind, index + 1, starts[index])
+
+
+class _ReadCard(Record):
+    """A card of a large deck: places of its numbers are made when they are looked at."""
+
+    def __init__(self, source: DeckText, kind: Card, number_of_card: int, start: int):
+        names = {"section": kind.section, "number": number_of_card, "made": {}}
+        names["subject"] = f"{kind.section} {number_of_card}"
+        vars(self).update(names, _source=source, _kind=kind, _start=start)
+
+    @cached_property
+    def values(self) -> tuple[float | int, ...]:
+        """Values of the numbers."""
+        if not self._plain:
+            return tuple(item.value for item in self.numbers)
+        texts = self._plain[1].split()
+        columns = self._kind.columns_of(len(texts))
+        spellings = [number.integer if column.is_integer else number.real for column in columns]
+        read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
+        return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
+
+    @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where among the numbers each key stands."""
+        count = len(self._plain[1].split()) if self._plain else len(self.numbers)
+        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}
+
+    @cached_property
+    def numbers(self) -> tuple[Number, ...]:
+        """The numbers with their places."""
+        behind = words_from(self._source.lines, self._start)
+        keyword, found = next(behind), list(takewhile(lambda word: not _is_keyword(word), behind))
+        columns = self._kind.columns_of(len(found))
+        return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers
+
+    @property
+    def place(self) -> Place:
+        """Place of the first number."""
+        if self._plain is None:
+            return self.numbers[0].place
+        first = self._plain[1].split(maxsplit=1)[0]
+        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
+
+    @cached_property
+    def _plain(self):
+        """The card in the text; None where a comment stands in it or behind it."""
+        found = _PLAIN_CARD.match(self._source.text, self._start)
+        return found if found and not found[2] else None
 
 
 def _is_keyword(word):
