@@ -48,7 +48,7 @@ def test_every_deck_of_the_gallery_is_described(deck):
 
 def test_the_gallery_has_every_supplied_deck():
     supplied = [p for p in (TOP / "decks").rglob("*") if p.suffix in (".dat", ".DAT", ".vsdf")]
-    assert len(DECKS) == len(supplied) == 52 and set(DECKS) == set(supplied)
+    assert len(DECKS) == len(supplied) >= 52 and set(DECKS) == set(supplied)
 
 
 def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
