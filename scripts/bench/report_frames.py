@@ -7,6 +7,7 @@ Counts the redraws of 3 s in which every frame shows another instant.
 import argparse
 import json
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -17,6 +18,8 @@ from flexmb_cli.results.figures import report_page
 from flexmb_cli.results.figures.element_bodies import ElementBody
 from flexmb_cli.results.figures.report_scene import scene_data
 from flexmb_cli.results.figures.scene import Scene
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from scripts.brick_beam import Beam
 
 MEASURE = """
