@@ -4,6 +4,8 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 `DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
 """
 
+from collections.abc import Iterable
+from functools import cached_property
 from typing import NamedTuple
 
 from .quick_dataclass import dataclass, field
@@ -11,6 +13,7 @@ from .quick_dataclass import dataclass, field
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 
 SHOWN_FAULTS = 20
+MOST_ALIKE = 1000
 SHOWN_LINE = 160
 
 
@@ -57,6 +60,35 @@ class Fault:
             "line": line,
             "column": column,
         }
+
+
+class FaultList(list[Fault]):
+    """Faults as they are found; of warnings and notes of one kind no more than `MOST_ALIKE` are kept."""
+
+    def append(self, fault: Fault) -> None:
+        """Add a fault, or say once that there are more like it."""
+        if fault.severity == "error":
+            super().append(fault)
+            return
+        alike = self._counts[fault.id] = self._counts.get(fault.id, 0) + 1
+        if alike <= MOST_ALIKE:
+            super().append(fault)
+        elif alike == MOST_ALIKE + 1:
+            message = f"{MOST_ALIKE} like the last are listed, the others are not: {fault.message}"
+            super().append(Fault("note", message, fault.place, fault.subject, id="FLEXMB-005"))
+
+    def extend(self, faults: Iterable[Fault]) -> None:
+        """Add faults."""
+        for fault in faults:
+            self.append(fault)
+
+    def __iadd__(self, faults):
+        self.extend(faults)
+        return self
+
+    @cached_property
+    def _counts(self):
+        return {}
 
 
 def sentences(faults) -> tuple[str, ...]:

@@ -27,4 +27,4 @@ def needed(module: str, package: str, extra: str, what: str) -> ModuleType:
         absent = isinstance(fault, ModuleNotFoundError) and (fault.name or "") in (package, module)
         reason = "which is not installed" if absent else f"which cannot be imported ({fault})"
         message = f"{what} needs {package}, {reason}; install it with: {install_command(extra)}"
-        raise MissingExtra(message, id="FLEXMB-005") from fault
+        raise MissingExtra(message, id="FLEXMB-006") from fault

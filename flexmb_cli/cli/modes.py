@@ -8,7 +8,8 @@ import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import AnyFinite
-from .terminal.screen import show, tell, wants_debug
+from .terminal.progress import Progress
+from .terminal.screen import show, wants_debug
 from .terminal.written_place import WrittenPlace
 
 
@@ -48,11 +49,13 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, out, **option
     from ..run.outcome import Listener, RunOptions
 
     _refuse_output(out, decks)
-    listener = Listener(notice=lambda sentence: quiet or tell(f"flexmb: {sentence}"))
+    progress = Progress("modes", "decks", quiet, False)
+    listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
     choices = RunOptions(changes=changes, debug=wants_debug(), **options)
     wish = Wish(time, equilibrium, state_space=as_json, out=out)
     for report in every_deck(decks, lambda deck: modes_of_deck(deck, wish, choices, listener)):
+        progress.clear()
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))

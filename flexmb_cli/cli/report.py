@@ -15,8 +15,7 @@ from .terminal.written_place import WrittenPlace
 def report(result, output, quiet):
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
-    The page needs no network and shows the motion in any browser with WebGL: play, scrub, turn.
-    Needs plotly (the extra `report`).
+    The page needs no network and shows the motion in any browser with WebGL 2: play, scrub, turn.
 
     \b
     Example:
@@ -24,7 +23,6 @@ def report(result, output, quiet):
     """
     from pathlib import Path
 
-    from ..extras import needed
     from ..results.figures.report_page import report_page
     from ..results.files.replaced_file import write_whole
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
@@ -32,11 +30,10 @@ def report(result, output, quiet):
 
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
-    library = needed("plotly.offline", "plotly", "report", "flexmb report").get_plotlyjs()
     with open_result(result) as file:
         refuse_uneven(file)
         lacking = shortfall(file)
-        page = report_page(file, library).encode("utf-8")
+        page = report_page(file).encode("utf-8")
     if output == STANDARD_OUTPUT:
         click.echo(page, nl=False)
     else:
@@ -44,6 +41,4 @@ def report(result, output, quiet):
     if lacking and not quiet:
         tell(f"{result}: note: {lacking}")
     if not quiet:
-        size, library_size = len(page) / 1e6, len(library.encode("utf-8")) / 1e6
-        sizes = f"{size:.1f} MB, of them {library_size:.1f} MB plotly.js"
-        tell(f"{result} → {told(output)}, {sizes}")
+        tell(f"{result} → {told(output)}, {len(page) / 1e6:.1f} MB")

@@ -22,23 +22,33 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 @click.command()
 @DECK
 @deck_options
-@click.option("-v", "--verbose", is_flag=True, help="Add solver statistics; -q silences them, too.")
+@click.option(
+    "-v",
+    "--verbose",
+    is_flag=True,
+    help="Add solver statistics, and tell how far a run is without a terminal, too.",
+)
 @click.option("-o", "--output-dir", "folder", default=".", type=WrittenPlace(), metavar="DIR",
               help="Folder of the results.")  # fmt: skip
 @click.option("--out", type=WrittenPlace(), metavar="PATH|-", help="OUT table; - is standard output.")
 @click.option("--h5", type=WrittenPlace(), metavar="PATH", help="HDF5 result.")
 @click.option("--no-out", is_flag=True, help="Write no OUT table.")
 @click.option("--no-h5", is_flag=True, help="Write no HDF5 result.")
+@click.option("--only", multiple=True, metavar="NAME",
+              help="Store only the datasets of this quantity as HDF5; can be given again.")  # fmt: skip
 @click.option("--layout", type=click.Choice(["safe", "historic"]), default="safe", show_default=True,
               help="historic: signed zeros, fields that run together.")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Decks run at once.")
 @click.option("--feps", type=Finite(0), help="YOUNG: end Newton at this residual (historic 1e-4).")
 @click.option("--epslu", type=Finite(0, 1), help="YOUNG: smallest pivot (historic 1e-5).")
 @click.option("--nrmax", type=click.IntRange(1), help="YOUNG: most iterations of the assembly (250).")
-@click.option("--rtol", type=RELATIVE, help="DAFMS: relative tolerance of a step (DOP853 1e-12, else 1e-9).")
-@click.option("--atol", type=TOLERANCE, help="DAFMS: absolute tolerance of a step (DOP853 1e-14, else 1e-9).")
-@click.option("--method", type=click.Choice(["dop853", "radau", "lsoda", "sdirk4"]),
-              help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
+@click.option("--rtol", type=RELATIVE,
+              help="Relative tolerance of a step, in place of the deck's.")  # fmt: skip
+@click.option("--atol", type=TOLERANCE,
+              help="Absolute tolerance of a step, in place of the deck's.")  # fmt: skip
+@click.option("--method", type=click.Choice(["dop853", "radau", "alpha", "lsoda", "sdirk4"]),
+              help="Integrator, in place of the deck's: dop853 and radau for all dialects, alpha "
+              "for YOUNG and VSDF, lsoda and sdirk4 for DAFMS.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
@@ -67,7 +77,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     _refuse_shared_files(decks, choices)
     stop_on_signals()
     codes = []
-    for outcome in _all_outcomes(decks, choices, jobs, quiet):
+    for outcome in _all_outcomes(decks, choices, jobs, quiet, verbose):
         if outcome.echo:
             show(outcome.echo, err=True)
         _report_outcome(outcome, quiet, verbose)
@@ -115,65 +125,41 @@ def _given(options, **names):
     return {key: value for key, value in values.items() if value is not None}
 
 
-def _all_outcomes(decks, options, jobs, quiet):
+def _all_outcomes(decks, options, jobs, quiet, verbose):
     """What became of every deck; one that was not begun before a stop is as if stopped at its first row."""
     from ..run.outcome import Outcome, Stop
 
     left = list(decks)
-    for outcome in _outcomes(decks, options, jobs, quiet):
+    for outcome in _outcomes(decks, options, jobs, quiet, verbose):
         left.remove(outcome.deck)
         yield outcome
     yield from (Outcome(deck, Stop.code()) for deck in left)
 
 
-def _outcomes(decks, options, jobs, quiet):
+def _outcomes(decks, options, jobs, quiet, verbose):
+    from .terminal.progress import Progress
+
     if jobs > 1 and len(decks) > 1:
         from .terminal.deck_processes import outcomes_in_parallel
 
-        yield from outcomes_in_parallel(decks, options, jobs, _Progress(quiet).notice)
+        with Progress(f"{len(decks)} decks", "decks", quiet, verbose) as progress:
+            progress.begin(len(decks))
+            for outcome in outcomes_in_parallel(decks, options, jobs, progress):
+                progress.advance(1)
+                progress.clear()
+                yield outcome
         return
     from ..run.deck import run_deck
-    from ..run.outcome import Stop
+    from ..run.outcome import Listener, Stop
 
     for deck in decks:
         if Stop.asked is not None:
             return
-        # The bar ends its line before anything is said of the outcome.
-        with _Progress(quiet) as progress:
-            outcome = run_deck(deck, options, progress.listener, standard_output())
+        # The status line ends before anything is said of the outcome.
+        with Progress(deck, "rows", quiet, verbose) as progress:
+            listener = Listener(progress.begin, progress.advance, progress.notice, progress.status)
+            outcome = run_deck(deck, options, listener, standard_output())
         yield outcome
-
-
-class _Progress:
-    """A progress bar on a terminal, and notices; silent with -q."""
-
-    def __init__(self, quiet):
-        from ..run.outcome import Listener
-
-        self.bar = None
-        self.shown = not quiet and sys.stderr.isatty()
-        self.quiet = quiet
-        self.listener = Listener(self.begin, self.advance, self.notice)
-
-    def notice(self, sentence):
-        if not self.quiet:
-            tell(f"flexmb: {sentence}")
-
-    def begin(self, rows):
-        if self.shown and rows > 1:
-            self.bar = click.progressbar(length=rows, label="rows", file=sys.stderr)
-            self.bar.__enter__()
-
-    def advance(self, rows):
-        if self.bar:
-            self.bar.update(rows)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *failure):
-        if self.bar:
-            self.bar.__exit__(None, None, None)
 
 
 def _refuse_shared_files(decks, options):

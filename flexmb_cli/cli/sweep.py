@@ -13,6 +13,7 @@ from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
+from .terminal.progress import Progress
 from .terminal.screen import tell
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
@@ -29,8 +30,11 @@ from .terminal.written_place import WrittenPlace
               "goes away at the end.  [default: beside the table]")  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Throw away what a stopped study left, and start anew.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@click.option(
+    "-v", "--verbose", is_flag=True, help="Without a terminal, tell every ten seconds how far it is."
+)
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
+def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet, verbose):
     """Solve the variants of a deck that STUDY (TOML) describes, and write a table with a row for each.
 
     A study that was stopped goes on where it was when the same command is given again.  A case that
@@ -47,7 +51,7 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     stop_on_signals()
     try:
         with faults_in_json(as_json, {"study": study}, study), Stop.released():
-            _solve(made, jobs, scheduler, quiet)
+            _solve(made, study, jobs, scheduler, quiet, verbose)
             failures = _first_failures(made)
             _write(made, output)
     except (KeyboardInterrupt, Terminated) as stop:
@@ -112,7 +116,7 @@ def _begun(study, output, parts, scheduler, fresh, as_json):
     sys.exit(BAD_INPUT)
 
 
-def _solve(made, jobs, scheduler, quiet):
+def _solve(made, study, jobs, scheduler, quiet, verbose):
     from ..run.processes.parent_watch import outlive_workers
     from ..study import cluster, workers
 
@@ -121,35 +125,15 @@ def _solve(made, jobs, scheduler, quiet):
     cases, left = made.job.study.cases, made.left
     if left < cases:
         _say(f"going on with a stopped study: {cases - left} of {cases} cases are complete", quiet)
-    with _progress(left, quiet) as advance:
+    with Progress(study, "cases", quiet, verbose) as progress:
+        progress.begin(left)
+        advance = progress.advance
         if scheduler:
             cluster.solve_on_cluster(made, blocks, advance, scheduler)
         elif jobs > 1:
             workers.solve_in_processes(made, blocks, advance, jobs)
         else:
             workers.solve_here(made, blocks, advance)
-
-
-def _progress(cases, quiet):
-    """A bar on a terminal; its estimate counts only the cases of this call."""
-    from contextlib import nullcontext
-
-    if quiet or not cases or not sys.stderr.isatty():
-        return nullcontext(lambda solved: None)
-    return _Bar(cases)
-
-
-class _Bar:
-    def __init__(self, cases):
-        self.bar = click.progressbar(length=cases, label="cases", file=sys.stderr, show_pos=True,
-                                     update_min_steps=max(1, cases // 1000))  # fmt: skip
-
-    def __enter__(self):
-        self.bar.__enter__()
-        return self.bar.update
-
-    def __exit__(self, *failure):
-        self.bar.__exit__(None, None, None)
 
 
 def _first_failures(made, most=3):

@@ -17,8 +17,10 @@ from .terminal.screen import show, tell
 @click.option("--every", type=click.IntRange(1), default=1, metavar="N", help="Every N-th row of these.")
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
+@click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
+              help="Print SPLINE cards of a YOUNG deck: functions N, N + 1 and so on.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Do not remark that a result is not complete.")
-def table(result, names, listing, start, stop, every, style, quiet):
+def table(result, names, listing, start, stop, every, style, number, quiet):
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
 
     A NAME says what, which, the quantity and the component: body.3.z, body.2.omega.x, body.1.velocity (all
@@ -33,9 +35,14 @@ def table(result, names, listing, start, stop, every, style, quiet):
     Example:
         flexmb table OUT4-BAR.h5 body.3.z point.1.velocity --every 5 --from 0.5
         flexmb table study.h5 top --format text
+        flexmb table OUT.h5 driver.1.effort --as-table 1
     """
     from ..study.text import is_study
 
+    if number and (listing or style or is_study(result)):
+        raise click.UsageError(
+            "--as-table prints cards of a run: it goes with neither --list, --format nor a study"
+        )
     if is_study(result):
         if start is not None or stop is not None:
             message = "is the table of a study, a row a case: it has no times for --from and --to"
@@ -45,7 +52,7 @@ def table(result, names, listing, start, stop, every, style, quiet):
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names
     from ..results.quantities.quantities import open_result, resolve
-    from ..results.quantities.table import chosen_rows, list_text, table_text
+    from ..results.quantities.table import chosen_rows, function_cards, list_text, table_text
 
     if listing and (start is not None or stop is not None or every > 1):
         raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
@@ -59,8 +66,11 @@ def table(result, names, listing, start, stop, every, style, quiet):
             return
         rows = chosen_rows(file, start, stop, every)
         _remark(result, file, rows, quiet)
+        if number:
+            show(function_cards(file, quantities, rows, number))
+            return
         for piece in table_text(file, quantities, rows, style or "csv"):
-            click.echo(piece, nl=False)
+            _print_piece(piece, style)
 
 
 def _print_study(path, names, listing, every, style, quiet):
@@ -77,7 +87,15 @@ def _print_study(path, names, listing, every, style, quiet):
         for note in () if quiet else study_notes(file, columns, bool(names)):
             tell(f"{path}: note: {note}")
         for piece in study_text(file, columns, every, style or "csv"):
-            click.echo(piece, nl=False)
+            _print_piece(piece, style)
+
+
+def _print_piece(piece, style):
+    """Aligned columns for a reader lose those that do not fit a terminal; other forms are for programs."""
+    if style == "text":
+        show(piece)
+    else:
+        click.echo(piece, nl=False)
 
 
 def _remark_settings(path, settings, quiet):

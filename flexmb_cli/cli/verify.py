@@ -7,7 +7,8 @@ import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import Finite
-from .terminal.screen import show, tell, wants_debug
+from .terminal.progress import Progress
+from .terminal.screen import show, wants_debug
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
@@ -36,9 +37,11 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
 
     steps = {name: value for name, value in (("rtol", rtol), ("atol", atol)) if value is not None}
     choices = RunOptions(changes=changes, integration=steps, echo=echo, debug=wants_debug(), **options)
-    listener = Listener() if quiet else Listener(notice=_notice)
+    progress = Progress("verify", "decks", quiet, False)
+    listener = Listener(notice=progress.notice, status=progress.status)
     codes = []
     for found in every_deck(decks, lambda deck: verify_deck(deck, choices, tolerance, listener)):
+        progress.clear()
         if found.outcome.echo:
             show(found.outcome.echo, err=True)
         show_faults(found.outcome, quiet)
@@ -48,7 +51,3 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
             show(verify_text(found))
         codes.append(found.outcome.exit_code)
     sys.exit(max(codes))
-
-
-def _notice(sentence):
-    tell(f"flexmb: {sentence}")

@@ -1,12 +1,13 @@
 """The records of a fixed-format deck in sequence: READ statements with located, collected faults."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
-from ..errors import Fault, Place
+from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass
 from .fortran_card import Field, Format, cut, fortran_format, hint
 from .lines import Lines
+from .number_list import LONG, NumberList
 from .record import DeckText, Number
 
 
@@ -39,7 +40,7 @@ class Records:
         self._card = ""
         self.words = frozenset(words)
         self.line = 0
-        self.faults: list[Fault] = []
+        self.faults: list[Fault] = FaultList()
         self.errors = 0
 
     @property
@@ -79,6 +80,20 @@ class Records:
             batch = items[len(numbers) : len(numbers) + len(fmt.edits)]
             numbers += self._read_record(fmt, batch, subject)
         return tuple(numbers)
+
+    def read_list(
+        self, form: str, count: int, labelled: Callable[[int], tuple[str, str, str]], subject: str
+    ) -> Sequence[Number]:
+        """One READ of `count` numbers, whose key, meaning and unit `labelled` gives, counted from 0."""
+        if count <= LONG:
+            return self.read(form, [Item(*labelled(k)) for k in range(count)], subject)
+        fmt = fortran_format(form)
+        numbers = NumberList(self.lines, fmt, self.line + 1, labelled)
+        while len(numbers) < count:
+            reached = range(len(numbers), min(len(numbers) + len(fmt.edits), count))
+            batch = [Item(*labelled(k)) for k in reached]
+            numbers.values.extend(number.value for number in self._read_record(fmt, batch, subject))
+        return numbers
 
     def check_index(self, index: Number, wanted: int, subject: str, rule: str) -> None:
         """The number that heads a record must be its position: DAFMS reads it and never looks at it."""

@@ -50,6 +50,11 @@ class Lines(Sequence[str]):
         pieces = zip(range(count, len(self), _AT_ONCE), ends, strict=False)
         return (line for first, end in pieces for line in self._cut(first, end))
 
+    def between(self, first: int, end: int) -> str:
+        """Return the text from line `first` to before line `end`, its lines ended by LF."""
+        piece = self.text[self.start_of(first) : self.start_of(end)]
+        return piece.replace("\r\n", "\n").replace("\r", "\n")
+
     def start_of(self, index: int) -> int:
         """Return where a line begins, the end of the text behind the last."""
         return self.starts[index] if index < len(self) else len(self.text)

@@ -1,9 +1,9 @@
 """The records of a large deck, each made when it is looked at: kept, they would take many times the deck."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 
-from ..quick_dataclass import dataclass
+from ..quick_dataclass import dataclass, field, replace
 from .record import Record
 
 MANY = 300_000  # numbers; fewer are kept as records, which studies share
@@ -11,46 +11,116 @@ MANY = 300_000  # numbers; fewer are kept as records, which studies share
 
 @dataclass(frozen=True)
 class Block(Sequence[Record]):
-    """All records of one section, which `made` makes of their places in it."""
+    """All records of one section, which `made` makes of their places in it; `changed` ones are kept."""
 
     section: str
     size: int
     made: Callable[[int], Record]
+    changed: Mapping[int, Record] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return self.size
 
     def __getitem__(self, index):
         if isinstance(index, slice):
-            return [self.made(k) for k in range(self.size)[index]]
-        return self.made(range(self.size)[index])
+            return [self._record(k) for k in range(self.size)[index]]
+        return self._record(range(self.size)[index])
 
     def __iter__(self) -> Iterator[Record]:
-        return map(self.made, range(self.size))
+        return map(self._record, range(self.size))
+
+    def numbered(self, number: int) -> Record | None:
+        """Return the record of this number; those of most sections are numbered in their order."""
+        near = (self[k] for k in (number - 1, number) if 0 <= k < self.size)
+        return next((record for record in chain(near, self) if record.number == number), None)
+
+    def _record(self, index):
+        return self.changed[index] if index in self.changed else self.made(index)
 
 
 class ManyRecords(Sequence[Record]):
     """Records by sections, in the deck's order."""
 
     def __init__(self, blocks: Sequence[Block]):
-        self._blocks = tuple(blocks)
+        self.blocks = tuple(blocks)
 
     def __len__(self) -> int:
-        return sum(map(len, self._blocks))
+        return sum(map(len, self.blocks))
 
     def __getitem__(self, index):
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
         index = range(len(self))[index]
-        for block in self._blocks:
+        for block in self.blocks:
             if index < len(block):
                 return block[index]
             index -= len(block)
         raise IndexError(index)
 
     def __iter__(self) -> Iterator[Record]:
-        return chain.from_iterable(self._blocks)
+        return chain.from_iterable(self.blocks)
 
     def section(self, name: str) -> Sequence[Record]:
         """Return the records of one section."""
-        return next((block for block in self._blocks if block.section == name), ())
+        return next((block for block in self.blocks if block.section == name), ())
+
+    def with_changed(self, changed: Mapping[int, Record]) -> "ManyRecords":
+        """Return the records with others at some places."""
+        blocks, first = [], 0
+        for block in self.blocks:
+            own = {k - first: record for k, record in changed.items() if first <= k < first + len(block)}
+            blocks.append(replace(block, changed={**block.changed, **own}))
+            first += len(block)
+        return ManyRecords(blocks)
+
+
+def blocks_of(records: Sequence[Record]) -> list[Block]:
+    """Return the blocks of records that are kept, or of many ones."""
+    if isinstance(records, ManyRecords):
+        return list(records.blocks)
+    found: dict[str, list[Record]] = {}
+    for record in records:
+        found.setdefault(record.section, []).append(record)
+    return [Block(section, len(group), group.__getitem__) for section, group in found.items()]
+
+
+@dataclass(frozen=True)
+class Made(Sequence):
+    """What `make` makes of each record, when it is looked at."""
+
+    records: Sequence[Record]
+    make: Callable[[Record], object]
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return tuple(self[k] for k in range(len(self))[index])
+        return self.make(self.records[index])
+
+    def __iter__(self) -> Iterator:
+        return map(self.make, self.records)
+
+
+class Chained(Sequence):
+    """Sequences one behind the other."""
+
+    def __init__(self, parts: Sequence[Sequence]):
+        self.parts = tuple(part for part in parts if len(part))
+
+    def __len__(self) -> int:
+        return sum(map(len, self.parts))
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return tuple(self[k] for k in range(len(self))[index])
+        index = range(len(self))[index]
+        for part in self.parts:
+            if index < len(part):
+                return part[index]
+            index -= len(part)
+        raise IndexError(index)
+
+    def __iter__(self) -> Iterator:
+        return chain.from_iterable(self.parts)

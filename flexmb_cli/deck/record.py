@@ -1,5 +1,6 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
+import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 
@@ -26,7 +27,7 @@ class DeckText:
         return Lines(self.text)
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, slots=True)  # of large decks there are millions
 class Number:
     """One number of the deck.
 
@@ -93,6 +94,10 @@ class Record:
     def with_numbers(self, numbers: Iterable[Number]) -> "Record":
         """The record with other numbers."""
         return Record(self.section, self.number, self.subject, tuple(numbers))
+
+    def with_number(self, index: int, number: Number) -> "Record":
+        """The record with another number at `index`."""
+        return self.with_numbers((*self.numbers[:index], number, *self.numbers[index + 1 :]))
 
     def vector(self, key: str) -> tuple[float, float, float]:
         """The three components `key`.x, `key`.y, `key`.z."""

@@ -1,5 +1,7 @@
 """Records of a deck by section and number, with the zeros of the cards that were not given."""
 
+from collections.abc import Sequence
+
 from ..errors import Place
 from .record import Deck, Number, Record
 
@@ -8,26 +10,33 @@ class DeckValues:
     """Look-up of a deck's records; a card that is not given leaves its defaults."""
 
     def __init__(self, deck: Deck):
+        self.deck = deck
+        self.many = not isinstance(deck.records, tuple)
         self._records: dict[str, dict[int, Record]] = {}
-        for record in deck.records:
+        for record in () if self.many else deck.records:
             self._records.setdefault(record.section, {})[record.number] = record
 
-    def section(self, name: str) -> list[Record]:
-        """All records of a section in the deck's order; [] when its card is not given."""
+    def section(self, name: str) -> Sequence[Record]:
+        """All records of a section in the deck's order; empty when its card is not given."""
+        if self.many:
+            return self.deck.section(name)
         return list(self._records.get(name, {}).values())
 
     def record(self, section: str, number: int = 0) -> Record | None:
         """One record, None when its card is not given."""
+        if self.many:
+            found = self.deck.section(section)
+            return found.numbered(number) if found else None
         return self._records.get(section, {}).get(number)
 
     def number(self, section: str, number: int, key: str) -> Number:
         """One number of a card that must be there."""
-        return self._records[section][number].at(key)
+        return self.record(section, number).at(key)
 
     def values(self, section: str, number: int, default: tuple) -> tuple:
         """All values of a record, or `default`."""
         record = self.record(section, number)
-        return default if record is None else tuple(n.value for n in record.numbers)
+        return default if record is None else tuple(record.values)
 
     def place(self, section: str, number: int = 0) -> Place | None:
         """Return where a record stands, None when it does not."""

@@ -6,6 +6,7 @@ Each is read by itself: what the cards of an earlier model gave is not kept, oth
 
 import os
 import re
+from collections.abc import Iterable
 
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
@@ -16,7 +17,7 @@ MODEL, END, STOP = "DFMB", "END ", "STOP"
 _NAMED = re.compile(r"([1-9][0-9]{0,5}):(.+)", re.DOTALL)
 
 
-def model_starts(lines: list[str]) -> list[int]:
+def model_starts(lines: Iterable[str]) -> list[int]:
     """Return where the DFMB cards of the models stand: the first, and those behind END and before STOP."""
     starts, ended = [], True
     for k, line in enumerate(lines):
@@ -62,9 +63,12 @@ def only_model(source: DeckText, model: int) -> DeckText:
         raise DeckError([Fault("error", message, id="DAFMS-043")])
     last = next((k for k in range(starts[-1], len(lines)) if lines[k].startswith(STOP)), len(lines))
     ends = [*starts[1:], last]
-    own = range(starts[model - 1], ends[model - 1])
-    kept = [line if k in own or not starts[0] <= k < last else "" for k, line in enumerate(lines)]
-    return replace(source, text="\n".join(kept))
+    first, end = starts[model - 1], ends[model - 1]
+    parts = (
+        *(lines.between(0, starts[0]), "\n" * (first - starts[0])),
+        *(lines.between(first, end), "\n" * (last - end), lines.between(last, len(lines))),
+    )
+    return replace(source, text="".join(parts))
 
 
 def changes_of(changes: tuple[str, ...], source: DeckText, model: int) -> list[str]:

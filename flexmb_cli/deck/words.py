@@ -11,7 +11,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from ..errors import Place
-from .lines import as_lines
+from .lines import Lines, as_lines
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")
 LONGEST_CARET = 40
@@ -36,8 +36,12 @@ class Word(NamedTuple):
 def words(lines: Sequence[str], skipped: int = 0) -> Iterator[Word]:
     """The words behind the first `skipped` lines, as they are asked for; the last may be `UNCLOSED`."""
     lines = as_lines(lines)
-    for start in _offsets(lines.text, lines.start_of(skipped)):
-        yield _word(lines, start)
+    return words_from(lines, lines.start_of(skipped))
+
+
+def words_from(lines: Lines, offset: int) -> Iterator[Word]:
+    """The words behind so many characters, as they are asked for; the last may be `UNCLOSED`."""
+    return (_word(lines, start) for start in _offsets(lines.text, offset))
 
 
 class Words:

@@ -1,5 +1,7 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
+from itertools import islice
+
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
@@ -9,6 +11,7 @@ from .young.reader import labelled
 
 COUNTS = "counts"
 _NEAREST = 3
+_COMPARED = 20_000  # names of a deck with an unknown one: each comparison takes a tenth of a millisecond
 
 
 def apply_settings(deck: Deck, settings: list[str]) -> Deck:
@@ -25,22 +28,41 @@ class SettableDeck:
 
     def __init__(self, deck: Deck):
         self.deck = deck
-        self._known = dict(deck.numbers())
-        self._places = {
-            f"{record.prefix}.{number.key}": (index, position)
-            for index, record in enumerate(deck.records)
-            for position, number in enumerate(record.numbers)
-        }
+        self._many = not isinstance(deck.records, tuple)
+        self._index: dict[str, int] = {}
+        if not self._many:
+            self._index = {record.prefix: index for index, record in enumerate(deck.records)}
 
     def __contains__(self, name: str) -> bool:
-        return name in self._known
+        return self._place(name) is not None
 
     def unknown(self, name: str) -> str:
         """Return what to say of a name that the deck lacks."""
         from difflib import get_close_matches
 
-        close = get_close_matches(name, self._known, n=_NEAREST, cutoff=0.0)
+        names = (known for known, _ in self.deck.numbers())
+        close = get_close_matches(name, [*islice(names, _COMPARED)], n=_NEAREST, cutoff=0.0)
         return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
+
+    def _place(self, name):
+        """Where the record of a number stands among the deck's, and the number's key; None without one."""
+        for dot in (k for k, letter in enumerate(name) if letter == "."):
+            index, key = self._find(name[:dot]), name[dot + 1 :]
+            if index is not None and key in self.deck.records[index]:
+                return index, key
+        return None
+
+    def _find(self, prefix):
+        if not self._many:
+            return self._index.get(prefix)
+        first = 0
+        for block in self.deck.records.blocks:
+            if prefix == block.section or prefix.startswith(f"{block.section}."):
+                for k, record in enumerate(block):
+                    if record.prefix == prefix:
+                        return first + k
+            first += len(block)
+        return None
 
     def with_settings(self, settings: list[str]) -> Deck:
         """As `apply_settings`."""
@@ -61,27 +83,33 @@ class SettableDeck:
         name, equals, word = (part.strip() for part in setting.partition("="))
         if not equals:
             raise number.Misspelt("write NAME=VALUE, such as time.end=2.5")
-        if name not in self._known:
+        place = self._place(name)
+        if place is None:
             raise number.Misspelt(self.unknown(name))
         if name.startswith(f"{COUNTS}."):
             raise number.Misspelt("a count cannot be set: the deck's layout hangs on it")
-        read = number.integer if isinstance(self._known[name].value, int) else number.real
+        known = self.deck.records[place[0]].at(place[1])
+        read = number.integer if isinstance(known.value, int) else number.real
         try:
             value, _ = read(word)
         except number.Misspelt as fault:
             raise number.Misspelt(f"{name} {fault}") from None
-        return name, replace(self._known[name], value=value, text=word, place=None)
+        return name, replace(known, value=value, text=word, place=None)
 
     def _with_changes(self, changes):
         """The records with new numbers; those left alone stay the same objects."""
-        records, turned = list(self.deck.records), set()
+        changed_records, turned = {}, set()
         for name, changed in changes.items():
-            index, position = self._places[name]
-            numbers = list(records[index].numbers)
-            numbers[position] = changed
-            records[index] = records[index].with_numbers(numbers)
+            index, key = self._place(name)
+            record = changed_records.get(index, self.deck.records[index])
+            changed_records[index] = record.with_number(record.positions[key], changed)
             if changed.key == "direction" and self.deck.dialect == YOUNG:
                 turned.add(index)
         for index in turned:
-            records[index] = labelled(records[index])
+            changed_records[index] = labelled(changed_records[index])
+        if self._many:
+            return self.deck.records.with_changed(changed_records)
+        records = list(self.deck.records)
+        for index, record in changed_records.items():
+            records[index] = record
         return tuple(records)

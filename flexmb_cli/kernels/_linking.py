@@ -131,6 +131,8 @@ class Kernel(CPUDispatcher):
     def __init__(self, function, locals=None, targetoptions: dict | None = None):
         # Without a word of its own a part would be forced inline where its first caller is.
         options = {"nopython": True, "boundscheck": None, "forceinline": False} | (targetoptions or {})
+        # Earlier versions of numba take no None for them.
+        locals = locals or {}
         super().__init__(function, locals, options, pipeline_class=WholeCompiler)
         options = options | {"no_cpython_wrapper": True}
         self.part = Part(function, locals, options, pipeline_class=PartCompiler)

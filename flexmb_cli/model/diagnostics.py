@@ -1,6 +1,6 @@
 """Faults collected while a model is built, each at the deck's number that causes it."""
 
-from ..errors import Fault, Place
+from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass, field
 
 
@@ -8,7 +8,7 @@ from ..quick_dataclass import dataclass, field
 class Findings:
     """What was found wrong or doubtful so far; nothing is thrown before all of it is known."""
 
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=FaultList)
 
     @property
     def in_order(self) -> list[Fault]:

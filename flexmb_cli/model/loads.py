@@ -7,8 +7,10 @@ body unless the text says global.  Every item keeps its readable name and its pl
 from typing import Literal
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
+from ..quick_dataclass import dataclass, field
+from .joint_elements import JointElements
 from .mechanism import Mechanism, Vector
+from .time_functions import MotionLaw
 
 NOWHERE: Vector = (0.0, 0.0, 0.0)
 
@@ -29,35 +31,27 @@ class MassProperties:
 
 
 @dataclass(frozen=True)
-class Table:
-    """A factor given at rising `times` (s), between them by a smooth cubic, before and after constant."""
-
-    times: tuple[float, ...]
-    values: tuple[float, ...]
-
-
-@dataclass(frozen=True)
 class AppliedForce:
-    """A force (N) on a `point` of a body, in global axes or, `following`, in the body's."""
+    """A force (N), times a `factor`, on a `point` of a body, in global axes or, `following`, its own."""
 
     name: str
     body: int
     force: Vector
     point: Vector = NOWHERE
     following: bool = False
-    table: Table | None = None
+    factor: MotionLaw | None = None
     place: Place | None = None
 
 
 @dataclass(frozen=True)
 class AppliedTorque:
-    """A torque (N m) on a body, in global axes or, `following`, in the body's."""
+    """A torque (N m), times a `factor`, on a body, in global axes or, `following`, in the body's."""
 
     name: str
     body: int
     torque: Vector
     following: bool = False
-    table: Table | None = None
+    factor: MotionLaw | None = None
     place: Place | None = None
 
 
@@ -118,6 +112,7 @@ class DynamicModel:
     tolerance: float = 1e-9
     alpha_steps: AlphaSteps | None = None
     radau: bool = False
+    elements: JointElements = field(default_factory=JointElements)
 
 
 def holders(mechanism: Mechanism) -> list[tuple[str, int]]:

@@ -20,6 +20,11 @@ class Body:
     p: tuple[float, float, float, float]
     place: Place | None = None
 
+    @property
+    def modes(self) -> int:
+        """Number of modal coordinates: it does not deform."""
+        return 0
+
 
 @dataclass(frozen=True)
 class Joint:

@@ -1,16 +1,19 @@
-"""Laws of time: polynomials, spin-up, sines and tables, with their first two derivatives.
+"""Laws of time: polynomials, spin-up, sines, tables, sums and products, with their first two derivatives.
 
 The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w over the time T.
 """
 
 import math
+from array import array
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass
+from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
 
-POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE = 1, 2, 3, 4, 5
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
 
 @dataclass(frozen=True)
@@ -20,19 +23,22 @@ class MotionLaw:
     1: c0 + c1 t + c2 t² + c3 t³.  2: (w/T) (t²/2 + (T/2 pi)² (cos(2 pi t/T) - 1)) up to T = c1, then
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
     (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.  5: the same,
-    which keeps its first and last value outside.
+    which keeps its first and last value outside.  6: `pieces`, see `piecewise_polynomials`.  7: the sum of
+    `terms`, each a product of laws of the other kinds.  The points of a table may be a million: arrays of
+    doubles.
     """
 
     kind: int
     c: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    times: tuple[float, ...] = ()
-    values: tuple[float, ...] = ()
-    curvature: tuple[float, ...] = ()
+    times: Sequence[float] = ()
+    values: Sequence[float] = ()
+    curvature: Sequence[float] = ()
+    pieces: Pieces = ()
+    terms: tuple[tuple["MotionLaw", ...], ...] = ()
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Value and its first and second derivative at time `t`, s."""
-        laws = {POLYNOMIAL: _polynomial, SPIN_UP: _spin_up, SINE: _sine, TABLE: _spline, HELD_TABLE: _held}
-        return laws[self.kind](self, t)
+        return _VALUES[self.kind](self, t)
 
     @property
     def of_factor(self) -> "MotionLaw":
@@ -40,34 +46,35 @@ class MotionLaw:
 
         A spline would swing beyond the values given, and pull before a pulse begins.
         """
-        return MotionLaw(HELD_TABLE, self.c, self.times, self.values, (0.0,) * len(self.times))
+        flat = array("d", bytes(8 * len(self.times)))
+        return MotionLaw(HELD_TABLE, self.c, self.times, self.values, flat)
 
 
-def table_law(times, values) -> MotionLaw:
+def table_law(times: Sequence[float], values: Sequence[float]) -> MotionLaw:
     """The law through at least two points, times ascending."""
-    t, f = np.asarray(times, float), np.asarray(values, float)
-    curvature = _natural_curvature(np.diff(t).tolist(), (np.diff(f) / np.diff(t)).tolist())
-    return MotionLaw(
-        TABLE, times=tuple(map(float, t)), values=tuple(map(float, f)), curvature=tuple(curvature)
-    )
+    t, f = array("d", times), array("d", values)
+    return MotionLaw(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
 
 
-def _natural_curvature(h, slopes):
-    """Second derivatives at the points, 0 at the ends, from the lengths (k-1) and slopes of the pieces.
+def _natural_curvature(t, f):
+    """Second derivatives at the points, 0 at the ends.
 
     Three diagonals, the middle one larger than the others together: eliminated without pivots.  A full
     matrix would take 8 k² bytes.
     """
-    inner = range(1, len(h))
-    ahead, reduced = [0.0], [0.0]
-    for i in inner:
-        pivot = 2 * (h[i - 1] + h[i]) - h[i - 1] * ahead[-1]
-        ahead.append(h[i] / pivot)
-        reduced.append((6 * (slopes[i] - slopes[i - 1]) - h[i - 1] * reduced[-1]) / pivot)
-    curvature = [0.0]
-    for i in reversed(inner):
-        curvature.append(reduced[i] - ahead[i] * curvature[-1])
-    return [0.0, *curvature[:0:-1], 0.0]
+    count = len(t)
+    ahead, reduced = array("d", bytes(8 * count)), array("d", bytes(8 * count))
+    length, slope = t[1] - t[0], (f[1] - f[0]) / (t[1] - t[0])
+    for i in range(1, count - 1):
+        before, slope_before = length, slope
+        length = t[i + 1] - t[i]
+        slope = (f[i + 1] - f[i]) / length
+        pivot = 2 * (before + length) - before * ahead[i - 1]
+        ahead[i] = length / pivot
+        reduced[i] = (6 * (slope - slope_before) - before * reduced[i - 1]) / pivot
+    for i in reversed(range(1, count - 1)):
+        reduced[i] -= ahead[i] * reduced[i + 1]
+    return reduced
 
 
 def _polynomial(law, t):
@@ -107,6 +114,78 @@ def _held(law, t):
     if law.times[0] <= t <= law.times[-1]:
         return _spline(law, t)
     return law.values[0 if t < law.times[0] else -1], 0.0, 0.0
+
+
+def _pieces(law, t):
+    return value_and_rates(law.pieces, t)
+
+
+def _compound(law, t):
+    total = (0.0, 0.0, 0.0)
+    for factors in law.terms:
+        f, fd, fdd = 1.0, 0.0, 0.0
+        for g, gd, gdd in (factor.at(t) for factor in factors):
+            f, fd, fdd = f * g, fd * g + f * gd, fdd * g + 2.0 * fd * gd + f * gdd
+        total = (total[0] + f, total[1] + fd, total[2] + fdd)
+    return total
+
+
+_VALUES = {
+    POLYNOMIAL: _polynomial,
+    SPIN_UP: _spin_up,
+    SINE: _sine,
+    TABLE: _spline,
+    HELD_TABLE: _held,
+    PIECEWISE: _pieces,
+    COMPOUND: _compound,
+}
+
+
+def piecewise(pieces: Pieces) -> MotionLaw:
+    """The law of these pieces."""
+    return MotionLaw(PIECEWISE, pieces=pieces)
+
+
+def _terms(law):
+    return law.terms if law.kind == COMPOUND else ((law,),)
+
+
+def sum_of(laws: Iterable[MotionLaw]) -> MotionLaw:
+    """The sum of laws."""
+    return MotionLaw(COMPOUND, terms=tuple(term for law in laws for term in _terms(law)))
+
+
+def product_of(laws: Iterable[MotionLaw]) -> MotionLaw:
+    """The product of laws, multiplied out."""
+    products: list[tuple[MotionLaw, ...]] = [()]
+    for law in laws:
+        products = [(*before, *term) for before in products for term in _terms(law)]
+    return MotionLaw(COMPOUND, terms=tuple(products))
+
+
+def integral_of(law: MotionLaw, start: float = 0.0) -> MotionLaw | None:
+    """The antiderivative that is 0 at `start`; None where flexmb has none: of a product."""
+    if law.kind == PIECEWISE:
+        return piecewise(integral(law.pieces, start))
+    if law.kind == POLYNOMIAL:
+        return piecewise(integral(((0.0, *law.c),), start))
+    if law.kind == SINE and law.c[2] != 0.0:
+        mean, size, omega, phase = law.c
+        turning = MotionLaw(SINE, (0.0, -size / omega, omega, phase + math.pi / 2))
+        return sum_of([piecewise(((start, -turning.at(start)[0], mean),)), turning])
+    if law.kind == COMPOUND and all(len(factors) == 1 for factors in law.terms):
+        parts = [integral_of(factors[0], start) for factors in law.terms]
+        return None if None in parts else sum_of(parts)
+    return None
+
+
+def smoothness(law: MotionLaw) -> int:
+    """How many derivatives of a law are continuous, at most 2; -1: its value jumps."""
+    if law.kind == PIECEWISE:
+        return continuous_rates(law.pieces)
+    if law.kind == COMPOUND:
+        return min((smoothness(factor) for factors in law.terms for factor in factors), default=2)
+    return {HELD_TABLE: 0}.get(law.kind, 2)
 
 
 @dataclass(frozen=True)

@@ -157,13 +157,17 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
     """Bodies that something moves: those held by ground constraints need no mass."""
     mechanism = model.mechanism
     held = {item.body for item in mechanism.grounds}
-    masses = {item.body: item for item in model.masses}
+    masses = {item.body: item for item in model.masses if item.body not in held}
+    joined: dict[int, list] = {}
+    for joint in mechanism.joints:
+        for body, point in ((joint.i, joint.P_i), (joint.j, joint.P_j)):
+            if body not in held:
+                joined.setdefault(body, []).append(point)
     found = []
     for k, body in enumerate(mechanism.bodies):
         if k in held:
             continue
-        points = [j.P_i for j in mechanism.joints if j.i == k] + [j.P_j for j in mechanism.joints if j.j == k]
-        given = masses.get(k)
+        points, given = joined.get(k, ()), masses.get(k)
         if given is None:
             found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))
             continue
@@ -189,10 +193,13 @@ def _of_mechanism(mechanism: "FlexibleMechanism") -> Iterable[Extent]:
 def _of_tree(tree: "Tree") -> Iterable[Extent]:
     """Rigid bodies; the root of each is its own hinge."""
     found = []
+    borne: dict[int, list] = {}
+    for hinge in tree.hinges:
+        borne.setdefault(hinge.parent, []).append(hinge.point)
     for k, body in enumerate(tree.bodies):
         if body.elastic is not None:
             continue
-        points = [(0.0, 0.0, 0.0), *(hinge.point for hinge in tree.hinges if hinge.parent == k)]
+        points = [(0.0, 0.0, 0.0), *borne.get(k, ())]
         moments = _moments(_about_centre(body.inertia, body.mass, body.centre))
         size = _farthest(points, body.centre)
         found.append(Extent(body.name, body.mass, moments, size, body.place))

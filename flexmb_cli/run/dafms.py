@@ -255,11 +255,12 @@ class _ResultFiles:
     def _open_result(self, tree):
         from ..results.hdf5.result_file import ResultFile
         from ..results.hdf5.tree import tree_layout
+        from ..results.quantities.selection import selected
         from ..solvers.tree.points import point_names
 
         layout = tree_layout(tree, point_names(tree))
         layout = with_errors(layout) if self.options.estimate_error else layout
-        self.result = ResultFile(self.paths.h5, self.deck, layout)
+        self.result = ResultFile(self.paths.h5, self.deck, selected(layout, self.deck, self.options.only))
 
     @property
     def unfinished(self):

@@ -5,12 +5,14 @@ from ..dialects.dafms.build import build_dafms
 from ..model.tree import Tree, default_tolerances
 from ..quick_dataclass import replace
 from ..solvers.compilation import tell_of_compiling
+from .integration_options import refuse_foreign_method
 from .outcome import Outcome, RunOptions, refuse_warnings
 from .young import Contents, Solution
 
 
 def tree_of(deck: Deck, options: RunOptions, outcome: Outcome) -> Tree:
     """The tree of `deck`, to be integrated as `options` say; its warnings go into `outcome`."""
+    refuse_foreign_method("dafms", options)
     tree, warnings = build_dafms(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)

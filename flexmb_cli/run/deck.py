@@ -78,34 +78,48 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     if deck.dialect not in RUNNERS:
         message = f"decks of dialect {deck.dialect} cannot be run yet by this version"
         raise DeckError([Fault("error", message, id="RUN-011")])
-    return replace(deck, options=_told_options(deck.dialect, options), model=model)
+    return replace(deck, options=_told_options(deck, options), model=model)
 
 
-def _told_options(dialect, options):
+def _told_options(deck, options):
     """The options of this run on which its numbers depend, as the command has them."""
-    given = options.solver if dialect == "young" else options.integration if dialect == "dafms" else {}
+    given = dict(options.solver) if deck.dialect == "young" else {}
+    given |= options.integration if _is_integrated(deck) else {}
     told = [f"{SOLVER_OPTIONS.get(key, key)}={value}" for key, value in given.items()]
-    if dialect == "young" and options.as_printed:
+    if deck.dialect == "young" and options.as_printed:
         told.append(AS_PRINTED)
-    if dialect == "dafms" and options.formulation == ABSOLUTE:
+    if deck.dialect == "dafms" and options.formulation == ABSOLUTE:
         told.append(f"formulation={ABSOLUTE}")
     return tuple(told)
 
 
+def _is_integrated(deck):
+    """Whether time steps are taken: in kinematics and inverse dynamics every row is solved for itself."""
+    from ..dialects.young.dynamic_cards import FORWARD, analysis_of
+
+    return deck.dialect != "young" or analysis_of(deck) == FORWARD
+
+
 def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:
-    """Options that mean nothing to the deck's dialect are said to be without effect."""
+    """Warn of options that mean nothing to the deck, each with what takes their place."""
     foreign = []
     if deck.dialect != "young":
-        given = [SOLVER_OPTIONS[key] for key in options.solver]
-        foreign.append(("YOUNG", given + [AS_PRINTED] * options.as_printed))
+        there = "forward dynamics solve to round-off; --rtol sets the tolerance of a step"
+        foreign.append(([SOLVER_OPTIONS[key] for key in options.solver], there))
+        foreign.append(([AS_PRINTED] * options.as_printed, "the program of 1996 read YOUNG decks only"))
+    if not _is_integrated(deck):
+        there = "nothing is integrated, and every row is solved to round-off; --feps sets the residual"
+        foreign.append(([*options.integration], there))
     if deck.dialect != "dafms":
-        given = [*options.integration, *["formulation"] * (options.formulation == ABSOLUTE)]
-        foreign.append(("DAFMS", given + ["resume"] * options.resume))
-    for dialect, names in foreign:
+        there = "there is one formulation; flexmb verify compares it with a second one"
+        foreign.append((["formulation"] * (options.formulation == ABSOLUTE), there))
+        there = "a stopped run keeps its rows, marked as failed; the run starts anew"
+        foreign.append((["resume"] * options.resume, there))
+    for names, there in foreign:
         if names:
             *others, last = [f"--{name}" for name in names]
-            told = f"{', '.join(others)} and {last} are" if others else f"{last} is"
-            message = f"{told} for {dialect} decks and {'have' if others else 'has'} no effect here"
+            told = f"{', '.join(others)} and {last} have" if others else f"{last} has"
+            message = f"{told} no effect on this {deck.dialect.upper()} deck: {there}"
             outcome.faults.append(Fault("warning", message, id="RUN-012"))
 
 

@@ -77,7 +77,8 @@ class RunOptions:
 
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
     a tree: KANE or ABSOLUTE; `as_printed`: a YOUNG deck is solved with the errors of the program of 1996;
-    `debug`: faults of flexmb itself are raised.
+    `debug`: faults of flexmb itself are raised; `only`: names of quantities that the HDF5 result holds, all
+    without any.
     """
 
     dialect: str = "auto"
@@ -97,6 +98,7 @@ class RunOptions:
     as_printed: bool = False
     echo: bool = False
     debug: bool = False
+    only: tuple[str, ...] = ()
 
 
 @dataclass
@@ -149,11 +151,15 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Listener:
-    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`."""
+    """Where a run tells how far it is: `begin(rows)`, `advance(rows)`, `notice(sentence)`, `status(doing)`.
+
+    A notice stays; a status holds until the first row.
+    """
 
     begin: Callable[[int], None] = lambda rows: None
     advance: Callable[[int], None] = lambda rows: None
     notice: Callable[[str], None] = lambda sentence: None
+    status: Callable[[str], None] = lambda doing: None
 
 
 def refuse_warnings(outcome: Outcome, options: RunOptions) -> None:

@@ -11,6 +11,7 @@ from ..results.files.file_names import STANDARD_INPUT, ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .energy_drift import ConstrainedDrift
 from .error_estimate import with_estimate
+from .integration_options import mechanism_as_asked, refuse_foreign_method, set_tolerances
 from .outcome import Outcome, RunOptions, Stop, refuse_warnings
 from .young import Contents, Solution, write_solution
 from .young_dynamics import StepCount
@@ -41,7 +42,10 @@ def vsdf_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) -
     from ..results.hdf5.flexible import flexible_layout, flexible_values
     from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
 
+    refuse_foreign_method("vsdf", options)
+    mechanism = mechanism_as_asked(mechanism, options)
     analysis = FlexibleDynamics(mechanism)
+    set_tolerances(analysis, options, outcome)
     tell_of_compiling(listener, analysis.stepper.entry)
 
     def constraints():

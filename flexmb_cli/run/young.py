@@ -151,9 +151,10 @@ class ResultFiles:
             self._open_table(deck, options, stdout, ReplacedText)
         if paths.h5 is not None:
             from ..results.hdf5.result_file import ResultFile
+            from ..results.quantities.selection import selected
 
             try:
-                self.result = ResultFile(paths.h5, deck, contents.layout())
+                self.result = ResultFile(paths.h5, deck, selected(contents.layout(), deck, options.only))
             except BaseException:
                 self.discard()
                 raise

@@ -10,6 +10,7 @@ from ..results.files.file_names import ResultPaths
 from ..solvers.compilation import tell_of_compiling
 from .energy_drift import ConstrainedDrift
 from .error_estimate import with_estimate
+from .integration_options import as_asked, refuse_foreign_method, set_tolerances
 from .outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 from .young import Contents, Solution, kinematic_solution, write_solution
 
@@ -40,7 +41,7 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
         return kinematic_solution(deck, options, outcome, listener)
     if options.as_printed:
         told = "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
-        raise ModelError([Fault("error", told, id="RUN-025")])
+        raise ModelError([Fault("error", told, id="RUN-027")])
     from ..dialects.young.build_dynamics import build_young_dynamics
     from ..model.unit_checks import unit_doubts
     from ..results.hdf5.dynamic import dynamic_layout, dynamic_values
@@ -48,24 +49,34 @@ def young_solution(deck: Deck, options: RunOptions, outcome: Outcome, listener) 
     model, warnings = build_young_dynamics(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
+    refuse_foreign_method("young", options)
+    model = as_asked(model, options)
     analysis = _analysis(model, options, listener)
-    contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
-    forward = model.analysis != INVERSE
+    if model.analysis != INVERSE:
+        set_tolerances(analysis, options, outcome)
+    if model.elements:
+        from ..results.hdf5.elements import element_layout, element_values
+
+        contents = Contents(lambda: element_layout(model), lambda rows: element_values(model, rows))
+    else:
+        contents = Contents(lambda: dynamic_layout(model), lambda rows: dynamic_values(model, rows))
+    forward = model.analysis != INVERSE or bool(model.elements)
     count = StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)) if forward else StepCount()
     doubts = partial(unit_doubts, model)
     return Solution(analysis, model.mechanism.time.rows, contents, count, doubts)
 
 
 def _analysis(model, options, listener: Listener):
-    if model.analysis == INVERSE:
+    if model.analysis == INVERSE and not model.elements:
         from ..solvers.kinematics.inverse_dynamics import InverseDynamics
         from ..solvers.kinematics.settings import KinematicSettings
 
         tell_of_compiling(listener, "constrained.report.observe_rows")
         return InverseDynamics(model, KinematicSettings(**options.solver))
+    from ..solvers.constrained.driven_dynamics import DrivenDynamics
     from ..solvers.constrained.young_dynamics import ForwardDynamics
 
-    analysis = ForwardDynamics(model)
+    analysis = DrivenDynamics(model) if model.analysis == INVERSE else ForwardDynamics(model)
     tell_of_compiling(listener, analysis.stepper.entry)
     return analysis
 

@@ -6,6 +6,7 @@ from typing import Protocol
 from ..errors import OutputError
 
 _told: set[str] = set()  # entries this process need not look for again: a study asks for every case
+COMPILING = "compiling kernels (once per version, 10 s to a minute)"
 NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
 
 
@@ -14,6 +15,9 @@ class Notices(Protocol):
 
     def notice(self, sentence: str) -> None:
         """Show the sentence."""
+
+    def status(self, doing: str) -> None:
+        """Show what goes on, until something else does."""
 
 
 def interpret() -> None:
@@ -41,7 +45,7 @@ def tell_of_compiling(listener: Notices, entry: str) -> None:
         return
     from ..kernels import _cache
 
-    listener.notice("compiling kernels (once per version, 10 s to a minute)")
+    listener.status(COMPILING)
     if _cache.folder_to_write() is None:
         listener.notice(NO_FOLDER)
     for sentence in _cache.refused:

@@ -14,14 +14,19 @@ MOST_RANGES = 5  # of missing cases named
 def write_study_table(path: str, sweep: Sweep) -> None:
     """Write every case of a finished study to `path`, and remove its parts.
 
-    Raises OutputError when the table cannot be written or cases are missing; the parts then stay.
+    Raises OutputError when the table cannot be written or cases are missing; the parts then stay.  Where only
+    the parts cannot be removed, the table is there: no wrong command, exit 1.
     """
     # A stop must not be raised where HDF5 calls back for a write.
     with Stop.later():
         write_table(path, _head(sweep), _rows(sweep))
     Stop.heed()
     with Stop.later():
-        sweep.end()
+        try:
+            sweep.end()
+        except OutputError as error:
+            message = f"{error}; the table {path} is complete, remove the folder of its parts"
+            raise OutputError(message, ANALYSIS_FAILED, id="STUDY-026") from error
 
 
 def _head(sweep):

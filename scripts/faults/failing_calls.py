@@ -20,7 +20,7 @@ from .child import Hit
 from .judge import faults_of_end, faults_of_files, faults_of_finish
 from .stage import Stage
 from .traced import ANY_FILE, concerned, is_here, recorded, tracer
-from .traced_commands import prepared, traced_commands
+from .traced_commands import is_left_by_stop, prepared, traced_commands
 
 ERRORS = ("ENOSPC", "EIO", "EMFILE", "EACCES")
 # Where a file cannot be removed it stays; the next command that writes the same output clears up.
@@ -37,7 +37,7 @@ def main(arguments) -> int:
     print(f"{'command':28}{'calls':>7}{'failures':>10}{'exit 0':>8}{'1':>6}{'2':>6}{'wrong':>7}")
     wrong = 0
     for command, with_old in traced_commands(stage, top, options.commands):
-        if not with_old:  # then a lost file would not be seen
+        if not with_old and not _goes_on(command):  # then a lost file would not be seen
             continue
         wrong += _campaign(command, with_old, top / f"{command.name}", options)
     if wrong:
@@ -96,8 +96,14 @@ def _short(call):
     return ", ".join(Path(path).name for path in call.paths)[:80]
 
 
+def _goes_on(command):
+    return any(is_left_by_stop(name) for name in command.inputs)
+
+
 def _one(command, with_old, folder, call, error):
     before = prepared(command, folder, with_old)
+    # What a stopped command left is used up, or stays until it is.
+    before = {name: content for name, content in before.items() if not is_left_by_stop(name)}
     options = ("-e", f"trace={call.name}", "-e", f"inject={call.name}:error={error}:when={call.at}")
     ended = command.run(folder, Hit(begin=tracer(folder.parent / "log", *options)))
     if "(INJECTED)" not in _told(folder.parent / "log"):

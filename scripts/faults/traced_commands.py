@@ -47,7 +47,12 @@ def _left_by_stop(command, top, share):
     trip = Trip(str(folder), command.deeds // share, trips.STOP, signal.SIGTERM)
     command.run(folder, Hit(trip=trip))
     left = {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    return {name: content for name, content in left.items() if name.endswith(".resume") or ".parts/" in name}
+    return {name: content for name, content in left.items() if is_left_by_stop(name)}
+
+
+def is_left_by_stop(name: str) -> bool:
+    """Whether a file is what a stopped command keeps to go on with."""
+    return name.endswith(".resume") or ".parts/" in name
 
 
 def prepared(command: Command, folder: Path, with_old: bool) -> dict[str, bytes]:

@@ -59,6 +59,8 @@ def _by_simpson(time, rate, second, exact):
 def _same(name, told, shown):
     gap, allowed = told
     bad = shown & (np.abs(gap) > allowed)
+    # A spin-up may be over within the first step: no row shows its acceleration.
+    bad[0] = False
     if bad.any():
         k, column = np.argwhere(bad)[0]
         raise Verdict(f"{name} against its rates: {gap[k, column]:.3g} at row {k}, number {column}")

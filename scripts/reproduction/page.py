@@ -30,7 +30,7 @@ HEAD = """# The sources, run anew
 
 `scripts/reproduce` makes this page: it runs the examples of the three sources and writes what was printed
 beside what flexmb computes, with the agreement measured, or the reason why the print is wrong.
-`tests/test_reproduce.py` holds the numbers."""
+`tests/scripts/test_reproduce.py` holds the numbers."""
 
 
 def write_page(folder: Path, markdown: Path | None = None) -> Path:

@@ -388,7 +388,7 @@ def test_a_read_only_install_without_home_runs_from_any_folder(tmp_path):
     environment = {**kept, "PYTHONPATH": str(place), "TMPDIR": str(work)}
     runs = [
         subprocess.run(
-            [sys.executable, "-m", "flexmb_cli", "run", str(HELD)],
+            [sys.executable, "-m", "flexmb_cli", "run", "-v", str(HELD)],
             cwd=work, env=environment, capture_output=True, text=True, timeout=300,
         )
         for _ in range(2)

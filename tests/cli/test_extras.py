@@ -18,9 +18,9 @@ WITHOUT = "import sys; sys.modules[{module!r}] = None; from flexmb_cli.__main__ 
 STUDY = """
 deck = "IN4-BAR.dat"
 [parameters]
-"driver.1.B" = { from = 3.0, to = 3.2, steps = 3 }
+"driver.1.B" = { from = 3.0, to = 3.2, count = 3 }
 [results]
-top = "max of body.3.z"
+top = "max body.3.z"
 """
 
 
@@ -38,7 +38,6 @@ def folder(tmp_path):
     ("module", "arguments", "extra"),
     [
         ("matplotlib", ["plot", "r.h5", "-o", "p.png"], "plot"),
-        ("plotly", ["report", "r.h5"], "report"),
         ("pyarrow", ["sweep", "study.toml", "-o", "t.parquet"], "parquet"),
         ("distributed", ["sweep", "study.toml", "--scheduler", "tcp://127.0.0.1:1"], "cluster"),
     ],

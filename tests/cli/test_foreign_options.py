@@ -16,12 +16,21 @@ from tests.dialects.vsdf.vsdf_decks import RIGID
 FOUR_BAR = str(Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat")
 
 
-def test_a_vsdf_deck_has_its_own_tolerance_and_is_not_resumed():
+def test_a_vsdf_deck_takes_a_tolerance_and_is_not_resumed():
     outcome = Outcome("links.vsdf")
     options = RunOptions(integration={"rtol": 1e-4}, resume=True, formulation="absolute")
     warn_of_foreign_options(read_deck(decode("links.vsdf", RIGID.encode())), options, outcome)
     assert [(fault.severity, fault.message) for fault in outcome.faults] == [
-        ("warning", "--rtol, --formulation and --resume are for DAFMS decks and have no effect here"),
+        (
+            "warning",
+            "--formulation has no effect on this VSDF deck: there is one formulation; flexmb verify compares "
+            "it with a second one",
+        ),
+        (
+            "warning",
+            "--resume has no effect on this VSDF deck: a stopped run keeps its rows, marked as failed; the "
+            "run starts anew",
+        ),
     ]
 
 
@@ -30,8 +39,10 @@ def test_only_the_options_given_are_named():
     options = RunOptions(solver={"smallest_pivot": 1e-6}, resume=True)
     warn_of_foreign_options(read_deck(decode("links.vsdf", RIGID.encode())), options, outcome)
     assert [fault.message for fault in outcome.faults] == [
-        "--epslu is for YOUNG decks and has no effect here",
-        "--resume is for DAFMS decks and has no effect here",
+        "--epslu has no effect on this VSDF deck: forward dynamics solve to round-off; --rtol sets the "
+        "tolerance of a step",
+        "--resume has no effect on this VSDF deck: a stopped run keeps its rows, marked as failed; the run "
+        "starts anew",
     ]
 
 

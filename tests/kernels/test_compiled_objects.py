@@ -263,6 +263,14 @@ PRIVATE = {
 }
 
 
+def test_kernels_give_numba_types_of_locals_that_every_version_takes():
+    """numba 0.61 compiles no kernel without: "locals must not be None"."""
+    from flexmb_cli.kernels import _linking
+
+    made = _linking.Kernel(lambda x: x)
+    assert made.locals == made.part.locals == {}
+
+
 def test_what_is_private_to_numba_is_used_in_one_place():
     """All that numba does not promise to keep is named in `_linking.py`, and below."""
     used = re.compile(r"^\s*(?:from|import) (numba[.\w]*)", re.MULTILINE)

@@ -57,7 +57,7 @@ def test_the_report_shows_them_and_echoes_what_was_run(folder):
 
     def page(name):
         with open_result(folder / name) as result:
-            return report_page(result, "")
+            return report_page(result)
 
     changed, plain = page("changed.h5"), page("plain.h5")
     assert f"changed for this run by --set: <b>{', '.join(KEPT)}</b>" in changed and "--set" not in plain

@@ -65,6 +65,22 @@ def test_the_lock_goes_with_who_held_it(study):
     assert sorted(os.listdir()) == ["s.h5", "s.toml"]
 
 
+def test_parts_that_cannot_be_removed_make_no_wrong_command_of_a_written_table(study, monkeypatch):
+    """Exit 2 would say that nothing was written."""
+    sweep = begun(study)
+    solve(sweep)
+
+    def refused(*_arguments, **_how):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "unlink", refused)
+    with pytest.raises(OutputError, match=r"permission denied; the table s\.h5 is complete") as told:
+        write_study_table("s.h5", sweep)
+    assert told.value.exit_code == 1
+    with h5py.File("s.h5") as table:
+        assert len(table["case"]) == 200
+
+
 def test_a_sweep_that_found_the_lock_of_one_just_ended_takes_a_new_one(study, monkeypatch):
     """Between its look for the folder and its lock the other removed both: the lock it holds is nowhere."""
     import flexmb_cli.study.lock as study_lock

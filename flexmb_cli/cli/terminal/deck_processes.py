@@ -3,7 +3,7 @@
 import signal
 import sys
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lacks_memory, told_of_lack
@@ -11,6 +11,7 @@ from ...quick_dataclass import dataclass, field
 from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
 from ...run.processes.signal_mask import unblock_stops
 from ...run.processes.worker import Worker, end_all, having_answers, portable
+from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
 KILLED = (
@@ -19,14 +20,12 @@ KILLED = (
 )
 
 
-def outcomes_in_parallel(
-    decks, options: RunOptions, jobs: int, notice: Callable[[str], None]
-) -> Iterator[Outcome]:
+def outcomes_in_parallel(decks, options: RunOptions, jobs: int, progress: Progress) -> Iterator[Outcome]:
     """What became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.parent_watch import outlive_workers
 
     outlive_workers()
-    work = _Work(options, jobs, notice, deque(enumerate(decks)))
+    work = _Work(options, jobs, progress, deque(enumerate(decks)))
     try:
         for index in range(len(decks)):
             while index not in work.ended:
@@ -49,6 +48,10 @@ class _Unable:
     reason: str
 
 
+class _Doing(str):
+    """What a process is doing for a while."""
+
+
 @dataclass
 class _Work:
     """`waiting` (index, deck), `running` (index, deck) by worker, `ended` outcomes by index.
@@ -58,7 +61,7 @@ class _Work:
 
     options: RunOptions
     jobs: int
-    notice: Callable[[str], None]
+    progress: Progress
     waiting: deque
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
@@ -117,7 +120,10 @@ class _Work:
     def _tell(self, sentence):
         if sentence not in self.told:
             self.told.add(sentence)
-            self.notice(sentence)
+            if isinstance(sentence, _Doing):
+                self.progress.status(sentence)
+            else:
+                self.progress.notice(sentence)
 
     def _take(self, worker, index, deck, answer):
         """Return what became of a deck; `answer` None: its process was killed."""
@@ -145,7 +151,7 @@ def _serve(line, options):
     not after a stop: what was being imported then stays half done.
     """
     unable = _begin_process()
-    listener = Listener(notice=line.send)
+    listener = Listener(notice=line.send, status=lambda doing: line.send(_Doing(doing)))
     goes_on = True
     while goes_on:
         deck = line.recv()

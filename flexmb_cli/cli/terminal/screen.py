@@ -1,5 +1,7 @@
 """What is printed: strangers' texts and file names command no terminal; tables reach pipes unchanged."""
 
+import os
+import re
 import sys
 from contextlib import contextmanager
 
@@ -56,4 +58,37 @@ def tell(sentence: str) -> None:
 
 def show(text: str, err: bool = False) -> None:
     """Lines of a report on standard output, or on standard error; a pipe may well lead to a terminal."""
-    click.echo(lines_visible(text), nl=False, err=err)
+    stream = sys.stderr if err else sys.stdout
+    text = lines_visible(text)
+    click.echo(fitted(text, terminal_width(stream)) if stream.isatty() else text, nl=False, err=err)
+
+
+def terminal_width(stream) -> int:
+    """Return the columns of the terminal behind `stream`; COLUMNS overrules it, and 80 is the last resort."""
+    given = os.environ.get("COLUMNS", "")
+    if given.isdecimal() and int(given):
+        return int(given)
+    try:
+        return os.get_terminal_size(stream.fileno()).columns or 80
+    except (OSError, ValueError):
+        return 80
+
+
+def fitted(text: str, width: int) -> str:
+    """Return `text` with the columns left out that do not fit, so that no number is broken at the edge.
+
+    A line of a table is known by gaps of two blanks and more; lines of prose stay, since words may wrap.
+    """
+    return "".join(_fitted_line(line, width) for line in text.splitlines(keepends=True))
+
+
+def _fitted_line(line, width):
+    bare = line.rstrip("\n")
+    if len(bare) <= width or not re.search(r"\S {2,}\S", bare):
+        return line
+    # The gap behind the last cell that fits, with room for the mark; a cell of prose is cut between words.
+    end = bare.rfind("  ", 0, width)
+    cell = re.split(r" {2,}", bare[end:].strip())[0] if end >= 0 else ""
+    if len(cell.split()) > 2:
+        end = bare.rfind(" ", 0, width - 1)
+    return f"{bare[:end].rstrip()} …{line[len(bare) :]}" if end > 0 and bare[:end].strip() else line

@@ -174,16 +174,17 @@ def _node_vectors(values, section, k, nodes):
 
 
 def _nodal_masses(values, k, findings):
-    numbers = values.record("bmi", k).numbers
-    for number in numbers:
-        if number.value <= 0:
-            message = f"{number.key} = {number.value}: every node needs a mass above zero"
-            findings.error(f"body {k}", message, number.place, id="DAFMS-018")
-    return np.array([number.value for number in numbers], float)
+    record = values.record("bmi", k)
+    masses = np.array(record.values, float)
+    for node in np.flatnonzero(masses <= 0):
+        number = record.numbers[node]
+        message = f"{number.key} = {number.value}: every node needs a mass above zero"
+        findings.error(f"body {k}", message, number.place, id="DAFMS-018")
+    return masses
 
 
 def _stiffness(values, k, findings, axes):
-    matrix = full_matrix(values.values("counts.jdi", k, ()), values.values("bkp", k, ()))
+    matrix = full_matrix(values.record("counts.jdi", k).values, values.record("bkp", k).values)
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 

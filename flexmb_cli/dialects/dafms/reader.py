@@ -3,9 +3,11 @@
 DAFMS thesis (Zhao, 1992), appendix C, MAIN, QCONTR and DFIN; TSYSIN is in `system_cards.py`.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
+from ...deck.number_list import NumberList, record_of
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Place
 from ...quick_dataclass import dataclass, field
@@ -198,23 +200,26 @@ def _read_nodes(records, k, nodes, axes, words, read):
 def _read_array(records, name, meaning, unit, form, size, read, section=None):
     """A list of one body.  The skyline's addresses count as counts: the deck's layout hangs on them."""
     k, count = size
-    items = [Item(f"{name}({i})", meaning, unit) for i in range(1, count + 1)]
-    numbers = records.read(form, items, f"{name} of body {k}")
-    read.append(Record(section or name.lower(), k, f"body {k}", numbers))
+    numbers = records.read_list(
+        form, count, lambda i: (f"{name}({i + 1})", meaning, unit), f"{name} of body {k}"
+    )
+    read.append(record_of(section or name.lower(), k, f"body {k}", (), numbers))
     return numbers
 
 
-def _check_skyline(records: Records, jdi: tuple[Number, ...], k: int) -> None:
+def _check_skyline(records: Records, jdi: Sequence[Number], k: int) -> None:
     """Column J holds 1 to J entries, its diagonal last; a wrong address shifts all that follows."""
     before = 0
-    for column, number in enumerate(jdi, 1):
-        if not 1 <= number.value - before <= column:
+    addresses = jdi.values if isinstance(jdi, NumberList) else [number.value for number in jdi]
+    for column, address in enumerate(addresses, 1):
+        if not 1 <= address - before <= column:
+            number = jdi[column - 1]
             message = (
                 f"{number.key} = {number.value} is no diagonal's address, expected {_range(before, column)}: "
                 "a column holds at most as many entries as its number, the diagonal last"
             )
             records.stop(f"JDI of body {k}", message, number.place)
-        before = number.value
+        before = address
 
 
 def _range(before, column):

@@ -1,6 +1,9 @@
 """The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
 
+from collections.abc import Sequence
+
 from ...deck.fortran_records import Item, MissingRecord, Records
+from ...deck.number_list import record_of
 from ...deck.record import Number, Record
 from ...errors import Place
 from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON, Card
@@ -24,6 +27,12 @@ def read_system(records: Records, layout, read: list[Record]) -> None:
         system.take(word, line)
     system.skipped.flush()
     records.end_of_deck("", "the card 'END '")
+
+
+def _of_point(k: int) -> tuple[str, str, str]:
+    """Key, meaning and unit of a table's number: times and efforts take turns."""
+    point = k // 2 + 1
+    return (f"f({point})", "torque or force", "N m or N") if k % 2 else (f"t({point})", "time", "s")
 
 
 class _System:
@@ -126,9 +135,10 @@ class _System:
             self.records.report("error", card.word, message, count.place)
         for number in range(1, count.value + 1):
             subject = f"{card.section.replace('_', ' ')} {number}"
-            self._add(card.section, number, subject, self._read_entry(card, subject))
+            self.read.append(record_of(card.section, number, subject, *self._read_entry(card, subject)))
 
-    def _read_entry(self, card: Card, subject: str) -> list[Number]:
+    def _read_entry(self, card: Card, subject: str) -> tuple[list[Number], Sequence[Number]]:
+        """The numbers of an entry, and the list that may follow them."""
         fields = 7 if card.word == "LOOP" else len(card.items)
         numbers = list(self.records.read(card.format, list(card.items[:fields]), subject))
         if card.word == "LOOP":
@@ -136,18 +146,14 @@ class _System:
         elif card.word == "NROT":
             numbers += self._read_rotation(card, numbers, subject)
         elif card.tail:
-            numbers += self._read_table(card, numbers[-1], subject)
-        return numbers
+            return numbers, self._read_table(card, numbers[-1], subject)
+        return numbers, ()
 
-    def _read_table(self, card: Card, count: Number, subject: str) -> list[Number]:
+    def _read_table(self, card: Card, count: Number, subject: str) -> Sequence[Number]:
         if count.value < 1:
             message = f"NP = {count.value} points, a table needs at least 1"
             self.records.stop(subject, message, count.place)
-        numbers: list[Number] = []
-        for i in range(1, count.value + 1):
-            items = [Item(f"t({i})", "time", "s"), Item(f"f({i})", "torque or force", "N m or N")]
-            numbers += self.records.read(card.tail, items, subject)
-        return numbers
+        return self.records.read_list(card.tail, 2 * count.value, _of_point, subject)
 
     def _read_rotation(self, card: Card, head: list[Number], subject: str) -> list[Number]:
         """Three rows, rotation about axis 1, 2, 3 per unit of each elastic coordinate of the body."""

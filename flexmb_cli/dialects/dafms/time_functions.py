@@ -1,7 +1,5 @@
 """What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
-from itertools import pairwise
-
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.tree import (
@@ -89,13 +87,13 @@ class _HingeCards:
 
 
 def _table(record, findings):
-    numbers = record.numbers[3:]
-    times, efforts = numbers[0::2], numbers[1::2]
-    for before, number in pairwise(times):
-        if number.value < before.value:
-            message = f"{number.key} = {number.value} lies before {before.key} = {before.value}"
-            findings.error(record.subject, message, number.place, id="DAFMS-061")
-    return Table(tuple(t.value for t in times), tuple(f.value for f in efforts))
+    values = record.values
+    times, efforts = values[3::2], values[4::2]
+    for k in (k for k in range(1, len(times)) if times[k] < times[k - 1]):
+        number, before = record.numbers[3 + 2 * k], record.numbers[1 + 2 * k]
+        message = f"{number.key} = {number.value} lies before {before.key} = {before.value}"
+        findings.error(record.subject, message, number.place, id="DAFMS-061")
+    return Table(tuple(times), tuple(efforts))
 
 
 def _check_drives(drives, findings):

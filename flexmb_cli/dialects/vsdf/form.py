@@ -1,7 +1,7 @@
 """What `flexmb new vsdf` asks for, and the deck it gives: cards of the reader's table, in free form.
 
-A flexible body needs its node table and two matrices, a rigid one its mass; of all other cards the
-dialogue asks how many there are.
+A flexible body needs its node table, a rigid one its mass; of all other cards, such as those of a flexible
+body's two matrices, the dialogue asks how many there are.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from ...errors import Fault
 from .cards import BY_WORD, CARDS, END, FINAL, Card
 
 MOST = 1000
-_BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN", "FEMM", "FEMK"), ("RIGI",)
+_BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
 _SINGLE = tuple(card for card in CARDS if card.counted == "single")
 _COUNTED = tuple(card for card in CARDS if card not in _SINGLE and card.word not in (*_FLEXIBLE, *_RIGID))
 _TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
@@ -101,7 +101,8 @@ def _entry(card: Card, k: int) -> Entry:
     columns = (*card.columns[_is_numbered(card) :], *card.second)
     cells = tuple(_cell(column) for column in columns)
     if card.more:
-        cells += (Cell("nodes", f"{card.more.meaning}: all, between blanks", letter=TEXT),)
+        default = None if card.more.default is None else ""
+        cells += (Cell("nodes", f"{card.more.meaning}: all, between blanks", letter=TEXT, default=default),)
     subject = card.subject.format(k) if _is_numbered(card) else f"card {card.word} {k}"
     return Entry(card.section, k, subject if k else card.word, cells)
 

@@ -1,14 +1,18 @@
 """Joints, pins and motions of a VSDF deck, at nodes."""
 
 import math
+from array import array
+from itertools import pairwise
 
 import numpy as np
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
+from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionLaw, table_law
-from ...quick_dataclass import dataclass
+from ...quick_dataclass import dataclass, field
 from .bodies import end_of_body
 
 _COINCIDENT = 1e-12
@@ -204,29 +208,50 @@ def _pin(record, bodies, ground, findings):
     return end and Pin(record.subject, end, held, point, record.place)
 
 
+@dataclass
+class _Table:
+    """The points of one table so far; `first`: the place of its first card; `late`: a time out of order."""
+
+    first: int
+    times: array = field(default_factory=lambda: array("d"))
+    values: array = field(default_factory=lambda: array("d"))
+    late: tuple[float, Place] | None = None
+
+    def add(self, record: Record) -> None:
+        """Take the point of a card."""
+        if self.times and self.late is None and not record["t"] > self.times[-1]:
+            self.late = self.times[-1], record.at("t").place
+        self.times.append(record["t"])
+        self.values.append(record["f"])
+
+
 def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw | None]:
     """The tables by their numbers, None for those with faults; times must ascend."""
-    points: dict[int, list] = {}
-    for record in values.section("table"):
-        points.setdefault(record["table"], []).append(record)
-    tables: dict[int, MotionLaw | None] = {}
-    for number, records in points.items():
-        tables[number] = None
-        if number < 1:
-            message = f"tables are numbered from 1; read {records[0].at('table').text}"
-            findings.error(f"table {number}", message, records[0].place, id="VSDF-054")
-        times = [record["t"] for record in records]
-        late = next((i for i in range(1, len(times)) if not times[i] > times[i - 1]), None)
-        if len(records) < 2:
-            findings.error(
-                f"table {number}", "a table needs two points at least", records[0].place, id="VSDF-055"
-            )
-        elif late is not None:
-            message = f"times must ascend; {times[late]:g} s follows {times[late - 1]:g} s"
-            findings.error(f"table {number}", message, records[late].at("t").place, id="VSDF-056")
-        else:
-            tables[number] = table_law(times, [record["f"] for record in records])
-    return tables
+    points: dict[int, _Table] = {}
+    cards = values.section("table")
+    for index, record in enumerate(cards):
+        points.setdefault(record["table"], _Table(index)).add(record)
+    return {number: _law_of(number, table, cards[table.first], findings) for number, table in points.items()}
+
+
+def _law_of(number, table, first, findings):
+    """The law of a table whose first card is `first`."""
+    if number < 1:
+        message = f"tables are numbered from 1; read {first.at('table').text}"
+        findings.error(f"table {number}", message, first.place, id="VSDF-054")
+    if len(table.times) < 2:
+        findings.error(f"table {number}", "a table needs two points at least", first.place, id="VSDF-055")
+        return None
+    if table.late is not None:
+        before, place = table.late
+        message = f"times must ascend; {_late_time(table):g} s follows {before:g} s"
+        findings.error(f"table {number}", message, place, id="VSDF-056")
+        return None
+    return table_law(table.times, table.values)
+
+
+def _late_time(table):
+    return next(after for before, after in pairwise(table.times) if not after > before)
 
 
 def build_motions(values: DeckValues, bodies, joints, tables, findings: Findings) -> tuple[Motion, ...]:

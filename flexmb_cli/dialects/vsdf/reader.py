@@ -1,7 +1,11 @@
 """Reader of VSDF decks: keyword cards of four columns, data cards below them."""
 
 import re
+from array import array
+from functools import partial
 
+from ...deck import many_records
+from ...deck.many_records import Block, ManyRecords
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Fault, Place
 from . import fields
@@ -11,6 +15,7 @@ _TITLE_WIDTH = 75
 # Nobody reads more, and each costs a search for near words.
 _MOST_FAULTS = 1000
 _COMMENT = "*"
+_BY_SECTION = {card.section: card for card in BY_WORD.values()}
 # A data card begins with a blank or a number, so that no keyword can be mistaken for one.
 _DATA = re.compile(r"[\s0-9+\-.,]")
 _NUMBERS = re.compile(r"[.,+\-]*[0-9][0-9.,+\-EeDd]*(?=\s|$)")
@@ -22,7 +27,35 @@ def read_vsdf(source: DeckText) -> Deck:
     reader.read()
     if any(fault.severity == "error" for fault in reader.faults):
         raise DeckError(reader.faults)
-    return Deck("vsdf", source, tuple(reader.records), tuple(reader.faults))
+    records = tuple(reader.records) if reader.kept else _many(source, reader.starts)
+    return Deck("vsdf", source, records, tuple(reader.faults))
+
+
+def _many(source, starts):
+    """The records of a large deck without errors: the first line of each is known."""
+    title = _Reader(source)
+    title._read_title()
+    blocks = [Block("title", 1, title.records.__getitem__)]
+    for section, lines in starts.items():
+        blocks.append(Block(section, len(lines), partial(_again, source, _BY_SECTION[section], lines)))
+    return ManyRecords(blocks)
+
+
+def _again(source, card, lines, index):
+    """A record that was read without error before."""
+    reader = _Reader(source)
+    reader.at = lines[index]
+    line = reader.lines[reader.at - 1].rstrip()
+    numbers = reader._read_card(card, line, card.columns, card.more)
+    if card.second:
+        numbers += reader._read_second(card)
+    number = _number_of(card, numbers[0], index + 1)
+    return Record(card.section, number, card.subject.format(number), _with_own_keys(numbers))
+
+
+def _number_of(card, head, count):
+    """The number of a record, of its kind the `count`-th, whose first number is `head`."""
+    return {"single": 0, "list": count}.get(card.counted, head.value)
 
 
 class _Reader:
@@ -33,7 +66,11 @@ class _Reader:
         self.at = 0
         self.faults: list[Fault] = []
         self.records: list[Record] = []
-        self.seen: dict[tuple[str, int], int] = {}
+        self.numbers = 0
+        self.kept = True
+        self.starts: dict[str, array] = {}  # of each section's records, their lines
+        self.seen: dict[tuple[str, int], int] = {}  # lines of numbers that are not their records' places
+        self.strange: set[tuple[str, int]] = set()  # those places
         self.counts: dict[str, int] = {}
         self.begun = self.unknown = False
         self.bare: Place | None = None  # of a keyword without data so far
@@ -129,12 +166,14 @@ class _Reader:
 
     def _read_record(self, card: Card, line: str) -> None:
         before = len(self.faults)
+        self.starts.setdefault(card.section, array("i")).append(self.at)
         numbers = self._read_card(card, line, card.columns, card.more)
         head = numbers[0] if numbers else None
         if card.second:
             numbers += self._read_second(card)
         if head is None or any(fault.severity == "error" for fault in self.faults[before:]):
             self.counts[card.section] = self.counts.get(card.section, 0) + 1
+            self.strange.add((card.section, self.counts[card.section]))
             return
         self._keep(card, head, numbers)
 
@@ -191,17 +230,31 @@ class _Reader:
 
     def _keep(self, card: Card, head: Number, numbers: list[Number]) -> None:
         count = self.counts[card.section] = self.counts.get(card.section, 0) + 1
-        number = {"single": 0, "list": count}.get(card.counted, head.value)
+        number = _number_of(card, head, count)
         subject = card.subject.format(number)
         if card.counted != "list":
-            earlier = self.seen.setdefault((card.section, number), self.at)
-            if earlier != self.at:
+            earlier = self._given(card.section, number, count)
+            if earlier:
                 self._error(subject, f"it is given on line {earlier} already", head.place)
                 return
         if card.counted == "own" and number != count:
             message = f"it is number {count} of its kind; records are numbered 1, 2, ... in their order"
             self._error(subject, message, head.place)
-        self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))
+        self.numbers += len(numbers)
+        if self.numbers > many_records.MANY:
+            self.kept, self.records = False, []
+        if self.kept:
+            self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))
+
+    def _given(self, section, number, count):
+        """The line where a record of this number stands already, 0 without one."""
+        earlier = self.seen.get((section, number), 0)
+        if not earlier and 0 < number < count and (section, number) not in self.strange:
+            earlier = self.starts[section][number - 1]
+        if number != count:
+            self.seen.setdefault((section, number), self.at)
+            self.strange.add((section, count))
+        return earlier
 
     def _error(self, subject, message, place, guide=()):
         self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))

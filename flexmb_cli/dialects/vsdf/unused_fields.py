@@ -103,12 +103,14 @@ def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}
-    told = {number for number, law in tables.items() if law is None}
+    idle = {number for number, law in tables.items() if law is not None} - used
     for record in values.section("table"):
+        if not idle:  # there may be a million points
+            return
         number = record.at("table")
-        if number.value in used or number.value in told:
+        if number.value not in idle:
             continue
-        told.add(number.value)
+        idle.remove(number.value)
         message = (
             "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field"
         )

@@ -5,8 +5,10 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 
 from collections import defaultdict
 from collections.abc import Sequence
+from functools import partial
 
 from ...collector import without_collector
+from ...deck.many_records import Chained, Made
 from ...deck.record import Deck, Record
 from ...deck.shifted_lines import with_slip_named
 from ...errors import Fault, ModelError
@@ -14,15 +16,14 @@ from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
 from ...model.joints import JOINT_TYPES
 from ...model.mechanism import Mechanism, TimeGrid
-from ...quick_dataclass import dataclass
 from .dynamic_cards import FORWARD, analysis_of
+from .element_cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 
 _HOLDERS = ("ground", "simplified", "driver")
-# What checks of the whole mechanism look through once or twice at most.
-_UNKEPT = ("body", "ground", "point")
+_SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
 
 
 @without_collector()
@@ -37,18 +38,20 @@ def build_young(deck: Deck) -> tuple[Mechanism, list[Fault]]:
     mechanism = Mechanism(
         parts["body"],
         parts["time"][0],
-        tuple(joint for kind in JOINT_TYPES for joint in parts[kind.name]),
-        tuple(parts["simplified"]),
-        tuple(parts["distance"]),
-        tuple(parts["driver"]),
+        parts["joint"],
+        parts["simplified"],
+        parts["distance"],
+        parts["driver"],
         parts["ground"],
         parts["point"],
     )
     check_held_coordinates(mechanism, findings)
     check_driver_angles(mechanism, findings)
     counted = Findings()
-    # Forces may move what no equation does, and repeated equations take no part in the motion.
-    if analysis_of(deck) != FORWARD:
+    # Forces may move what no equation does, and repeated equations take no part in the motion.  Cards that
+    # bring in equations are checked where these stand in the model.
+    analysis = analysis_of(deck)
+    if analysis is None or (analysis != FORWARD and not any(map(deck.section, CONSTRAINING))):
         check_equation_count(mechanism, deck.one("counts").place, counted)
     _refuse_if_faulty(deck, findings, counted)
     return mechanism, findings.in_order
@@ -78,17 +81,26 @@ def _holders(records, bodies):
 
 
 def _parts(deck, findings):
-    """The parts of the mechanism by section, in the deck's order."""
+    """The parts of the mechanism by section, in the deck's order; "joint": all joints."""
     bodies, parts = len(deck.section("body")), defaultdict(list)
     kept = isinstance(deck.records, tuple)
     for record in deck.records:
         part, faults = _kept_part(record, bodies) if kept else part_of(record, bodies)
         findings.faults += faults
-        if part is not None and (kept or record.section not in _UNKEPT):
+        if part is not None and (kept or record.section == "time"):
             parts[record.section].append(part)
-    for section in _UNKEPT:
-        parts[section] = tuple(parts[section]) if kept else _Parts(deck.section(section), bodies)
-    return parts
+    if kept:
+        parts["joint"] = [joint for kind in JOINT_TYPES for joint in parts[kind.name]]
+        return {name: tuple(parts[name]) for name in (*_SECTIONS, "joint", "time")}
+    # A large deck: each part, which has no fault, is made of its record again when it is looked at.
+    make = partial(_part, bodies)
+    found = {name: Made(deck.section(name), make) for name in _SECTIONS}
+    joints = Chained([Made(deck.section(kind.name), make) for kind in JOINT_TYPES])
+    return {**found, "joint": joints, "time": tuple(parts["time"])}
+
+
+def _part(bodies, record):
+    return part_of(record, bodies)[0]
 
 
 def _kept_part(record, bodies):
@@ -96,22 +108,6 @@ def _kept_part(record, bodies):
     if bodies not in record.made:
         record.made[bodies] = part_of(record, bodies)
     return record.made[bodies]
-
-
-@dataclass(frozen=True)
-class _Parts(Sequence):
-    """Parts of a large deck, each made of its record, which has no fault, when it is looked at."""
-
-    records: Sequence[Record]
-    bodies: int
-
-    def __len__(self) -> int:
-        return len(self.records)
-
-    def __getitem__(self, index):
-        if isinstance(index, slice):
-            return tuple(self[k] for k in range(len(self))[index])
-        return part_of(self.records[index], self.bodies)[0]
 
 
 def _refuse_if_faulty(deck, findings, counted=None):

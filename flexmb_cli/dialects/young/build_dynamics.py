@@ -1,9 +1,12 @@
 """The dynamic cards of a YOUNG deck to masses, loads and first velocities of its mechanism."""
 
 import math
+from functools import partial
+from itertools import chain
 
 import numpy as np
 
+from ...deck.many_records import Chained, Made
 from ...deck.record import Deck, Record
 from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
@@ -19,10 +22,17 @@ from ...model.loads import (
 )
 from ...model.time_checks import unsteppable
 from .build import build_young
+from .build_elements import build_elements
+from .build_functions import Functions
 from .dynamic_cards import FORWARD, analysis_of
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
+_OF_BODIES = (
+    *("mass", "force", "torque", "velocity", "spring", "damper", "lspring", "cable", "bushing"),
+    *("revcyl", "revsph", "sphsph"),
+)
 ROUND_OFF = 1e-9  # of the largest moment of inertia
+GROUND = -1  # body 0 of the cards
 DEFAULT_TOLERANCE = 1e-9
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-2
 
@@ -34,22 +44,25 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     """
     mechanism, warnings = build_young(deck)
     findings = Findings()
+    functions = Functions(deck, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     _check_method(deck, findings)
     model = DynamicModel(
         mechanism,
         analysis_of(deck),
-        tuple(_mass(record, findings) for record in deck.section("mass")),
-        tuple(_force(record, findings) for record in deck.section("force")),
-        tuple(_torque(record, findings) for record in deck.section("torque")),
-        (*_springs(deck, findings), *_dampers(deck, findings)),
+        _made(deck, "mass", _mass, findings),
+        _made(deck, "force", partial(_force, functions=functions), findings),
+        _made(deck, "torque", partial(_torque, functions=functions), findings),
+        _one_of(_made(deck, "spring", _spring, findings), _made(deck, "damper", _damper, findings)),
         next((record.vector("g") for record in deck.section("gravity")), (0.0, 0.0, 0.0)),
-        tuple(_velocity(record) for record in deck.section("velocity")),
+        _made(deck, "velocity", _velocity, findings),
         _tolerance(deck, findings),
         _alpha_steps(deck, findings),
         bool(deck.section("radau")),
+        build_elements(deck, mechanism, functions, findings),
     )
+    functions.note_unused()
     _check_time(model, findings)
     _doubt_massless(model, findings)
     _doubt_idle_velocities(model, findings)
@@ -60,13 +73,33 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     return model, faults
 
 
+def _made(deck, section, make, findings):
+    """What the cards of a section describe; that of a large deck is made again when it is looked at."""
+    records = deck.section(section)
+    if isinstance(deck.records, tuple):
+        return tuple(make(record, findings) for record in records)
+    for record in records:
+        make(record, findings)
+    return Made(records, partial(_again, make))
+
+
+def _again(make, record):
+    return make(record, Findings())
+
+
+def _one_of(springs, dampers):
+    return springs + dampers if isinstance(springs, tuple) else Chained([springs, dampers])
+
+
 def _check_bodies(deck, bodies, findings):
-    for section in ("mass", "force", "torque", "spring", "damper", "velocity"):
+    for section in _OF_BODIES:
         for record in deck.section(section):
             numbers = [number for number in record.numbers if number.key in ("body", "I", "J")]
+            # An element between two bodies may end on the ground, body 0.
+            least = 1 if len(numbers) == 1 else 0
             for number in numbers:
-                if not 1 <= number.value <= bodies:
-                    message = f"body number {number.value} is outside 1..{bodies}"
+                if not least <= number.value <= bodies:
+                    message = f"body number {number.value} is outside {least}..{bodies}"
                     findings.error(record.subject, message, number.place, id="YOUNG-001")
             if len(numbers) == 2 and numbers[0].value == numbers[1].value:
                 message = f"I and J are both body {numbers[0].value}; two bodies are needed"
@@ -76,11 +109,12 @@ def _check_bodies(deck, bodies, findings):
 def _check_once(deck, findings):
     """A body has one mass and one first velocity, a deck one of all else that is here."""
     for section in ("mass", "velocity", "gravity", "tolerance", "generalised-alpha", "radau"):
-        first: dict = {}
-        for record in deck.section(section):
+        first: dict[int | None, int] = {}
+        cards = deck.section(section)
+        for k, record in enumerate(cards):
             key = record["body"] if section in ("mass", "velocity") else None
-            other = first.setdefault(key, record)
-            if other is not record:
+            if first.setdefault(key, k) != k:
+                other = cards[first[key]]
                 what = f"body {key}" if key else "the deck"
                 message = f"{what} already has {other.subject}; remove one of them"
                 findings.error(record.subject, message, record.place, id="YOUNG-003")
@@ -122,7 +156,7 @@ def _following(record, findings):
     return found.value == 1
 
 
-def _force(record: Record, findings) -> AppliedForce:
+def _force(record: Record, findings, functions) -> AppliedForce:
     following = _following(record, findings)
     return AppliedForce(
         record.subject,
@@ -130,28 +164,32 @@ def _force(record: Record, findings) -> AppliedForce:
         record.vector("F"),
         record.vector("P"),
         following,
-        place=record.place,
+        functions.law(record, "factor"),
+        record.place,
     )
 
 
-def _torque(record: Record, findings) -> AppliedTorque:
+def _torque(record: Record, findings, functions) -> AppliedTorque:
     following = _following(record, findings)
     return AppliedTorque(
-        record.subject, record["body"] - 1, record.vector("T"), following, place=record.place
+        record.subject,
+        record["body"] - 1,
+        record.vector("T"),
+        following,
+        functions.law(record, "factor"),
+        record.place,
     )
 
 
-def _springs(deck, findings):
-    for record in deck.section("spring"):
-        for key in ("stiffness", "free_length", "damping"):
-            _doubt_negative(record, key, findings)
-        yield _line(record, record["stiffness"], record["free_length"])
+def _spring(record: Record, findings) -> SpringDamper:
+    for key in ("stiffness", "free_length", "damping"):
+        _doubt_negative(record, key, findings)
+    return _line(record, record["stiffness"], record["free_length"])
 
 
-def _dampers(deck, findings):
-    for record in deck.section("damper"):
-        _doubt_negative(record, "damping", findings)
-        yield _line(record, 0.0, 0.0)
+def _damper(record: Record, findings) -> SpringDamper:
+    _doubt_negative(record, "damping", findings)
+    return _line(record, 0.0, 0.0)
 
 
 def _line(record, stiffness, free_length):
@@ -174,7 +212,7 @@ def _doubt_negative(record, key, findings):
         findings.warn(record.subject, message, record.at(key).place, id="YOUNG-008")
 
 
-def _velocity(record: Record) -> InitialVelocity:
+def _velocity(record: Record, _findings) -> InitialVelocity:
     return InitialVelocity(
         record.subject, record["body"] - 1, record.vector("v"), record.vector("w"), record.place
     )
@@ -241,13 +279,13 @@ def _doubt_massless(model, findings):
 
 def _note_loads_at_rest(model, findings):
     """Note the loads that act on bodies at rest only."""
-    at_rest = {ground.body for ground in model.mechanism.grounds}
+    at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
-    loads = [(item, (item.body,)) for item in (*model.forces, *model.torques)]
-    loads += [(item, (item.i, item.j)) for item in model.springs]
-    for item, numbers in loads:
+    loads = ((item, (item.body,)) for item in chain(model.forces, model.torques))
+    lines = ((item, (item.i, item.j)) for item in model.springs)
+    for item, numbers in chain(loads, lines):
         if at_rest.issuperset(numbers):
-            names = " and ".join(bodies[number].name for number in numbers)
+            names = " and ".join(bodies[n].name if n != GROUND else "the ground" for n in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
             findings.note(item.name, message, item.place, id="YOUNG-017")

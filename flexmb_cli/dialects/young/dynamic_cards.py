@@ -7,12 +7,19 @@ the deck does.  `{...}` is a comment.
 """
 
 import re
+from array import array
+from collections.abc import Sequence
+from functools import partial
+from itertools import islice, takewhile
 
-from ...deck import number
+from ...deck import many_records, number
+from ...deck.many_records import Block, ManyRecords, blocks_of
 from ...deck.record import Deck, DeckText, Number, Record
-from ...deck.words import UNCLOSED, Word, words
-from ...errors import DeckError, Fault, Place
+from ...deck.words import UNCLOSED, Word, words, words_from
+from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
+from .card import MOST_NUMBERS, Card, vector, whole
+from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
 
@@ -27,29 +34,9 @@ CLOSING = "END"
 INVERSE, FORWARD = "inverse", "forward"
 
 
-@dataclass(frozen=True)
-class Card:
-    """A card: its keyword, the section its records form, and its columns.
-
-    The last `optional` columns may be left out and are then 0.
-    """
-
-    keyword: str
-    section: str
-    columns: tuple[Column, ...]
-    optional: int = 0
-
-
-def _whole(key, meaning):
-    return Column(key, meaning, is_integer=True)
-
-
-def _vector(key, meaning, unit):
-    return tuple(Column(f"{key}.{axis}", f"{axis} of {meaning}", unit) for axis in "xyz")
-
-
-_BODY = _whole("body", "number of the body")
-_FOLLOWING = _whole("following", "0: global axes, 1: the axes of the body, turning with it")
+_BODY = whole("body", "number of the body")
+_FOLLOWING = whole("following", "0: global axes, 1: the axes of the body, turning with it")
+_FACTOR = whole("factor", "number of the function that multiplies it, 0: none")
 
 CARDS = (
     Card(
@@ -58,7 +45,7 @@ CARDS = (
         (
             _BODY,
             Column("m", "mass", "kg"),
-            *_vector("centre", "the centre of mass, body axes", "m"),
+            *vector("centre", "the centre of mass, body axes", "m"),
             *(
                 Column(
                     f"I{a}",
@@ -75,21 +62,22 @@ CARDS = (
         "force",
         (
             _BODY,
-            *_vector("P", "the point of action, body axes", "m"),
-            *_vector("F", "the force", "N"),
+            *vector("P", "the point of action, body axes", "m"),
+            *vector("F", "the force", "N"),
             _FOLLOWING,
+            _FACTOR,
         ),
-        optional=1,
+        optional=2,
     ),
-    Card("TORQUE", "torque", (_BODY, *_vector("T", "the torque", "N m"), _FOLLOWING), optional=1),
+    Card("TORQUE", "torque", (_BODY, *vector("T", "the torque", "N m"), _FOLLOWING, _FACTOR), optional=2),
     Card(
         "SPRING",
         "spring",
         (
-            _whole("I", "number of body I"),
-            _whole("J", "number of body J"),
-            *_vector("P_i", "the end on body I, body axes", "m"),
-            *_vector("P_j", "the end on body J, body axes", "m"),
+            whole("I", "number of body I, 0: the ground"),
+            whole("J", "number of body J, 0: the ground"),
+            *vector("P_i", "the end on body I, body axes", "m"),
+            *vector("P_j", "the end on body J, body axes", "m"),
             Column("stiffness", "stiffness", "N/m"),
             Column("free_length", "length without force", "m"),
             Column("damping", "force of the damper in line per rate of length", "N s/m"),
@@ -100,21 +88,21 @@ CARDS = (
         "DAMPER",
         "damper",
         (
-            _whole("I", "number of body I"),
-            _whole("J", "number of body J"),
-            *_vector("P_i", "the end on body I, body axes", "m"),
-            *_vector("P_j", "the end on body J, body axes", "m"),
+            whole("I", "number of body I, 0: the ground"),
+            whole("J", "number of body J, 0: the ground"),
+            *vector("P_i", "the end on body I, body axes", "m"),
+            *vector("P_j", "the end on body J, body axes", "m"),
             Column("damping", "force per rate of length", "N s/m"),
         ),
     ),
-    Card("GRAVITY", "gravity", _vector("g", "the acceleration of gravity, global axes", "m/s^2")),
+    Card("GRAVITY", "gravity", vector("g", "the acceleration of gravity, global axes", "m/s^2")),
     Card(
         "VELOCITY",
         "velocity",
         (
             _BODY,
-            *_vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
-            *_vector("w", "the angular velocity at the start, global axes", "rad/s"),
+            *vector("v", "the velocity of the body's origin at the start, global axes", "m/s"),
+            *vector("w", "the angular velocity at the start, global axes", "rad/s"),
         ),
         optional=3,
     ),
@@ -133,6 +121,8 @@ CARDS = (
         (Column("tolerance", "error tolerance of Radau's method of order 5, 0: that of TOLERANCE"),),
         optional=1,
     ),
+    *FUNCTION_CARDS,
+    *JOINT_CARDS,
 )
 BY_KEYWORD = {card.keyword: card for card in CARDS}
 
@@ -150,13 +140,18 @@ def read_young_deck(source: DeckText) -> Deck:
     cards.read()
     if any(fault.severity == "error" for fault in cards.faults):
         raise DeckError((*deck.warnings, *cards.faults))
-    return replace(deck, records=(*deck.records, *cards.records), warnings=(*deck.warnings, *cards.faults))
+    return replace(deck, records=cards.behind(deck.records), warnings=(*deck.warnings, *cards.faults))
 
 
 def analysis_of(deck: Deck) -> str | None:
     """ "inverse" or "forward" for a deck with dynamic cards, None without."""
     opened = deck.section(SECTION)
     return opened[0]["analysis"] if opened else None
+
+
+def has_elements(deck: Deck) -> bool:
+    """Whether there are cards of elements at joints or of what drives them."""
+    return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
 
 
 def _opening(deck):
@@ -193,8 +188,18 @@ class _Cards:
     source: DeckText
     opening: int
     records: list[Record] = field(default_factory=list)
-    faults: list[Fault] = field(default_factory=list)
-    counts: dict[str, int] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=FaultList)
+    starts: dict[str, array] = field(default_factory=dict)  # of each section's cards, where in the text
+    numbers: int = 0
+
+    def behind(self, records: Sequence[Record]) -> Sequence[Record]:
+        """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
+        if isinstance(records, tuple) and self.numbers <= many_records.MANY:
+            return *records, *self.records
+        blocks = [*blocks_of(records), *blocks_of(self.records[:1])]
+        for section, starts in self.starts.items():
+            blocks.append(Block(section, len(starts), partial(_again, self.source, section, starts)))
+        return ManyRecords(blocks)
 
     def read(self):
         """Read all cards behind the opening line."""
@@ -204,7 +209,7 @@ class _Cards:
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
                 break
-            if word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text):
+            if _is_keyword(word):
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == CLOSING:
@@ -212,7 +217,7 @@ class _Cards:
             elif card:
                 card.append(word)
             else:
-                self.error(word.place, "", f"a card begins with a keyword, one of {', '.join(BY_KEYWORD)}")
+                self.error(word.place, "", "a card begins with a keyword, such as MASS, FORCE or GRAVITY")
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
@@ -235,21 +240,34 @@ class _Cards:
         if kind is None:
             self.error(keyword.place, "", _unknown(keyword.text))
             return
-        self.counts[kind.section] = self.counts.get(kind.section, 0) + 1
-        subject = f"{kind.section} {self.counts[kind.section]}"
-        least, most = len(kind.columns) - kind.optional, len(kind.columns)
-        if not least <= len(found) <= most:
-            asked = f"{most}" if least == most else f"{least} to {most}"
-            keys = " ".join(column.key for column in kind.columns)
-            message = f"{kind.keyword} takes {asked} numbers ({keys}); read {len(found)}"
-            self.error(keyword.place, subject, message)
+        starts = self.starts.setdefault(kind.section, array("i"))
+        starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
+        columns = kind.columns_of(len(found))
+        if columns is None:
+            subject = f"{kind.section} {len(starts)}"
+            self.error(keyword.place, subject, f"{kind.keyword} takes {kind.numbers}; read {len(found)}")
             return
-        numbers = [self._number(subject, *pair) for pair in zip(kind.columns, found, strict=False)]
-        left_out = kind.columns[len(found) :]
+        record = self.record(kind, columns, len(starts), keyword, found)
+        self.numbers += len(columns)
+        if self.numbers <= many_records.MANY:
+            self.records.append(record)
+
+    def record(
+        self,
+        kind: Card,
+        columns: tuple[Column, ...],
+        number_of_card: int,
+        keyword: Word,
+        found: Sequence[Word],
+    ) -> Record:
+        """The record of a card with as many words as it needs; faults of its numbers are noted."""
+        subject = f"{kind.section} {number_of_card}"
+        numbers = [self._number(subject, *pair) for pair in zip(columns, found, strict=False)]
+        left_out = columns[len(found) :]
         numbers += [
             Number(c.key, 0 if c.is_integer else 0.0, c.meaning, c.unit, keyword.place, "0") for c in left_out
         ]
-        self.records.append(Record(kind.section, self.counts[kind.section], subject, tuple(numbers)))
+        return Record(kind.section, number_of_card, subject, tuple(numbers))
 
     def _number(self, subject, column, word):
         value = 0
@@ -264,9 +282,22 @@ class _Cards:
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
 
 
+def _again(source, section, starts, index):
+    """The record of a card that was read without error before."""
+    kind = next(card for card in CARDS if card.section == section)
+    keyword, *behind = islice(words_from(source.lines, starts[index]), 1 + MOST_NUMBERS)
+    found = list(takewhile(lambda word: not _is_keyword(word), behind))
+    return _Cards(source, 0).record(kind, kind.columns_of(len(found)), index + 1, keyword, found)
+
+
+def _is_keyword(word):
+    return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
+
+
 def _unknown(text):
     from difflib import get_close_matches
 
     near = get_close_matches(text.upper(), BY_KEYWORD, n=1)
-    hint = f"; is {near[0]} meant?" if near else ""
-    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {CLOSING}{hint}"
+    if near:
+        return f"there is no card {number.shown(text)}; is {near[0]} meant?"
+    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {CLOSING}"

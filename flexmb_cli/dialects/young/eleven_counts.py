@@ -4,8 +4,11 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 "ENTER INITIAL ESTIMATES OF X, Y, Z (E0=1,E1,E2,E3=0)".
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
+from itertools import chain, zip_longest
 
+from ...deck.many_records import ManyRecords
 from ...deck.number import Misspelt, integer
 from ...deck.record import Deck, Number, Record
 from ...deck.words import Word
@@ -42,30 +45,41 @@ def are_eleven_counts(texts: Sequence[str]) -> bool:
     return True
 
 
-def lines_begin_records(words: Sequence[Word], sizes: Sequence[int], behind: Word | None) -> bool:
+def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], behind: Word | None) -> bool:
     """Return whether every line begins with a record and the last number ends its line.
 
     A deck of 12 counts that has lost one does not look so: its body estimates have seven numbers.
     """
-    starts, place = set(), 0
-    for size in sizes:
-        starts.add(place)
-        place += size
-    if place != len(words) or (behind is not None and behind.line == words[-1].line):
-        return False
-    new_lines = (k for k in range(1, len(words)) if words[k].line != words[k - 1].line)
-    return all(k in starts for k in new_lines)
+    line = 0
+    for before, word in zip_longest(_within(sizes), words):
+        if before is None or word is None or (before and word.line != line):
+            return False
+        line = word.line
+    return behind is None or behind.line != line
+
+
+def _within(sizes):
+    """For every number of records in their order how many of its record stand before it."""
+    return chain.from_iterable(range(size) for size in sizes)
 
 
 def completed(deck: Deck) -> Deck:
     """Return the deck with the numbers that the final version reads, and a note."""
-    records = tuple(_COMPLETED.get(record.section, _unchanged)(record) for record in deck.records)
+    if isinstance(deck.records, tuple):
+        records = tuple(_completed(record) for record in deck.records)
+    else:
+        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)
+        records = ManyRecords(tuple(blocks))
     note = Fault("note", NOTE, deck.one("counts").place, "counts", id="YOUNG-022")
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 
 
-def _unchanged(record: Record) -> Record:
-    return record
+def _made(made, index):
+    return _completed(made(index))
+
+
+def _completed(record: Record) -> Record:
+    return _COMPLETED[record.section](record) if record.section in _COMPLETED else record
 
 
 def _with_distances(record: Record) -> Record:

@@ -8,7 +8,7 @@ from array import array
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -18,6 +18,7 @@ from ...quick_dataclass import dataclass, field
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
+MANY_BODIES = 10_000  # beyond, groups are named only where they are not in balance
 _PER_BODY = 6
 
 
@@ -29,6 +30,8 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
     """
     # Once: those of a large deck are made anew each time.
     grounded = array("i", (ground.body for ground in mechanism.grounds))
+    if len(mechanism.bodies) > MANY_BODIES and _balanced(mechanism, grounded):
+        return
     alone = _grounds_alone(mechanism, grounded)
     links = tuple(link for link in _links(mechanism, grounded) if link[1][0] not in alone)
     equations = sum(count for count, *_ in links) + _PER_BODY * len(alone)
@@ -84,10 +87,28 @@ def _links(mechanism, grounded) -> Iterator[tuple[int, tuple[int, ...]]]:
         yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
     for distance in mechanism.distances:
         yield 1, (distance.i, distance.j)
-    for held in (*mechanism.simplified, *mechanism.drivers):
+    for held in chain(mechanism.simplified, mechanism.drivers):
         yield 1, (held.body,)
     for body in grounded:
         yield _PER_BODY, (body,)
+
+
+def _balanced(mechanism, grounded):
+    """Whether every group of bodies has as many equations as coordinates."""
+    count = len(mechanism.bodies)
+    root, fixed = array("i", range(count)), bytearray(count)
+    for body in grounded:
+        fixed[body] = 1
+    for _, touched in _links(mechanism, ()):
+        for a, b in pairwise(body for body in touched if not fixed[body]):
+            root[_root(root, a)] = _root(root, b)
+    excess = array("i", bytes(4 * count))
+    for equations, touched in _links(mechanism, grounded):
+        bearing = next((body for body in touched if not fixed[body]), touched[0])
+        excess[_root(root, bearing)] += equations
+    for body in range(count):
+        excess[_root(root, body)] -= _PER_BODY
+    return not any(excess)
 
 
 @dataclass

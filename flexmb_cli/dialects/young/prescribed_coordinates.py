@@ -5,6 +5,11 @@ coordinate held twice at the same value is redundant (warning), at different val
 """
 
 import math
+from array import array
+from collections.abc import Iterator
+from itertools import chain, groupby
+
+import numpy as np
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -42,16 +47,34 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
     3. A body has one rotational driver at most, and then no other angle than zero.
     4. The squares of e1, e2, e3 of one body do not exceed 1 together.
     """
-    grounds = _worth_looking_at(_first_grounds(mechanism, findings), mechanism)
-    holds = [*_of_grounds(grounds), *_of_simplified(mechanism), *_of_drivers(mechanism)]
-    by_body: dict[int, list[_Hold]] = {}
-    for hold in holds:
-        by_body.setdefault(hold.body, []).append(hold)
     # One coordinate by itself can be held anywhere.
-    for of_body in (several for several in by_body.values() if len(several) > 1):
+    for of_body in (several for several in _by_bodies(mechanism, findings) if len(several) > 1):
         _check_coordinates(of_body, findings)
         _check_rotational_drivers(of_body, findings)
         _check_attitude(of_body, findings)
+
+
+def _by_bodies(mechanism, findings) -> Iterator[list[_Hold]]:
+    """What holds each body; of the holds of a large deck those of one body at a time."""
+    by_body: dict[int, list[_Hold]] = {}
+    for hold in _of_grounds(_worth_looking_at(_first_grounds(mechanism, findings), mechanism)):
+        by_body.setdefault(hold.body, []).append(hold)
+    held = array("i", (item.body for item in chain(mechanism.simplified, mechanism.drivers)))
+    order, given = np.argsort(held, kind="stable"), len(mechanism.simplified)
+    for body, places in groupby(order.tolist(), key=held.__getitem__):
+        own = by_body.setdefault(body, [])
+        own += (_of(mechanism, k, given) for k in places)
+        yield by_body.pop(body)
+    yield from by_body.values()
+
+
+def _of(mechanism, k, given):
+    """The hold of simplified constraint k, or behind all `given` ones of a driver."""
+    if k < given:
+        item = mechanism.simplified[k]
+        return _Hold(item.name, item.body, item.direction, item.value, item.place)
+    item = mechanism.drivers[k - given]
+    return _Hold(item.name, item.body, item.direction, item.C, item.place, item)
 
 
 def _first_grounds(mechanism, findings):
@@ -74,7 +97,7 @@ def _first_grounds(mechanism, findings):
 
 def _worth_looking_at(grounds, mechanism):
     """Of grounds that nothing else holds only those that no attitude may have: there may be thousands."""
-    others = {item.body for item in (*mechanism.simplified, *mechanism.drivers)}
+    others = {item.body for item in chain(mechanism.simplified, mechanism.drivers)}
     return [
         ground
         for ground in grounds
@@ -86,16 +109,6 @@ def _of_grounds(grounds):
     for ground in grounds:
         for direction, value in enumerate(ground.values, start=1):
             yield _Hold(ground.name, ground.body, direction, value, ground.place)
-
-
-def _of_simplified(mechanism):
-    for item in mechanism.simplified:
-        yield _Hold(item.name, item.body, item.direction, item.value, item.place)
-
-
-def _of_drivers(mechanism):
-    for item in mechanism.drivers:
-        yield _Hold(item.name, item.body, item.direction, item.C, item.place, item)
 
 
 def _check_coordinates(holds, findings):

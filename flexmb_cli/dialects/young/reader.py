@@ -14,7 +14,7 @@ from ...deck.many_records import Block, ManyRecords
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.shifted_lines import slips, with_slip_named
 from ...deck.words import UNCLOSED, Word, Words, end_of
-from ...errors import DeckError, Fault, Place
+from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
@@ -49,8 +49,8 @@ def _read_earlier(source):
     deck = _read(reading)
     reading.words.reach(reading.taken + 1)
     behind = reading.words[reading.taken] if len(reading.words) > reading.taken else None
-    sizes = [len(record.values) for record in deck.records]
-    if not lines_begin_records([*reading.words.upto(reading.taken)], sizes, behind):
+    sizes = (len(record.values) for record in deck.records)
+    if not lines_begin_records(reading.words.upto(reading.taken), sizes, behind):
         raise DeckError(
             [Fault("error", "its lines do not begin with records of the earlier version", id="YOUNG-055")]
         )
@@ -74,7 +74,7 @@ class _Reading:
     source: DeckText
     sections: tuple[Section, ...]
     taken: int = 0
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=FaultList)
     errors: int = 0
 
     def __post_init__(self):

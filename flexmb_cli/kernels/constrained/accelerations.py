@@ -10,6 +10,8 @@ With f = 0 the same solution is the shortest correction in the metric of M: one 
 accelerations and projections.
 """
 
+import numpy as np
+
 from .._jit import kernel, part
 from ..kinematics import constraints as equations
 from ..linalg.rank_revealing_lu import (
@@ -24,6 +26,7 @@ from ..linalg.rank_revealing_lu import (
 from ..linalg.rotation import rotation_matrices, rotation_rates
 from .body_vectors import geometry_of, move_arms, place_arms
 from .constraint_primitives import equation_accelerations, equation_rows
+from .dry_friction import MOST_SUBSTITUTIONS, SETTLED, has_friction, normal_changes
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, inertia_of, mass_matrices, mass_times
 from .speeds import add_turning, coordinate_rates, speed_jacobian
@@ -200,11 +203,33 @@ def accelerate(system, work, q, u, t, ud):
 def fill_forces(system, work, q, u, t):
     """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
 
-    Mass matrices and arms belong to q.
+    Mass matrices, arms and factors of the constraints belong to q.
     """
     move_arms(geometry_of(system, work), u)
+    if has_friction(system.loads):
+        _settle_friction(system, work, q, u, t)
+    return _forces(system, work, q, u, t)
+
+
+@kernel
+def _forces(system, work, q, u, t):
     power = inertia_and_elastic_forces(system, work, q, u, work.vectors[FORCES])
     return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
+
+
+@kernel
+def _settle_friction(system, work, q, u, t):
+    """Find the normal forces of friction that agree with the accelerations they cause."""
+    n = work.jacobian.shape[1]
+    ud = np.empty(n)
+    if _reduce_mass(system, work, n - work.rank[0]) != SOLVED:
+        return
+    for _ in range(MOST_SUBSTITUTIONS):
+        _forces(system, work, q, u, t)
+        fill_gamma(system, work, q, u, t)
+        solve(system, work, work.vectors[FORCES], work.rows[GAMMA], ud)
+        if normal_changes(system, work, ud) < SETTLED:
+            return
 
 
 @part

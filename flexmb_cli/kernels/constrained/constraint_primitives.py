@@ -119,21 +119,28 @@ def add_measure_row(geometry, k, factor, row):
 def equation_residuals(system, work, t, near, phi):
     """Fill the last rows of phi (m,), those of the measures that are equations."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
-    for k in range(phi.shape[0] - first):
-        m = system.measures[k]
-        phi[first + k] = measure_value(geometry, k, near[m["turn"]] if m["turn"] >= 0 else 0.0)
-        if m["law"] >= 0:
-            phi[first + k] -= law_values(system.laws, system.knots, m["law"], t)[0]
+    for row in range(first, phi.shape[0]):
+        k, phi[row] = row - first, 0.0
+        law = system.measures[k]["law"]
+        while k >= 0:
+            turn = system.measures[k]["turn"]
+            phi[row] += measure_value(geometry, k, near[turn] if turn >= 0 else 0.0)
+            k = system.measures[k]["next"]
+        if law >= 0:
+            phi[row] -= law_values(system.laws, system.knots, law, t)[0]
 
 
 @kernel
 def equation_rows(system, work, jacobian):
     """Fill the last rows of jacobian (m, n), not scaled."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
-    for k in range(jacobian.shape[0] - first):
+    for row in range(first, jacobian.shape[0]):
         for column in range(jacobian.shape[1]):
-            jacobian[first + k, column] = 0.0
-        add_measure_row(geometry, k, 1.0, jacobian[first + k])
+            jacobian[row, column] = 0.0
+        k = row - first
+        while k >= 0:
+            add_measure_row(geometry, k, 1.0, jacobian[row])
+            k = system.measures[k]["next"]
 
 
 @kernel
@@ -149,8 +156,11 @@ def equation_velocities(system, t, nu):
 def equation_accelerations(system, work, t, gamma):
     """Fill the last rows of gamma (m,), at moved arms."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
-    for k in range(gamma.shape[0] - first):
+    for row in range(first, gamma.shape[0]):
+        k, gamma[row] = row - first, 0.0
         law = system.measures[k]["law"]
-        gamma[first + k] = -measure_rates(geometry, k)[1]
+        while k >= 0:
+            gamma[row] -= measure_rates(geometry, k)[1]
+            k = system.measures[k]["next"]
         if law >= 0:
-            gamma[first + k] += law_values(system.laws, system.knots, law, t)[2]
+            gamma[row] += law_values(system.laws, system.knots, law, t)[2]

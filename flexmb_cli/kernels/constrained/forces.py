@@ -10,6 +10,7 @@ from .._jit import kernel
 from ..linalg.rotation import rotate
 from .body_vectors import ARM, RATE, add_arm_row, geometry_of, vector
 from .constraint_primitives import add_measure_row, measure_rates, measure_value
+from .elements import COORDINATE, EFFORT, ELEMENT, ENERGY, POWER, SPEED, add_element
 from .system import A
 from .time_functions import law_values
 
@@ -28,9 +29,11 @@ def add_applied_forces(system, work, u, t, f):
     for k in range(system.loads.shape[0]):
         load = system.loads[k]
         if load["kind"] == LINE:
-            power += _add_line(system, work, load, f)
+            power += _add_line(system, work, load, work.responses[k], f)
         elif load["kind"] == RELATIVE:
             power += _add_relative(system, work, load, t, f)
+        elif load["kind"] >= ELEMENT:
+            power += add_element(system, work, k, f)
         else:
             factor = 1.0
             if load["law"] >= 0:
@@ -67,7 +70,7 @@ def _length(d):
 
 
 @kernel
-def _add_line(system, work, load, f):
+def _add_line(system, work, load, answer, f):
     """Spring and damper along V of a measure; returns the power of the damper.
 
     Ends that coincide leave the direction open: no force acts then.
@@ -79,6 +82,8 @@ def _add_line(system, work, load, f):
         return 0.0
     rate = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / length
     pull = load["stiffness"] * (length - load["free_length"]) + load["damping"] * rate
+    answer[COORDINATE], answer[SPEED], answer[EFFORT] = length, rate, -pull
+    answer[POWER] = -load["damping"] * rate * rate
     ends = system.measures[k]["ends"]
     add_arm_row(geometry, ends[0, 1], d, pull / length, True, f)
     add_arm_row(geometry, ends[0, 0], d, -pull / length, True, f)
@@ -106,7 +111,7 @@ def _add_relative(system, work, load, t, f):
 
 @kernel
 def spring_energy(system, work):
-    """Energy of springs, J, at placed arms."""
+    """Energy of springs, J, at placed arms; that of elements is the one of the forces found last."""
     total = 0.0
     for k in range(system.loads.shape[0]):
         load, stretch = system.loads[k], 0.0
@@ -114,5 +119,8 @@ def spring_energy(system, work):
             stretch = _length(vector(work.spans[ARM, load["measure"]], 0)) - load["free_length"]
         elif load["kind"] == RELATIVE:
             stretch = _stretch(system, work, load)
-        total += 0.5 * load["stiffness"] * stretch * stretch
+        elif load["kind"] == ELEMENT:
+            total += work.responses[k, ENERGY]
+        if load["kind"] < ELEMENT:
+            total += 0.5 * load["stiffness"] * stretch * stretch
     return total

@@ -10,13 +10,13 @@ from .multipliers import fill_multipliers, fill_wrenches
 from .projection import evaluate_residual, largest_gap, rate_gap
 from .system import SOLVED
 
-Report = namedtuple("Report", "times states rates wrenches multipliers powers audit")
+Report = namedtuple("Report", "times states rates wrenches multipliers powers audit responses")
 Report.__doc__ = """T rows of a mechanism of b bodies with n speeds and m equations.
 
 times (T,).  states (T, 2 n + b + 1): coordinates, speeds, work.  rates (T, n): of the speeds.
 wrenches (T, groups, 2, 6): see `fill_wrenches`.  multipliers (T, m).  powers (T,): of drivers and
 applied loads, W.  audit (T, 5): kinetic energy, that of weights and springs, and of strain, J, largest
-scaled gap and its rate.
+scaled gap and its rate.  responses (T, loads, 8): of springs and elements, see `elements`.
 """
 
 
@@ -45,6 +45,9 @@ def complete(system, work, z, t, near, power, report, row):
     report.powers[row] = power
     fill_multipliers(system, work, report.rates[row], report.multipliers[row])
     fill_wrenches(system, work, report.multipliers[row], report.wrenches[row])
+    for k in range(work.responses.shape[0]):
+        for column in range(work.responses.shape[1]):
+            report.responses[row, k, column] = work.responses[k, column]
     audit = report.audit[row]
     audit[0] = kinetic_energy(system, work, u)
     audit[1] = weight_energy(system, work, q) + spring_energy(system, work)

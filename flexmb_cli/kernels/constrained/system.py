@@ -27,7 +27,7 @@ loads, laws, knots (k, 3): forces and what varies them.  gravity (3,).  groups: 
 Work = namedtuple(
     "Work",
     "rotations rows phi_q jacobian left factors order motions reduced mass modal arms spans turns vectors "
-    "rank quality pivots",
+    "rank quality pivots responses",
 )
 Work.__doc__ = """Arrays reused in every evaluation.
 
@@ -38,7 +38,7 @@ motions (n, n): in its first n - rank columns the free speeds.  reduced (n, n): 
 the mass matrix of the free speeds.  mass (b, 6, 6), modal: see `mass_matrix`.  arms (3, arms, 3) and spans
 (3, measures, 2, 3): see `arms`.  turns (turns,): the angles that joint springs expect, rad.  vectors
 (6, n + b): see the names below.  rank (1,) and quality (1,): of the order in use.  pivots (m,): see
-`singular_ahead`.
+`singular_ahead`.  responses (loads, 8): see `elements`.
 """
 A, RATE, REMAINDER = 0, 1, 2
 PHI, GAMMA, SCALED = 0, 1, 2
@@ -75,4 +75,5 @@ def make_work(system, turns):
         np.zeros(1, np.int64),
         np.ones(1),
         np.zeros(m),
+        np.zeros((system.loads.shape[0], 8)),
     )

@@ -8,6 +8,7 @@ from .._jit import kernel, part
 from ..linalg.rotation import dot
 from .body_vectors import ARM, RATE, add_arm_row, geometry_of, move_arms, vector
 from .constraint_primitives import add_measure_row, measure_rates
+from .elements import ELEMENT, add_element_slope
 from .forces import AT_REST, LINE, RELATIVE
 from .mass_matrix import constants_of, inertia_of, mass_times
 
@@ -35,6 +36,8 @@ def add_stiff(system, work, by_position, by_speed, x, y):
         elif load["kind"] == RELATIVE:
             rate = measure_rates(geometry, load["measure"])[0]
             add_measure_row(geometry, load["measure"], amount * rate, y)
+        elif load["kind"] >= ELEMENT:
+            add_element_slope(geometry, work, load, k, by_position, by_speed, y)
 
 
 @part

@@ -5,12 +5,19 @@ import math
 from .._jit import kernel
 
 # The codes of model.motion_law and model.arrays.records; a test compares them.
-POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE = 1, 2, 3, 4, 5
+POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
 
 @kernel
 def law_values(laws, knots, number, t):
     """Value, rate and second rate of law `number` at t.  knots (k, 3): time, value, second derivative."""
+    if laws[number]["kind"] == COMPOUND:
+        return _compound(laws, knots, number, t)
+    return _simple(laws, knots, number, t)
+
+
+@kernel
+def _simple(laws, knots, number, t):
     law = laws[number]
     kind, c = law["kind"], law["c"]
     if kind == POLYNOMIAL:
@@ -22,6 +29,8 @@ def law_values(laws, knots, number, t):
         phase = c[2] * t + c[3]
         swing = c[1] * math.sin(phase)
         return c[0] + swing, c[1] * c[2] * math.cos(phase), -c[2] * c[2] * swing
+    if kind == PIECEWISE:
+        return _piecewise(knots, law["first"], c, t)
     return _table(knots, law["first"], law["last"], t, kind == HELD_TABLE)
 
 
@@ -54,3 +63,40 @@ def _table(knots, first, last, t, held):
     if inside == t:
         return value, rate, a * bend_a + b * bend_b
     return (value, 0.0, 0.0) if held else (value + rate * (t - inside), rate, 0.0)
+
+
+@kernel
+def _piecewise(knots, first, c, t):
+    """The polynomial of the piece at t; c: number of pieces, of coefficients, of rows of knots a piece."""
+    pieces, count, rows = int(c[0]), int(c[1]), int(c[2])
+    low, high = 0, pieces
+    while high - low > 1:
+        middle = (low + high) // 2
+        if knots[first + middle * rows, 0] <= t:
+            low = middle
+        else:
+            high = middle
+    at = first + low * rows
+    x, value, rate, bend = t - knots[at, 0], 0.0, 0.0, 0.0
+    for k in range(count, 0, -1):
+        bend = bend * x + 2.0 * rate
+        rate = rate * x + value
+        value = value * x + knots[at + k // 3, k % 3]
+    return value, rate, bend
+
+
+@kernel
+def _compound(laws, knots, number, t):
+    """A sum of products; its rows of knots: number of the term, of the law that is a factor."""
+    value = rate = bend = 0.0
+    f, fd, fdd = 1.0, 0.0, 0.0
+    first, last = laws[number]["first"], laws[number]["last"]
+    for row in range(first, last + 1):
+        g, gd, gdd = _simple(laws, knots, int(knots[row, 1]), t)
+        f, fd, fdd = f * g, fd * g + f * gd, fdd * g + 2.0 * fd * gd + f * gdd
+        if row == last or knots[row + 1, 0] != knots[row, 0]:
+            value += f
+            rate += fd
+            bend += fdd
+            f, fd, fdd = 1.0, 0.0, 0.0
+    return value, rate, bend

@@ -5,14 +5,17 @@ a joint's nodes define move with the nodes: an arm B (r2 - r1) for a constant ma
 modal coordinates, as its points are.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ...errors import Place
 from ..equations import Equation
 from ..flexible_mechanism import FloatingBody, NodePoint
-from ..time_functions import HELD_TABLE, TABLE, MotionLaw
+from ..mechanism import Body
 from ..vectors import rotation_matrix
-from .records import GROUP, LAW, MEASURE, NONE, ArmTable, blank_measure, law_record
+from .law_table import LawTable
+from .records import GROUP, MEASURE, NONE, ArmTable, blank_measure
 
 
 def tilde(v) -> np.ndarray:
@@ -20,10 +23,21 @@ def tilde(v) -> np.ndarray:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-class MeasureTable:
-    """Collects arms, laws, equations and the measures of springs; `length` is the unit of lengths, m."""
+class MeasureTable(LawTable):
+    """Collects arms, laws, equations and the measures of springs; `length` is the unit of lengths, m.
 
-    def __init__(self, bodies: tuple[FloatingBody, ...], length: float):
+    `first_row`: equations that stand before these; `turns`: angles that do.
+    """
+
+    def __init__(
+        self,
+        bodies: tuple[FloatingBody | Body, ...],
+        length: float,
+        first_row: int = 0,
+        turns: Iterable[float] = (),
+    ):
+        super().__init__()
+        self.first_row = first_row
         self.bodies = bodies
         self.length = length
         self.first = np.cumsum([0, *(body.modes for body in bodies)])
@@ -32,10 +46,9 @@ class MeasureTable:
         self.measured: list[np.ndarray] = []
         self.springs: list[np.ndarray] = []
         self.groups: list[tuple[int, int, int, int]] = []
-        self.turns: list[float] = []
-        self.laws: list[np.ndarray] = []
-        self.knots: list[np.ndarray] = [np.zeros((0, 3))]
+        self.turns: list[float] = list(turns)
         self._known: dict = {}
+        self._next = NONE
 
     def A(self, body: int) -> np.ndarray:
         """Rotation matrix of a body at t = 0; the ground's is 1."""
@@ -86,29 +99,34 @@ class MeasureTable:
         """The measure of an angle."""
         return self.add_angle(self.product(NONE, NONE, 0.0), 1.0, f, g, h, near)
 
-    def law(self, law: MotionLaw) -> int:
-        """Number of a law."""
-        first = sum(map(len, self.knots))
-        if law.kind in (TABLE, HELD_TABLE):
-            self.knots.append(np.column_stack([law.times, law.values, law.curvature]))
-            self.laws.append(law_record(law.kind, first=first, last=first + len(law.times) - 1))
-        else:
-            self.laws.append(law_record(law.kind, law.c))
-        return len(self.laws) - 1
-
     def equations(self, owner: str, place: Place | None, i: int, j: int, parts) -> None:
         """Add a group of equations between bodies i and j; parts: (name, whether a length, measure)."""
-        first = len(self.names)
+        first = self.first_row + len(self.names)
         for name, is_length, record in parts:
             scale = self.length if is_length else 1.0
             self.names.append(Equation(owner, name, place, scale, is_length=is_length))
             self.measured.append(record)
-        self.groups.append((first, len(self.names), i, j))
+        self.groups.append((first, self.first_row + len(self.names), i, j))
 
     def spring(self, record) -> int:
         """Number of the measure a spring acts in; all equations must have been added."""
         self.springs.append(record)
         return len(self.measured) + len(self.springs) - 1
+
+    def chained(self, records) -> np.ndarray:
+        """The first of the measures `records`, to which an equation adds all others."""
+        for record in reversed(records[1:]):
+            record["next"] = self._next
+            self.springs.append(record)
+            self._next = len(self.springs) - 1
+        records[0]["next"], self._next = self._next, NONE
+        return records[0]
+
+    def _measures(self):
+        """All measures; those that are added to others are counted behind the equations."""
+        found = np.array([*self.measured, *self.springs], dtype=MEASURE).reshape(-1)
+        found["next"] += np.where(found["next"] >= 0, len(self.measured), 0)
+        return found
 
     def arrays(self) -> dict:
         """The arrays of `SystemArrays` that are collected here."""
@@ -120,7 +138,6 @@ class MeasureTable:
             "groups": np.array(self.groups, dtype=GROUP).reshape(-1),
             "arms": arms,
             "shapes": shapes,
-            "measures": np.array([*self.measured, *self.springs], dtype=MEASURE).reshape(-1),
-            "laws": np.array(self.laws, dtype=LAW).reshape(-1),
-            "knots": np.concatenate(self.knots),
+            "measures": self._measures(),
+            **self.law_arrays(),
         }

@@ -11,26 +11,12 @@ import numpy as np
 
 from ...quick_dataclass import dataclass, replace
 from ..joints import NORMALISATION
-from ..loads import DynamicModel, Table
-from ..time_functions import HELD_TABLE
+from ..loads import DynamicModel
+from .constraint_table import MeasureTable
 from .kinematic import KinematicArrays, kinematic_arrays
-from .records import (
-    FLEXIBLE,
-    FORCE,
-    GROUP,
-    LAW,
-    LINE,
-    LOAD,
-    MASS,
-    MEASURE,
-    NONE,
-    TORQUE,
-    ArmTable,
-    blank_load,
-    law_record,
-    line_measure,
-)
+from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_measure
 from .system import SystemArrays
+from .young_elements import ElementTable, without_driven
 
 FEW_BODIES = 4.0
 
@@ -44,32 +30,32 @@ class DynamicArrays(SystemArrays):
 
 def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
     """Arrays of a model whose data have been checked."""
-    kinematic = _without_normalisation(kinematic_arrays(model.mechanism))
-    bodies = len(model.mechanism.bodies)
-    loads, arms, lines, laws, knots = _loads(model)
-    records, shapes = arms.arrays()
+    mechanism = without_driven(model.mechanism, model.elements)
+    kinematic = _without_normalisation(kinematic_arrays(mechanism))
+    bodies = len(mechanism.bodies)
+    table = MeasureTable(mechanism.bodies, kinematic.length, len(kinematic.equations), kinematic.screw_angles)
+    elements = ElementTable(table, model) if model.elements else None
+    if elements:
+        elements.add_equations()
+    loads = _loads(table, model) + (elements.loads() if elements else [])
+    collected = table.arrays()
     return DynamicArrays(
         body_names=kinematic.body_names,
-        equations=kinematic.equations,
+        equations=(*kinematic.equations, *collected.pop("equations")),
         q=kinematic.q,
-        turns=kinematic.screw_angles,
         coordinate_scale=kinematic.column_scale,
         speed_scale=np.tile([kinematic.length] * 3 + [1.0] * 3, bodies),
-        row_scale=kinematic.row_scale,
+        row_scale=np.concatenate([kinematic.row_scale, collected.pop("row_scale")]),
         constraints=kinematic.constraints,
         bodies_of=kinematic.bodies_of,
-        groups=_groups(kinematic),
+        groups=np.concatenate([_groups(kinematic), collected.pop("groups")]),
         masses=_masses(model, bodies),
         flexible=np.zeros(0, FLEXIBLE),
         modal=np.zeros(0),
-        arms=records,
-        shapes=shapes,
-        measures=lines,
-        loads=loads,
-        laws=laws,
-        knots=knots,
+        loads=np.array(loads, dtype=LOAD).reshape(-1),
         gravity=np.array(model.gravity, dtype=float),
         kinematic=kinematic,
+        **collected,
     )
 
 
@@ -131,38 +117,23 @@ def inertia_matrix(elements) -> np.ndarray:
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
 
 
-def _loads(model):
-    """LOAD records, and the arms, measures, laws and knots they refer to."""
-    arms, records, lines, laws, knots = ArmTable(), [], [], [], [np.zeros((0, 3))]
+def _loads(table: MeasureTable, model: DynamicModel) -> list[np.ndarray]:
+    """LOAD records of forces, torques and springs."""
+    records = []
     for kind, items in ((FORCE, model.forces), (TORQUE, model.torques)):
         for item in items:
             record = blank_load(kind)
             record["following"] = item.following
             record["vector"] = item.force if kind == FORCE else item.torque
-            record["arm"] = arms.add(item.body, item.point if kind == FORCE else (0.0,) * 3)
-            if item.table is not None:
-                record["law"], first = len(laws), sum(map(len, knots))
-                knots.append(spline(item.table))
-                laws.append(law_record(HELD_TABLE, first=first, last=first + len(knots[-1]) - 1))
+            record["arm"] = table.arm(item.body, item.point if kind == FORCE else (0.0,) * 3)
+            if item.factor is not None:
+                record["law"] = table.law(item.factor)
             records.append(record)
     for spring in model.springs:
         record = blank_load(LINE)
-        record["measure"] = len(lines)
-        lines.append(line_measure(arms.add(spring.j, spring.P_j), arms.add(spring.i, spring.P_i)))
+        head, tail = table.arm(spring.j, spring.P_j), table.arm(spring.i, spring.P_i)
+        record["measure"] = table.spring(line_measure(head, tail))
         for field in ("stiffness", "free_length", "damping"):
             record[field] = getattr(spring, field)
         records.append(record)
-    records, laws = np.array(records, dtype=LOAD).reshape(-1), np.array(laws, dtype=LAW).reshape(-1)
-    return records, arms, np.array(lines, dtype=MEASURE).reshape(-1), laws, np.concatenate(knots)
-
-
-def spline(table: Table) -> np.ndarray:
-    """Knots (k, 3) of the natural cubic spline through a table: time, value, second derivative."""
-    t, y = np.array(table.times), np.array(table.values)
-    k = t.size
-    second = np.zeros(k)
-    if k > 2:
-        h = np.diff(t)
-        system = np.diag(2.0 * (h[:-1] + h[1:])) + np.diag(h[1:-1], 1) + np.diag(h[1:-1], -1)
-        second[1:-1] = np.linalg.solve(system, 6.0 * np.diff(np.diff(y) / h))
-    return np.column_stack([t, y, second])
+    return records

@@ -7,7 +7,9 @@ speeds v and ω, six each; behind them stand the modal coordinates of the flexib
 
 import numpy as np
 
-FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
+FORCE, TORQUE, LINE, RELATIVE, ELEMENT, FRICTION = 1, 2, 3, 4, 5, 6
+# What an ELEMENT is.
+SPRING, STOP, CABLE = 1, 2, 3
 NONE = -1
 
 MASS = np.dtype(
@@ -53,20 +55,39 @@ MEASURE = np.dtype(
         ("turn", np.int64),  # running number of the angle, -1 where there is none
         ("law", np.int64),  # what the measure follows, -1: 0
         ("constant", np.float64),
+        ("next", np.int64),  # measure that is added to it in an equation, -1: none
     ]
 )
 
 LOAD = np.dtype(
     [
-        ("kind", np.int64),  # FORCE, TORQUE, LINE or RELATIVE
-        ("arm", np.int64),  # point of action of a force; of a torque any arm of its body
-        ("measure", np.int64),  # RELATIVE: the angle or stroke the spring acts in; LINE: its V
+        ("kind", np.int64),  # FORCE, TORQUE, LINE, RELATIVE, ELEMENT or FRICTION
+        (
+            "arm",
+            np.int64,
+        ),  # point of action of a force; of a torque any arm of its body; of friction the axis
+        ("measure", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
         ("following", np.int64),  # 1: the vector is in body axes
         ("law", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
         ("vector", np.float64, 3),  # N or N m
         ("stiffness", np.float64),  # N/m, N m/rad
         ("free_length", np.float64),  # m or rad
-        ("damping", np.float64),  # N s/m, N m s/rad
+        ("damping", np.float64),  # N s/m, N m s/rad; of a stop or cable s/m, s/rad
+        ("shape", np.int64),  # ELEMENT: SPRING, STOP or CABLE
+        ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V
+        ("curve", np.int64),  # ELEMENT: law of the stretch, -1: none,
+        ("energy", np.int64),  # and its integral
+        ("damper", np.int64),  # ELEMENT: law of the rate, -1: none
+        ("preload", np.float64),  # N, N m
+        ("lower", np.float64),  # STOP: m, rad
+        ("upper", np.float64),
+        ("stroke", np.int64),  # FRICTION: measure of the stroke, -1: none; `measure` is the angle
+        ("group", np.int64),  # FRICTION: number of the joint among the groups
+        ("dynamic", np.float64),  # FRICTION: coefficients,
+        ("static", np.float64),
+        ("stribeck", np.float64),  # and speeds, m/s
+        ("creep", np.float64),
+        ("radius", np.float64),  # m
     ]
 )
 
@@ -119,7 +140,7 @@ def blank_measure():
     """A MEASURE record that refers to nothing."""
     record = np.zeros((), MEASURE)
     record["ends"] = NONE
-    for field in ("f", "g", "h", "turn", "law"):
+    for field in ("f", "g", "h", "turn", "law", "next"):
         record[field] = NONE
     return record
 
@@ -135,6 +156,6 @@ def blank_load(kind: int):
     """A LOAD record of a kind that refers to nothing."""
     record = np.zeros((), LOAD)
     record["kind"] = kind
-    for field in ("arm", "measure", "law"):
+    for field in ("arm", "measure", "law", "curve", "energy", "damper", "stroke", "group"):
         record[field] = NONE
     return record

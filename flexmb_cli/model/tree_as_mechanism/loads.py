@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arrays.constraint_table import MeasureTable
-from ..arrays.records import FORCE, LOAD, NONE, RELATIVE, TORQUE, blank_load, law_record
+from ..arrays.records import FORCE, LOAD, NONE, RELATIVE, TORQUE, blank_load
 from ..time_functions import HELD_TABLE, POLYNOMIAL, MotionLaw
 from ..tree import ROTATION, Table, Tree
 from ..vectors import rotation_matrix
@@ -94,12 +94,9 @@ class _Loads:
     def _law(self, law: Table) -> int:
         if len(law.times) == 1:
             return self.table.law(MotionLaw(POLYNOMIAL, (law.values[0], 0.0, 0.0, 0.0)))
-        first = sum(map(len, self.table.knots))
         # Past a jump at its end a table goes on: the kernel divides by the length of the last piece.
         times, values = (*law.times, law.times[-1] + 1.0), (*law.values, law.values[-1])
-        self.table.knots.append(np.column_stack([times, values, np.zeros(len(times))]))
-        self.table.laws.append(law_record(HELD_TABLE, first=first, last=first + len(times) - 1))
-        return len(self.table.laws) - 1
+        return self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))]))
 
 
 def _axis_in_body(hinge, motor):

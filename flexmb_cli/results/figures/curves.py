@@ -8,6 +8,7 @@ import numpy as np
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
+from ..quantities.readable import Readable, readable
 
 # What tells most of a result, most telling first; the rest is asked for by name.
 TELLING = {
@@ -35,6 +36,7 @@ class Curve:
     y: np.ndarray
     quantity: int = 0
     result: int = 0
+    words: Readable | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +54,21 @@ class Panel:
 
     @property
     def y_label(self) -> str:
-        """The one quantity with its unit, or just the unit of many."""
-        names = {curve.label for curve in self.curves}
-        if len(names) > 1:
-            return f"{'change ' if self.of_changes else ''}[{self.unit}]"
-        return f"{'change of ' if self.of_changes else ''}{self.curves[0].label} [{self.unit}]"
+        """What all curves have in common, with the unit: "velocity of body 3 [m/s]"."""
+        words = [curve.words for curve in self.curves if curve.words]
+        labels, quantities, things = (
+            {getattr(each, key) for each in words} for key in ("label", "quantity", "thing")
+        )
+        energies = quantities and all("energy" in each or "work" in each for each in quantities)
+        common = "energy" if energies else ""
+        if len(labels) == 1:
+            (common,) = labels
+        elif len(quantities) == 1:
+            (common,) = quantities
+            if len(things) == 1 and all(things):
+                common += f" of {next(iter(things))}"
+        changed = "change of " if self.of_changes else ""
+        return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,9 +123,10 @@ def panels(sources: Sequence[Source]) -> list[Panel]:
             changes = source.energies_change and quantity.dataset in (*ENERGIES, TOTAL)
             key = quantity.unit, changes, changes and quantity.dataset == TOTAL
             rank = count[key] = count.get(key, -1) + 1
-            name = f"{source.label}: {quantity.name}" if source.label else quantity.name
+            words = readable(quantity)
+            name = f"{source.label}: {words.label}" if source.label else words.label
             y = values[:, column] - (values[0, column] if changes else 0.0)
-            found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number))
+            found.setdefault(key, []).append(Curve(name, values[:, 0], y, rank, number, words))
     x = sources[0].abscissa
     return [
         Panel(x.header, unit, tuple(curves), unit == x.unit, changes)

@@ -1,15 +1,15 @@
-"""One self-contained HTML page on a result: status, animation, curves, audit, deck and its echo.
+"""One self-contained HTML page on a result: status, moving picture, curves, audit, deck and its echo.
 
-plotly.js draws: it is one file that needs no network, has curves and 3-D with frames, slider and mouse in
-one library, and comes with the well-kept Python package that carries it.  The page's content security
-policy names the two scripts by their hashes and forbids everything else, network included; whatever comes
-from the file is escaped besides.
+The viewer is the package's own (`viewer/viewer.js`, WebGL 2, 20 kB), and curves are SVG: a page needs no
+network and no library.  The page's content security policy names the one script by its hash and forbids
+everything else, network included; whatever comes from the file is escaped besides.
 """
 
 import base64
 import hashlib
 import json
 from html import escape
+from importlib.resources import files
 from string import Template
 
 import h5py
@@ -19,106 +19,51 @@ from ...deck.record import DeckText
 from ...dialects.recognise import read_deck
 from ...dialects.settings import apply_settings
 from ...errors import DeckError, lines_visible
+from ...quick_dataclass import replace
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, is_number, is_text, settings_of, texts
 from ..quantities.quantities import ResultError, names, shortfall
 from ..texts.echo import echo
 from .curves import Panel, Source, default_quantities, panels, still_energies
-from .report_animation import COLOURS, animation, frame_rows
-from .scene import read_scene
+from .report_curves import curve_figure
+from .report_scene import report_scene
 
-MOST_CURVE_ROWS = 2000
 AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
 
-SCRIPT = """
-const figures = JSON.parse(document.getElementById("figures").textContent);
-const config = {responsive: true, displaylogo: false,
-  modeBarButtonsToRemove: ["sendChartToCloud", "downloadJson"]};
-window.flexmb = {ready: false, frames: figures.animation ? figures.animation.frames.length : 0};
-async function draw() {
-  if (figures.animation) {
-    const {data, layout, frames} = figures.animation;
-    await Plotly.newPlot("animation", data, layout, config);
-    await Plotly.addFrames("animation", frames);
-  }
-  for (const [k, curves] of figures.curves.entries())
-    await Plotly.newPlot("curves" + k, curves.data, curves.layout, config);
-  window.flexmb.ready = true;
-}
-draw();
-"""
-
-PAGE = Template("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src $hashes; \
-style-src 'unsafe-inline'; img-src data: blob:; font-src data:">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>
-body { font: 15px/1.5 system-ui, sans-serif; color: #222; }
-body { max-width: 1100px; margin: 1.5em auto; padding: 0 1em; }
-h1 { font-size: 1.5em; } h2 { font-size: 1.15em; margin-top: 2em; border-bottom: 1px solid #ccc; }
-table { border-collapse: collapse; }
-td, th { padding: .15em 1em .15em 0; text-align: left; vertical-align: top; }
-th { white-space: nowrap; }
-td.number { font-family: ui-monospace, monospace; }
-pre { background: #f6f6f6; padding: 1em; overflow: auto; max-height: 40em; }
-summary { cursor: pointer; }
-.failed { background: #fdecea; border-left: 4px solid #c00; padding: .5em 1em; }
-#animation { height: 640px; } .curves { height: 360px; }
-</style>
-</head>
-<body>
-<h1>$title</h1>
-$status
-$animation
-$curves
-<h2>Audit</h2>
-$audit
-<h2>Run</h2>
-$run
-<h2>Deck</h2>
-$changes
-<pre>$deck</pre>
-$echo
-<script id="figures" type="application/json">$figures</script>
-<script>$library</script>
-<script>$script</script>
-</body>
-</html>
-""")
+TITLES = {"kinematic": "Kinematics", "dynamic": "Dynamics", "static": "Equilibrium", "modal": "Modes"}
 
 
-def report_page(result: h5py.File, library: str) -> str:
-    """The page on `result`, with `library`, the text of plotly.js.
-
-    Raises `ResultError` when the file has no deck.
-    """
+def report_page(result: h5py.File) -> str:
+    """The page on `result`.  Raises `ResultError` when the file has no deck."""
     if "deck" not in result:
         raise ResultError(result.filename, "this is no result of a run: it has no deck", id="RESULT-001")
-    moving = _animation(result)
-    drawn = _curves(result)
+    scene = report_scene(result)
     check_shapes(result, AUDITED, {})
-    name = attribute(result, "deck_name")
-    return PAGE.substitute(
-        hashes=" ".join(map(_hash, (library, SCRIPT))),
-        title=_shown(f"{name}: {attribute(result, 'dialect')} {attribute(result, 'analysis')}"),
+    script = _viewer("viewer.js")
+    return Template(_viewer("page.html")).substitute(
+        hashes=_hash(script),
+        title=_shown(_title(result)),
         status=_status(result),
-        animation=ANIMATION if moving else "<p>There are no rows to draw.</p>",
-        curves="".join(
-            f'<h2>Curves</h2><div class="curves" id="curves{k}"></div>' if k == 0
-            else f'<div class="curves" id="curves{k}"></div>' for k in range(len(drawn))
-        ) + _left_out(result),
+        motion=_viewer("motion.html") if scene else "<p>There are no rows to draw.</p>",
+        curves=_curves(result) + _left_out(result),
         audit=_table(_audit(result)),
         run=_table(_run(result)),
         changes=_changes(result),
         deck=_shown(_deck(result)),
         echo=_echo(result),
-        figures=_json({"animation": moving, "curves": drawn}),
-        library=library,
-        script=SCRIPT,
-    )  # fmt: skip
+        figures=_json({"scene": scene}),
+        script=script,
+    )
+
+
+def _viewer(name):
+    return (files(__package__) / "viewer" / name).read_text(encoding="utf-8")
+
+
+def _title(result):
+    """What was computed of which deck: "Kinematics of IN4-BAR"."""
+    analysis, deck = attribute(result, "analysis"), attribute(result, "deck_name")
+    stem = deck.rpartition(".")[0] or deck
+    return f"{TITLES.get(analysis, analysis)} of {stem}"
 
 
 ECHO = """<details id="echo"><summary>Every number of the deck: line, name, value, unit, meaning</summary>
@@ -127,57 +72,30 @@ ECHO = """<details id="echo"><summary>Every number of the deck: line, name, valu
 AS_TYPED = "As the deck's text has them."
 AS_CHANGED = "As this run had them; what --set changed has that word in place of its line."
 
-ANIMATION = """<h2>Motion</h2>
-<div id="animation"></div>
-<p>Drag to turn, scroll to come nearer, click a name to hide it, click it twice to see it alone.</p>"""
-
-
-def _animation(result):
-    rows = len(result["time"])
-    if not rows or "body/position" not in result:
-        return None
-    places = len(read_scene(result, slice(0, 1)).places)
-    return animation(read_scene(result, frame_rows(rows, places)))
-
 
 def _curves(result):
-    """Figures of the default curves, a panel each."""
+    """The default curves, a panel for each unit."""
     quantities = default_quantities(result)
     rows = len(result["time"])
     if not quantities or not rows:
-        return []
-    every = slice(0, rows, -(-rows // MOST_CURVE_ROWS))
+        return ""
     time = next(quantity for quantity in names(result) if quantity.name == "time")
-    return [_figure(panel) for panel in panels([Source("", result, every, time, quantities, True)])]
+    drawn = panels([Source("", result, slice(0, rows), time, quantities, True)])
+    figures = [
+        curve_figure(_visible(panel), lines_visible(panel.y_label), k) for k, panel in enumerate(drawn)
+    ]
+    return "<h2>Curves</h2>" + "".join(figures)
+
+
+def _visible(panel: Panel) -> Panel:
+    """The panel with names that can be shown."""
+    curves = tuple(replace(curve, label=lines_visible(curve.label)) for curve in panel.curves)
+    return replace(panel, curves=curves, x_label=lines_visible(panel.x_label))
 
 
 def _left_out(result):
     still = still_energies(result)
     return f"<p>Not drawn, for they do not change: {_shown(', '.join(still))}.</p>" if still else ""
-
-
-def _figure(panel: Panel):
-    data = [
-        {
-            "type": "scatter", "mode": "lines", "name": _shown(curve.label),
-            "line": {"color": COLOURS[k % len(COLOURS)], "dash": ("solid", "dash")[k // len(COLOURS) % 2]},
-            "x": _short(curve.x), "y": _short(curve.y),
-        }
-        for k, curve in enumerate(panel.curves)
-    ]  # fmt: skip
-    layout = {
-        "margin": {"l": 80, "r": 20, "t": 20, "b": 50},
-        "xaxis": {"title": {"text": _shown(panel.x_label)}},
-        "yaxis": {"title": {"text": _shown(panel.y_label)}, "exponentformat": "power", "automargin": True},
-        "showlegend": True,
-        "hovermode": "closest",
-    }
-    return {"data": data, "layout": layout}
-
-
-def _short(values):
-    """Seven digits are more than a screen shows."""
-    return [float(f"{value:.7g}") if np.isfinite(value) else None for value in values.tolist()]
 
 
 def _status(result):

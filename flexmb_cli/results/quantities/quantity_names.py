@@ -32,6 +32,8 @@ FORMS = {
     "stress/max_von_mises": ("stress.{item}.max.von_mises",),
     "stress/max_node": ("stress.{item}.max.node",),
 }  # fmt: skip
+# Unit of the effort along a coordinate in a unit.
+OF_EFFORT = {"m": "N", "rad": "N m"}
 MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
 MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
@@ -226,7 +228,8 @@ class _Labels:
             return (stated,)
         each = self._listed(f"{group}/unit", dataset.shape[1])
         choices = stated.split(" or ")
-        return tuple(next((c for c in choices if c.split("/")[0] == unit), stated) for unit in each)
+        wanted = [(unit, OF_EFFORT.get(unit)) for unit in each]
+        return tuple(next((c for c in choices if c.split("/")[0] in pair), stated) for pair in wanted)
 
 
 def _with_angles(given):

@@ -10,8 +10,9 @@ from functools import partial
 from math import prod
 
 import h5py
+import numpy as np
 
-from .quantities import Quantity, read, time_at, time_quantity
+from .quantities import Quantity, ResultError, read, time_at, time_quantity
 from .quantity_names import TIME
 
 FORMATS = ("csv", "tsv", "jsonl", "text")
@@ -55,6 +56,26 @@ def table_text(
         block = rows[first : first + length]
         values = read(result, columns, slice(block.start, block.stop, block.step)).tolist()
         yield _lines(heads, values, style)
+
+
+def function_cards(result: h5py.File, quantities: Sequence[Quantity], rows: range, first: int) -> str:
+    """SPLINE cards of a YOUNG deck through the rows of each quantity: functions `first`, `first` + 1, …
+
+    Raises ResultError where a column holds what is no number, or where there is one row only.
+    """
+    columns = [time_quantity(result), *(quantity for quantity in quantities if quantity.dataset != TIME)]
+    values = read(result, columns, slice(rows.start, rows.stop, rows.step))
+    if len(values) < 2 or not np.isfinite(values).all():
+        raise ResultError(
+            result.filename, "a table needs two rows or more, and numbers in all", id="RESULT-050"
+        )
+    return "".join(
+        f"{{ {column.header} }}\nSPLINE {number}\n" + "".join(f"{t!r} {v!r}\n" for t, v in points)
+        for number, column, points in (
+            (first + k, column, zip(values[:, 0].tolist(), values[:, k + 1].tolist(), strict=True))
+            for k, column in enumerate(columns[1:])
+        )
+    )
 
 
 def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...deck.record import Deck
-from ...dialects.young.dynamic_cards import FORWARD, analysis_of
+from ...dialects.young.dynamic_cards import FORWARD, analysis_of, has_elements
 from ...errors import Fault, ModelError
 from ...quick_dataclass import dataclass, field, replace
 from ..deck import open_deck
@@ -113,7 +113,7 @@ def _refuse_jacobian(jacobian, reason):
 
 
 def _check_mechanism(report, options, jacobian):
-    if analysis_of(report.deck) == FORWARD:
+    if analysis_of(report.deck) == FORWARD or has_elements(report.deck):
         from .forward import check_forward
 
         check_forward(report, options)
@@ -155,7 +155,7 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     # Points take no part in what is looked at, and there may be a million of them.
     analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))
     report.counts = _counts(mechanism, analysis)
-    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q)
+    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q, analysis.arrays.screw_angles)
     if jacobian == "estimate":
         report.jacobian = _labelled(analysis, analysis.arrays.q, None)
     try:
@@ -163,7 +163,8 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
     finally:
         report.outcome.faults += analysis.warnings
     report.time = mechanism.time.start
-    report.gaps = before_and_after(before, gaps_of(analysis, analysis.arrays, analysis.state[0]))
+    after = gaps_of(analysis, analysis.arrays, analysis.state[0], analysis.arrays.screw_angles)
+    report.gaps = before_and_after(before, after)
     if equations <= RANK_LIMIT:
         _look_at_rank(report, analysis)
     if jacobian not in (None, "estimate"):

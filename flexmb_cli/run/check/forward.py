@@ -14,23 +14,38 @@ def check_forward(report, options: RunOptions) -> None:
     from ...solvers import compilation
 
     compilation.interpret()
+    from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
-    analysis = ForwardDynamics(model)
+    analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
     arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
-    before = gaps_of(analysis, arrays, arrays.q)
+    before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.turns)
     try:
         found = analysis.start()
     finally:
         report.outcome.faults += analysis.warnings
+    drivers = len(model.mechanism.drivers) + len(model.elements.drivers)
     report.counts = parts_of(model.mechanism) | {
-        "equations": len(arrays.equations),
+        "equations": len(analysis.arrays.equations),
         "coordinates": speeds,
-        "degrees_of_freedom": int(speeds - found.rank) + len(model.mechanism.drivers),
+        "degrees_of_freedom": int(speeds - found.rank) + drivers,
     }
     report.time = model.mechanism.time.start
-    report.gaps = before_and_after(before, gaps_of(analysis, arrays, analysis.march.z[: arrays.q.size]))
+    q = analysis.march.z[: arrays.q.size]
+    report.gaps = before_and_after(
+        before, gaps_of(_Gaps(analysis), analysis.arrays, q, analysis.arrays.turns)
+    )
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
     refuse_warnings(report.outcome, options)
+
+
+class _Gaps:
+    """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
+
+    def __init__(self, analysis):
+        from ...solvers.constrained.flexible_start import PositionGaps
+
+        self.mechanism = analysis.mechanism
+        self.evaluator = PositionGaps(analysis.arrays, analysis.system, analysis.work)

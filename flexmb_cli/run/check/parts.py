@@ -23,9 +23,9 @@ def report_times(grid) -> dict:
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis, arrays, q) -> dict:
-    """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
+def gaps_of(analysis, arrays, q, near) -> dict:
+    """Largest residual of each owner's equations, as {(owner, unit): m or 1}; near: the angles expected."""
+    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, near)
     gaps: dict = {}
     for equation, value in zip(arrays.equations, scaled * arrays.row_scale, strict=True):
         key = (equation.owner, equation.unit)

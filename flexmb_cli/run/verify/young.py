@@ -9,6 +9,7 @@ from ...deck.record import Deck
 from ...dialects.young.build import build_young
 from ...dialects.young.build_dynamics import build_young_dynamics
 from ...dialects.young.dynamic_cards import FORWARD, analysis_of
+from ...errors import Fault, ModelError
 from ...quick_dataclass import replace
 from ..outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
 from .difference import Difference, largest_difference
@@ -54,10 +55,23 @@ def _analysis(deck, options, outcome):
     model, warnings = build_young_dynamics(deck)
     outcome.faults += warnings
     refuse_warnings(outcome, options)
+    _refuse_elements(model)
     if model.analysis == FORWARD:
         model = replace(model, tolerance=options.integration.get("rtol", TOLERANCE), alpha_steps=None)
         return ForwardDynamics(model), model.mechanism, model
     return InverseDynamics(model), model.mechanism, model
+
+
+def _refuse_elements(model):
+    """Natural coordinates know the joints and loads of the dissertation, and no functions."""
+    factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
+    ends = [item.name for item in model.springs if -1 in (item.i, item.j)]
+    if model.elements or factors or ends:
+        what = next(iter((*factors, *ends)), "elements at joints")
+        message = (
+            f"natural coordinates have neither functions nor elements at joints, which this deck has ({what})"
+        )
+        raise ModelError([Fault("error", message, id="RUN-028")])
 
 
 def _joined(blocks):

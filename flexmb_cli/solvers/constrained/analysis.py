@@ -8,9 +8,9 @@ from ...errors import AnalysisError, Fault
 from ...kernels.constrained.angle_unwrapping import NEAR, NEW, OLD, fill_angles
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators import constrained_dop853
+from ...model.arrays.law_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
-from ...model.time_functions import HELD_TABLE, TABLE
 from ..singular.dynamic_singularities import (
     SINGULAR,
     PassedPositions,
@@ -65,6 +65,14 @@ class ConstrainedMotion:
         self.march.units[coordinates : coordinates + n] = arrays.speed_scale
         self.clock = self.march.clock
         self.clock["rtol"] = self.clock["atol"] = tolerance
+
+    def usual_repetitions(self, q) -> int | None:
+        """Number of equations that repeat others in every mechanism of this kind; None: of no such kind."""
+        return None
+
+    def given_rates(self, q):
+        """Rows (r, n) on speeds, right-hand sides (r,) and names of equations that hold at the start only."""
+        return np.zeros((0, self.arrays.speeds)), np.zeros(0), ()
 
     def rows(self) -> Iterator:
         """Yield the report rows in blocks.
@@ -128,12 +136,13 @@ class ConstrainedMotion:
     def _tables(self) -> list[np.ndarray]:
         """The times of every table, s."""
         system = self.system
-        laws = [law for law in system.laws if law["kind"] in (TABLE, HELD_TABLE)]
-        return [system.knots[law["first"] : law["last"] + 1, 0] for law in laws]
+        found = [break_times(law, system.knots) for law in system.laws]
+        return [times for times in found if times.size]
 
     def _warn_of_fine_tables(self):
         """Steps of given length end where they end, whatever a table does between."""
-        finest = min((float(np.diff(times).min()) for times in self._tables), default=np.inf)
+        apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
+        finest = min(apart, default=np.inf)
         if not self.stepper.chosen and finest < self.stepper.length:
             message = (
                 f"a table has points {finest:.3g} s apart, and steps of {self.stepper.length:g} s may pass "
@@ -156,7 +165,7 @@ class ConstrainedMotion:
         march.z[q.size : -1] = start_speeds(self, q, grid.start)
         refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
-            self.warnings.append(_repetition_warning(found))
+            self.warnings.append(_repetition(found, self.usual_repetitions(q)))
         self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
@@ -233,8 +242,17 @@ def _names(equations):
     return ", ".join(f"{one.owner}{at_line(one)}" for one in equations)
 
 
-def _repetition_warning(found):
-    """Some equations repeat others: the motion is unique, the split of forces between them is a choice."""
+def _repetition(found, usual):
+    """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
+
+    A warning, or a note where they are as many as `usual`.
+    """
+    if len(found.redundant) == usual:
+        message = (
+            f"planar mechanism of spatial joints: {usual} of {found.equations} equations repeat others, 3 a "
+            "loop, as they must; the motion is unique, reactions are those of least norm"
+        )
+        return Fault("note", message, id="SOLVE-034")
     # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
     repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
     owners = list(dict.fromkeys(equation.owner for equation in repeated))

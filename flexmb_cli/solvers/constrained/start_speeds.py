@@ -31,10 +31,13 @@ def start_speeds(analysis, q, t: float) -> np.ndarray:
     nu = work.rows[GAMMA]
     fill_nu(system, t, nu)
     nu = nu / analysis.arrays.row_scale
+    rates, values, names = analysis.given_rates(q)
+    J, nu = np.concatenate([J, rates * scale]), np.concatenate([nu, values])
     particular = np.linalg.lstsq(J, nu, rcond=SINGULAR_VALUE)[0] if len(nu) else np.zeros(scale.size)
-    _refuse_contradiction(analysis, J @ particular - nu, t)
+    _refuse_contradiction((*analysis.arrays.equations, *names), J @ particular - nu, t)
+    rank = np.linalg.matrix_rank(J, SINGULAR_VALUE * np.linalg.norm(J, 2)) if names else work.rank[0]
     given, wanted = analysis.given_speeds(q)
-    motions = np.linalg.svd(J)[2][work.rank[0] :].T
+    motions = np.linalg.svd(J)[2][rank:].T
     rest = (wanted / scale - particular)[given]
     free = np.linalg.lstsq(motions[given], rest, rcond=1e-12)[0]
     u = (particular + motions @ free) * scale
@@ -89,9 +92,9 @@ def given_speeds(velocities, bodies: int, q) -> tuple[np.ndarray, np.ndarray]:
     return given.ravel(), wanted.ravel()
 
 
-def _refuse_contradiction(analysis, rest, t):
+def _refuse_contradiction(equations, rest, t):
     if rest.size and np.max(np.abs(rest)) > CLOSED:
-        worst = analysis.arrays.equations[int(np.argmax(np.abs(rest)))]
+        worst = equations[int(np.argmax(np.abs(rest)))]
         message = (
             f"at t = {t:.6g} s the drivers ask for velocities that the joints forbid ({worst.name}); "
             "remove a driver or free a joint"

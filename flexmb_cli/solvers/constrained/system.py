@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...kernels.constrained.elements import COLUMNS
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import PHI, A, System, Work, make_work
 from ...kernels.kinematics import constraints as equations
@@ -47,6 +48,7 @@ def blank_report(arrays: SystemArrays, times) -> Report:
         np.zeros((rows, len(arrays.equations))),
         np.zeros(rows),
         np.zeros((rows, 5)),
+        np.zeros((rows, len(arrays.loads), COLUMNS)),
     )
 
 
@@ -61,4 +63,4 @@ class AnyCountEvaluator(Evaluator):
         rotations, phi = self.work.rotations[A], self.work.rows[PHI]
         rotation_matrices(q, rotations)
         equations.residual(self.system.constraints, q, t, near, rotations, phi)
-        return phi / self.arrays.row_scale
+        return phi[: self.arrays.row_scale.size] / self.arrays.row_scale

@@ -5,12 +5,17 @@ import numpy as np
 from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.dynamic import dynamic_arrays, step_length_scale
+from ...model.arrays.young_elements import without_driven
 from ...model.flexible_mechanism import NodePoint
 from ...model.joints import DRIVER
 from ...model.loads import DynamicModel
+from ...model.planar_loops import repeated_in_plane
 from ..linearisation.terms import Terms
 from .analysis import ConstrainedMotion
+from .element_rows import element_rows
+from .flexible_start import PositionGaps, assemble
 from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
+from .joint_rates import rate_equations
 from .rows import DynamicRows, dynamic_rows
 from .start import assembled
 from .start_speeds import given_speeds
@@ -36,7 +41,18 @@ class ForwardDynamics(ConstrainedMotion):
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
+        if self.model.elements.constrain:
+            return assemble(PositionGaps(self.arrays, self.system, self.work), t)
         return assembled(self, t)
+
+    def usual_repetitions(self, q) -> int | None:
+        """Those of a planar mechanism, None of any other."""
+        bodies = len(self.mechanism.bodies)
+        return repeated_in_plane(self.mechanism, q[: 7 * bodies].reshape(bodies, 7)[:, 3:])
+
+    def given_rates(self, q):
+        """Rows, right-hand sides and names of the joint rates that the deck gives."""
+        return rate_equations(self.mechanism, self.model.elements.rates, q, self.arrays.speeds)
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
         """Return which of the speeds the deck gives, and their values."""
@@ -46,13 +62,15 @@ class ForwardDynamics(ConstrainedMotion):
     def terms(self) -> Terms:
         """Names of loads, drivers, joints and points."""
         model, mechanism = self.model, self.mechanism
+        drivers = without_driven(mechanism, model.elements).drivers
         loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]
         joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
         return Terms(
             tuple(loads),
-            tuple((driver.name, driver.direction <= 3) for driver in mechanism.drivers),
+            tuple((driver.name, driver.direction <= 3) for driver in drivers),
             tuple(joints),
             tuple((point.name, point.body) for point in mechanism.points),
+            tuple(k for k, driver in enumerate(mechanism.drivers) if driver in drivers),
         )
 
     def driven_system(self, k: int, additions, t: float) -> System:
@@ -67,6 +85,8 @@ class ForwardDynamics(ConstrainedMotion):
 
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
+        if self.model.elements:
+            return element_rows(self.model, self.arrays, report)
         return dynamic_rows(self.mechanism, report)
 
 

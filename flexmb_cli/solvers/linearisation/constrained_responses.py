@@ -3,10 +3,11 @@
 import numpy as np
 
 from ...kernels.constrained.angle_unwrapping import NEAR
+from ...kernels.constrained.elements import COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
 from ...model.arrays.constraint_table import tilde
-from ...model.arrays.records import FORCE, LINE, TORQUE
+from ...model.arrays.records import FORCE, FRICTION, LINE, TORQUE
 from ...model.flexible_mechanism import NodePoint
 from ...model.vectors import rotation_matrix
 from ..constrained.system import blank_report
@@ -57,7 +58,11 @@ class ConstrainedResponses(Responses):
         report = blank_report(analysis.arrays, np.array([motion.t]))
         report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
         near = analysis.march.turns[NEAR][None].copy()
-        filled = observe_rows(model or motion.system, analysis.work, near, report)
+        system, work = model or motion.system, analysis.work
+        # A kernel writes a row for every load, and a model may have one more.
+        answers = np.zeros((len(system.loads), COLUMNS))
+        work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
+        filled = observe_rows(system, work, near, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)
         rows = analysis.block(report)
         return np.concatenate([report.rates[0], self._outputs(rows)])
@@ -71,7 +76,10 @@ class ConstrainedResponses(Responses):
         reactions = rows.reaction_force[0], rows.reaction_torque[0]
         for k, (_, a, b) in enumerate(self.terms.joints):
             found += [self._along(b.body if b.body >= 0 else a.body, part[k]) for part in reactions]
-        return np.concatenate([*found, rows.driver_effort[0]])
+        efforts = rows.driver_effort[0]
+        return np.concatenate(
+            [*found, efforts if self.terms.efforts is None else efforts[[*self.terms.efforts]]]
+        )
 
     def _along(self, body, vector):
         return vector if body < 0 else self.rotations[body].T @ vector
@@ -121,7 +129,8 @@ class ConstrainedResponses(Responses):
 
     def _load_inputs(self):
         still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads
-        for (name, is_force), load in zip(self.terms.loads, loads, strict=True):
+        # Elements at joints stand behind the loads that have names, and are no inputs.
+        for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
             for signal, records in _unit_loads(name, is_force, load):
                 yield Input(signal, still, still, self._loaded(records), 1.0)
 
@@ -129,7 +138,11 @@ class ConstrainedResponses(Responses):
         system = self.motion.system
 
         def change(amount):
-            return system._replace(loads=np.concatenate([system.loads, records(amount)]))
+            # Friction stays behind all others.
+            rubs = system.loads["kind"] == FRICTION
+            return system._replace(
+                loads=np.concatenate([system.loads[~rubs], records(amount), system.loads[rubs]])
+            )
 
         return change
 

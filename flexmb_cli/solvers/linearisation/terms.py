@@ -10,10 +10,12 @@ class Terms:
 
     `loads`: names of the loads in the order of their records, and whether one in a joint is a force;
     `drivers`: names, and whether they prescribe a length; `joints`: name and the point on each of its two
-    bodies; `points`: name and body of the points of interest.
+    bodies; `points`: name and body of the points of interest; `efforts`: places of the drivers among those
+    of the rows.
     """
 
     loads: tuple[tuple[str, bool], ...]
     drivers: tuple[tuple[str, bool], ...]
     joints: tuple[tuple[str, NodePoint, NodePoint], ...]
     points: tuple[tuple[str, int], ...]
+    efforts: tuple[int, ...] | None = None

@@ -14,7 +14,7 @@ from flexmb_cli.model.fe_model import Integrator
 
 DECKS = sorted((Path(__file__).parents[3] / "decks" / "vsdf").glob("*.vsdf"))
 BY_SECTION = {card.section: card for card in CARDS}
-OF_ONE_BODY = ("FEMN", "FEMM", "FEMK", "RIGI")
+OF_ONE_BODY = ("FEMN", "RIGI")
 ALWAYS = (*OF_ONE_BODY, "GRAV", "TIME", "INTG")
 
 
@@ -113,7 +113,7 @@ def test_numbers_of_bodies_and_lists_of_nodes_are_checked_at_once():
 
 
 def test_a_flexible_body_is_asked_for_its_files():
-    counts = " ".join("1" if word == "BODY" else "0" for word in COUNTED)
+    counts = " ".join("1" if word in ("BODY", "FEMM", "FEMK") else "0" for word in COUNTED)
     dialogue = talk("", counts, "flex 9 1 13 9", "TXT my model/nodes.txt")
-    assert dialogue.question.entry.subject == "mass matrix of body 1"
+    assert dialogue.question.entry.subject == "card FEMM 1"
     assert dialogue.values["node_table.1.file"] == "my model/nodes.txt"

@@ -56,8 +56,7 @@ def test_radaus_method_has_the_tolerance_of_its_card_or_that_of_the_deck():
 
 def test_an_unknown_card_is_told_with_the_nearest_known_one():
     assert messages("DYNAMICS forward\nMAS 1 2 0 0 0 1 1 1\n") == [
-        "5:1: there is no card 'MAS', only MASS, FORCE, TORQUE, SPRING, DAMPER, GRAVITY, VELOCITY, "
-        "TOLERANCE, GALF, RAD5 and END; is MASS meant?"
+        "5:1: there is no card 'MAS'; is MASS meant?"
     ]
 
 
@@ -69,8 +68,7 @@ def test_a_card_with_too_few_numbers_names_those_it_takes():
 
 def test_numbers_before_the_first_card_are_told():
     assert messages("DYNAMICS forward\n1 2 3\nMASS 1 2 0 0 0 1 1 1\n") == [
-        "5:1: a card begins with a keyword, one of MASS, FORCE, TORQUE, SPRING, DAMPER, GRAVITY, VELOCITY, "
-        "TOLERANCE, GALF, RAD5"
+        "5:1: a card begins with a keyword, such as MASS, FORCE or GRAVITY"
     ]
 
 

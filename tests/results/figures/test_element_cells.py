@@ -85,7 +85,7 @@ def test_vtk_reads_elements_as_cells_that_move(steps):
 
 
 def test_vtk_reads_the_velocities_of_points(steps):
-    """Against those of the output nodes, from the equations of motion: nodes 7, 45 and 83 of the rod."""
+    """Against those of the output nodes, by the equations of motion: nodes 7, 45 and 83 of the rod."""
     found, file = steps
     numbers, wanted = file["elastic/body 2/node"][:], file["point/velocity"]
     for k, node in enumerate((7, 45, 83)):

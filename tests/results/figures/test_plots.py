@@ -43,7 +43,8 @@ def test_every_unit_has_its_panel(bar):
         wanted = resolve(file, ["point.1.x", "body.2.omega.y", "point.1.z"])
         drawn = panels([Source("", file, slice(None), resolve(file, ["time"])[0], wanted)])
     assert [(panel.unit, len(panel.curves)) for panel in drawn] == [("m", 2), ("rad/s", 1)]
-    assert [panel.y_label for panel in drawn] == ["[m]", "body.2.omega.y [rad/s]"]
+    labels = ["position of point 1 [m]", "angular velocity y of body 2 [rad/s]"]
+    assert [panel.y_label for panel in drawn] == labels
     assert drawn[0].curves[1].y == pytest.approx(tip(TIMES)[:, 2], abs=1e-14)
 
 
@@ -62,10 +63,10 @@ def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_pa
         changes, drift = panels([Source("", file, slice(None), time, wanted, energies_change=True)])
         (together,) = panels([Source("", file, slice(None), time, wanted)])
     assert {curve.label: curve.y.tolist() for curve in changes.curves} == {
-        "energy.kinetic": [0.0, 3.0],
-        "energy.potential": [0.0, -3.0],
+        "kinetic energy": [0.0, 3.0],
+        "potential energy": [0.0, -3.0],
     }
-    assert (changes.y_label, drift.y_label) == ("change [J]", "change of energy.total [J]")
+    assert (changes.y_label, drift.y_label) == ("change of energy [J]", "change of total energy [J]")
     assert drift.curves[0].y == pytest.approx([0.0, -1e-6], rel=1e-3)
     assert [curve.y[0] for curve in together.curves] == [2.0, 1e6, 1e6 + 2.0]
 
@@ -126,8 +127,8 @@ def test_results_laid_over_each_other_keep_the_colours_of_their_quantities(bar):
         ]
         (position, *_) = panels(sources)
     told = [(curve.label, curve.quantity, curve.result) for curve in position.curves]
-    assert told[0] == ("a: point.1.x", 0, 0)
-    assert told[len(told) // 2] == ("b: point.1.x", 0, 1)
+    assert told[0] == ("a: x of point 1", 0, 0)
+    assert told[len(told) // 2] == ("b: x of point 1", 0, 1)
 
 
 @pytest.mark.parametrize(("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])

@@ -15,7 +15,7 @@ COMMANDS += [["export", "--to", "vtkhdf", "-o", "{}.vtkhdf"], ["export", "--to",
 
 @pytest.fixture
 def bar(tmp_path, monkeypatch, deck, mechanism, rows):
-    pytest.importorskip("matplotlib"), pytest.importorskip("plotly")
+    pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     return write_bar(tmp_path / "r.h5", deck, mechanism, rows, range(7))
 

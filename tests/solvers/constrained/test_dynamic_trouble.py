@@ -13,7 +13,7 @@ from tests.dialects.vsdf.vsdf_decks import RIGID, changed
 from tests.solvers.kinematics.young_linkages import AT_REST, four_bar_bodies, outcome, told, turned, young
 
 MASS = "MASS 2 1 0.5 0 0 0.01 0.1 0.1\n"
-REPEATED = "3 equations repeat others, among those of revolute joint "
+REPEATED = "note: planar mechanism of spatial joints: 3 of "
 SPINNING = "VELOCITY 2 0 0 0 0 0 2\n"
 
 

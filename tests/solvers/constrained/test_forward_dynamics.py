@@ -14,9 +14,10 @@ from flexmb_cli.model.loads import (
     InitialVelocity,
     MassProperties,
     SpringDamper,
-    Table,
 )
 from flexmb_cli.model.mechanism import Driver, Joint, Mechanism, TimeGrid
+from flexmb_cli.model.piecewise_polynomials import spline_table
+from flexmb_cli.model.time_functions import piecewise
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 from tests.solvers.constrained.body_balances import rotation, tensor, worst_balance
@@ -135,7 +136,7 @@ def test_the_effort_of_inverse_dynamics_drives_the_same_motion_forward(deck, spa
     driver = mechanism.drivers[0]
     torque = [0.0, 0.0, 0.0]
     torque[driver.direction - 4] = 1.0
-    table = Table(tuple(wanted.time), tuple(wanted.driver_effort[:, 0]))
+    table = piecewise(spline_table(wanted.time, wanted.driver_effort[:, 0]))
     estimates = tuple(
         replace(b, r=tuple(r), p=tuple(p))
         for b, r, p in zip(mechanism.bodies, wanted.position[0], wanted.euler_parameters[0], strict=True)
@@ -149,7 +150,7 @@ def test_the_effort_of_inverse_dynamics_drives_the_same_motion_forward(deck, spa
         inverse,
         mechanism=free,
         analysis="forward",
-        torques=(AppliedTorque("torque 1", driver.body, tuple(torque), table=table),),
+        torques=(AppliedTorque("torque 1", driver.body, tuple(torque), factor=table),),
         velocities=(velocities,),
     )
     found = run(forward)

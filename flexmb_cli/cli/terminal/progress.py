@@ -1,0 +1,93 @@
+"""How far a run or a study is: one status line on a terminal, a line every ten seconds in a log with -v.
+
+Written here and not by a library: the least one that estimates the remaining time adds a tenth to the start.
+"""
+
+import sys
+import time
+
+from .screen import tell, terminal_width
+
+REDRAWN_AFTER = 0.1  # s
+LOGGED_AFTER = 10.0  # s
+
+
+class Progress:
+    """Shows how many of `unit` are done, after `title`; as a context, ends its line before others print."""
+
+    def __init__(self, title: str, unit: str, quiet: bool, verbose: bool, stream=None):
+        self.title, self.unit, self.quiet = title, unit, quiet
+        self.stream = stream or sys.stderr
+        self.drawn = not quiet and self.stream.isatty()
+        self.logged = not quiet and verbose and not self.drawn
+        self.total = self.done = 0
+        self.began = self.shown = time.monotonic()
+        self.standing = False
+
+    def notice(self, sentence: str) -> None:
+        """Print a sentence that stays."""
+        self.clear()
+        if not self.quiet:
+            tell(f"flexmb: {sentence}")
+
+    def status(self, doing: str) -> None:
+        """Show what happens before the first row, such as compiling."""
+        if self.drawn:
+            self._draw(f"{self.title}: {doing}")
+        elif self.logged:
+            tell(f"{self.title}: {doing}")
+
+    def begin(self, total: int) -> None:
+        """Begin to count up to `total`; the rate counts from here."""
+        self.total, self.done = total, 0
+        self.began = self.shown = time.monotonic()
+        if self.drawn and total > 1:
+            self._draw(self.sentence(self.began))
+
+    def advance(self, count: int) -> None:
+        """Count what was done, and show it when it is time."""
+        self.done += count
+        now = time.monotonic()
+        if self.drawn and self.total > 1 and now - self.shown >= REDRAWN_AFTER:
+            self.shown = now
+            self._draw(self.sentence(now))
+        elif self.logged and now - self.shown >= LOGGED_AFTER:
+            self.shown = now
+            tell(self.sentence(now))
+
+    def sentence(self, now: float) -> str:
+        """Return the count, the rate and the remaining time at `now` of the monotonic clock."""
+        text = f"{self.title}: {self.done} of {self.total} {self.unit}"
+        elapsed = now - self.began
+        if not self.done or elapsed <= 0:
+            return text
+        rate = self.done / elapsed
+        left = (self.total - self.done) / rate
+        return f"{text}, {100 * self.done // self.total} %, {rate:.3g} {self.unit}/s, {_duration(left)} left"
+
+    def clear(self) -> None:
+        """Take the status line away."""
+        if self.standing:
+            self.stream.write("\r\x1b[K")
+            self.stream.flush()
+            self.standing = False
+
+    def _draw(self, text):
+        from ...errors import visible
+
+        # The last column stays free: some terminals wrap as soon as it is filled.
+        self.stream.write(f"\r\x1b[K{visible(text)[: terminal_width(self.stream) - 1]}")
+        self.stream.flush()
+        self.standing = True
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *failure):
+        self.clear()
+
+
+def _duration(seconds):
+    whole = round(seconds)
+    hours, minutes = whole // 3600, whole // 60 % 60
+    return f"{hours}:{minutes:02}:{whole % 60:02}" if hours else f"{minutes}:{whole % 60:02}"

@@ -1,0 +1,157 @@
+"""Springs, stops, cables and friction in joint coordinates and in line: effort, slopes, power and energy.
+
+An element acts in a coordinate x with the rate v: an angle, a stroke or the length between two points.
+What it answers is kept in a row of Work.responses, with -dF/dx and -dF/dv for implicit integrators.
+Stops and cables: Hunt and Crossley, Journal of Applied Mechanics 42 (1975), pages 440-445, exponent 1.
+Friction: Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 3.1, made smooth by
+tanh.
+"""
+
+import math
+
+from .._jit import kernel
+from ..linalg.rotation import dot
+from .body_vectors import ARM, RATE, add_arm_row, geometry_of, vector
+from .constraint_primitives import add_measure_row, measure_rates, measure_value
+from .time_functions import law_values
+
+# The codes of model.arrays.records; a test compares them.
+ELEMENT, FRICTION = 5, 6
+SPRING, STOP, CABLE = 1, 2, 3
+# Columns of the responses.
+COORDINATE, SPEED, EFFORT, POWER, STIFFNESS, DAMPING, NORMAL, ENERGY = 0, 1, 2, 3, 4, 5, 6, 7
+COLUMNS = 8
+AT_REST = 1e-300
+SMALL = 1e-6  # of the creep speed: tanh(x)/x is 1 there
+
+
+@kernel
+def add_element(system, work, k, f):
+    """Add element k to f (n,); returns the power of what stores no energy."""
+    load, answer = system.loads[k], work.responses[k]
+    if load["kind"] == FRICTION:
+        return _add_friction(system, work, load, answer, f)
+    geometry = geometry_of(system, work)
+    if not _fill_coordinate(geometry, work, load, answer):
+        return 0.0
+    effort, kept = _effort(system, load, answer)
+    answer[EFFORT], answer[POWER] = effort, (effort - kept) * answer[SPEED]
+    if load["in_line"]:
+        add_along_line(geometry, load["measure"], effort / answer[COORDINATE], f)
+    else:
+        add_measure_row(geometry, load["measure"], effort, f)
+    return answer[POWER]
+
+
+@kernel
+def add_along_line(geometry, k, share, f):
+    """Add to f the force `share` times V of measure k that drives its ends apart."""
+    d, ends = vector(geometry.spans[ARM, k], 0), geometry.measures[k]["ends"]
+    add_arm_row(geometry, ends[0, 1], d, -share, True, f)
+    add_arm_row(geometry, ends[0, 0], d, share, True, f)
+
+
+@kernel
+def _fill_coordinate(geometry, work, load, answer):
+    """Coordinate and rate of an element; whether it has a direction: ends that coincide have none."""
+    k = load["measure"]
+    if load["in_line"]:
+        d, v = vector(geometry.spans[ARM, k], 0), vector(geometry.spans[RATE, k], 0)
+        answer[COORDINATE] = math.sqrt(dot(d, d))
+        if answer[COORDINATE] < AT_REST:
+            return False
+        answer[SPEED] = dot(d, v) / answer[COORDINATE]
+        return True
+    turn = geometry.measures[k]["turn"]
+    answer[COORDINATE] = measure_value(geometry, k, work.turns[turn] if turn >= 0 else 0.0)
+    answer[SPEED] = measure_rates(geometry, k)[0]
+    return True
+
+
+@kernel
+def _effort(system, load, answer):
+    """Effort along the coordinate, and the part of it that has a potential; fills slopes and energy."""
+    x, v = answer[COORDINATE], answer[SPEED]
+    if load["shape"] == STOP:
+        if x > load["upper"]:
+            return _pushed_back(load, x - load["upper"], v, -1.0, answer)
+        if x < load["lower"]:
+            return _pushed_back(load, load["lower"] - x, -v, 1.0, answer)
+        return _pushed_back(load, 0.0, 0.0, 1.0, answer)
+    s = x - load["free_length"]
+    if load["shape"] == CABLE:
+        return _pushed_back(load, max(s, 0.0), v, -1.0, answer)
+    kept, lost = load["preload"] + load["stiffness"] * s, load["damping"] * v
+    answer[STIFFNESS], answer[DAMPING] = load["stiffness"], load["damping"]
+    answer[ENERGY] = (load["preload"] + 0.5 * load["stiffness"] * s) * s
+    if load["curve"] >= 0:
+        force, slope, _ = law_values(system.laws, system.knots, load["curve"], s)
+        kept += force
+        answer[STIFFNESS] += slope
+        answer[ENERGY] += law_values(system.laws, system.knots, load["energy"], s)[0]
+    if load["damper"] >= 0:
+        force, slope, _ = law_values(system.laws, system.knots, load["damper"], v)
+        lost += force
+        answer[DAMPING] += slope
+    return -kept - lost, -kept
+
+
+@kernel
+def _pushed_back(load, depth, closing, sign, answer):
+    """A stop at a depth that grows at `closing`: effort, its part with a potential; fills slopes."""
+    k, b = load["stiffness"], load["damping"]
+    share = max(0.0, 1.0 + b * closing)
+    answer[STIFFNESS] = k * share if depth > 0.0 else 0.0
+    answer[DAMPING] = k * depth * b if share > 0.0 else 0.0
+    answer[ENERGY] = 0.5 * k * depth * depth
+    return sign * k * depth * share, sign * k * depth
+
+
+@kernel
+def _add_friction(system, work, load, answer, f):
+    """Friction of a joint by the force NORMAL between its parts; returns its power."""
+    geometry, r = geometry_of(system, work), load["radius"]
+    turning = measure_rates(geometry, load["measure"])[0] * r if load["measure"] >= 0 else 0.0
+    sliding = measure_rates(geometry, load["stroke"])[0] if load["stroke"] >= 0 else 0.0
+    v, N = math.sqrt(turning * turning + sliding * sliding), answer[NORMAL]
+    share, slope = friction_share(load, v)
+    if load["measure"] >= 0:
+        add_measure_row(geometry, load["measure"], -N * share * turning * r, f)
+    if load["stroke"] >= 0:
+        add_measure_row(geometry, load["stroke"], -N * share * sliding, f)
+    signed = v if load["measure"] >= 0 and load["stroke"] >= 0 else turning + sliding
+    answer[COORDINATE], answer[SPEED], answer[EFFORT] = 0.0, signed, -N * share * signed
+    answer[POWER], answer[DAMPING] = -N * share * v * v, N * max(slope, 0.0)
+    return answer[POWER]
+
+
+@kernel
+def friction_share(load, v):
+    """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
+    x, fade = v / load["creep"], math.exp(-((v / load["stribeck"]) ** 2))
+    mu = load["dynamic"] + (load["static"] - load["dynamic"]) * fade
+    rise = math.tanh(x)
+    bend = -2.0 * (load["static"] - load["dynamic"]) * fade * v / load["stribeck"] ** 2
+    slope = mu * (1.0 - rise * rise) / load["creep"] + bend * rise
+    return (mu * rise / v if x > SMALL else mu / load["creep"]), slope
+
+
+@kernel
+def add_element_slope(geometry, work, load, k, by_position, by_speed, y):
+    """y += (by_position K + by_speed D) x of element k, where the arms have been moved by x."""
+    answer, r = work.responses[k], load["radius"]
+    amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]
+    if load["kind"] == FRICTION:
+        if load["measure"] >= 0:
+            rate = measure_rates(geometry, load["measure"])[0]
+            add_measure_row(geometry, load["measure"], amount * rate * r * r, y)
+        if load["stroke"] >= 0:
+            add_measure_row(geometry, load["stroke"], amount * measure_rates(geometry, load["stroke"])[0], y)
+    elif load["in_line"]:
+        d = vector(geometry.spans[ARM, load["measure"]], 0)
+        square = dot(d, d)
+        if square > AT_REST:
+            stretched = dot(d, vector(geometry.spans[RATE, load["measure"]], 0))
+            add_along_line(geometry, load["measure"], amount * stretched / square, y)
+    else:
+        add_measure_row(geometry, load["measure"], amount * measure_rates(geometry, load["measure"])[0], y)

@@ -1,0 +1,218 @@
+"""Drivers, springs, stops, bushings, couplings and friction at joints, and composite joints.
+
+A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
+along it, m; both are 0 at the deck's estimates.  Joints and drivers are numbered from 0 here.  Body -1 is the
+ground, whose axes are global.
+"""
+
+from ..errors import Place
+from ..quick_dataclass import dataclass, fields
+from .mechanism import Vector
+from .time_functions import MotionLaw
+
+ANGLE, STROKE = "angle", "stroke"
+# The coordinates that the joints of each kind have.
+COORDINATES_OF = {
+    "spherical": (),
+    "universal": (),
+    "revolute": (ANGLE,),
+    "cylindrical": (ANGLE, STROKE),
+    "translational": (STROKE,),
+    "screw": (ANGLE, STROKE),
+}
+
+
+@dataclass(frozen=True)
+class JointDriver:
+    """A joint coordinate that follows a law."""
+
+    name: str
+    joint: int
+    coordinate: str
+    law: MotionLaw
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class JointMotor:
+    """A force or torque of a law of time in a joint coordinate, N or N m, opposite on body i."""
+
+    name: str
+    joint: int
+    coordinate: str
+    law: MotionLaw
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class DrivenItem:
+    """The driver, or the simplified constraint in direction 1 to 3, number `item`, which follows a law."""
+
+    name: str
+    item: int
+    law: MotionLaw
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class JointSpring:
+    """Spring and damper in a joint coordinate x with the rate v, N or N m, for s = x - rest:
+
+    -(preload + stiffness s + curve(s) + damping v + damper(v)).
+    """
+
+    name: str
+    joint: int
+    coordinate: str
+    stiffness: float = 0.0
+    rest: float = 0.0
+    damping: float = 0.0
+    preload: float = 0.0
+    curve: MotionLaw | None = None
+    damper: MotionLaw | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class LineSpring:
+    """The same in the distance of two points; with `slack` only while it is longer than `rest`.
+
+    A slack element (a cable) pulls with stiffness s (1 + damping v), never less than 0.
+    """
+
+    name: str
+    i: int
+    j: int
+    P_i: Vector
+    P_j: Vector
+    stiffness: float = 0.0
+    rest: float = 0.0
+    damping: float = 0.0
+    preload: float = 0.0
+    curve: MotionLaw | None = None
+    damper: MotionLaw | None = None
+    slack: bool = False
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class EndStop:
+    """Stops at `lower` and `upper` of a joint coordinate.
+
+    At a depth s > 0 they push back with stiffness s (1 + damping ds/dt), never less than 0: Hunt and
+    Crossley, Journal of Applied Mechanics 42 (1975), with the exponent 1.
+    """
+
+    name: str
+    joint: int
+    coordinate: str
+    lower: float
+    upper: float
+    stiffness: float
+    damping: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Bushing:
+    """Springs and dampers between frames at P_i and P_j that coincide in attitude at the estimates.
+
+    Displacements of P_j and turns of its frame are measured in the axes of body i; a turn about x is the
+    angle from y of i to y of j in the plane y z, and so on in cyclic order.  Along and about x, y, z:
+    N/m (3), N m/rad (3); N s/m (3), N m s/rad (3).
+    """
+
+    name: str
+    i: int
+    j: int
+    P_i: Vector
+    P_j: Vector
+    stiffness: tuple[float, float, float, float, float, float]
+    damping: tuple[float, float, float, float, float, float]
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Σ factor · joint coordinate = 0 for `terms` (joint, coordinate, factor): gears, racks, belts."""
+
+    name: str
+    terms: tuple[tuple[int, str, float], ...]
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class JointFriction:
+    """Dry friction in a joint, from the part N of its reaction force across its axis plus `preload`, N.
+
+    At the sliding speed v (radius times rate of the angle, rate of the stroke, or the root of the sum of
+    their squares) the force μ N opposes sliding, μ = (dynamic + (static - dynamic) exp(-(v/stribeck)²))
+    tanh(v/creep).
+    """
+
+    name: str
+    joint: int
+    dynamic: float
+    static: float
+    stribeck: float
+    creep: float
+    radius: float = 0.0
+    preload: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class CompositeJoint:
+    """A joint with a massless link: "revolute-cylindrical", "revolute-spherical" or "spherical-spherical".
+
+    `s_i`: axis of the revolute at P_i; `s_j`: axis of the cylindrical at P_j; `size`: length of the link, m.
+    """
+
+    name: str
+    kind: str
+    i: int
+    j: int
+    P_i: Vector
+    P_j: Vector
+    s_i: Vector = (0.0, 0.0, 0.0)
+    s_j: Vector = (0.0, 0.0, 0.0)
+    size: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class JointRate:
+    """Rate of a joint coordinate at the start, rad/s or m/s."""
+
+    name: str
+    joint: int
+    coordinate: str
+    rate: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class JointElements:
+    """All of them in the order of the deck; `reported`: whether results hold joint coordinates anyway."""
+
+    drivers: tuple[JointDriver, ...] = ()
+    motors: tuple[JointMotor, ...] = ()
+    driven: tuple[DrivenItem, ...] = ()
+    supports: tuple[DrivenItem, ...] = ()
+    springs: tuple[JointSpring, ...] = ()
+    lines: tuple[LineSpring, ...] = ()
+    stops: tuple[EndStop, ...] = ()
+    bushings: tuple[Bushing, ...] = ()
+    couplings: tuple[Coupling, ...] = ()
+    frictions: tuple[JointFriction, ...] = ()
+    composites: tuple[CompositeJoint, ...] = ()
+    rates: tuple[JointRate, ...] = ()
+    reported: bool = False
+
+    def __bool__(self) -> bool:
+        return any(getattr(self, field.name) for field in fields(self))
+
+    @property
+    def constrain(self) -> bool:
+        """Whether some of them are equations."""
+        return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))

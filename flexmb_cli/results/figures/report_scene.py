@@ -1,0 +1,121 @@
+"""The scene of a result as the plain data that the report's viewer takes.
+
+Finite-element bodies go as surface nodes, modes and amplitudes, so that hundreds of instants take little
+space; the viewer superposes them.  Arrays are 32-bit numbers, little-endian, in base64.
+"""
+
+import base64
+
+import h5py
+import numpy as np
+
+from .element_bodies import ElementBody, element_bodies
+from .element_faces import face_edges, outer_faces, triangles
+from .scene import Scene, read_scene
+from .view import view_of
+
+# Okabe and Ito's colours, told apart by everyone.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
+GREY, TRACE = "#808080", "#B06060"
+MOST_FRAMES, FEWEST_FRAMES = 500, 20
+# Places of all frames together: 16 bytes of the page each.
+MOST_PLACES = 100_000
+MOST_TRACES = 12
+# Shortest and longest time of the whole animation, s; between them it plays in its own time.
+SHORTEST, LONGEST = 3.0, 15.0
+
+
+def frame_rows(rows: int, places: int = 1) -> slice:
+    """Every n-th row, so that there are at most `MOST_FRAMES`, fewer where each shows many `places`.
+
+    The last row is among them where a stride up to twice as long as needed leads to it.
+    """
+    frames = min(MOST_FRAMES, max(FEWEST_FRAMES, MOST_PLACES // places))
+    least = -(-rows // frames) or 1
+    ending = (stride for stride in range(least, 2 * least) if (rows - 1) % stride == 0)
+    return slice(0, rows, next(ending, least))
+
+
+def report_scene(result: h5py.File) -> dict | None:
+    """Bodies, joints, traces, view and times of `result`; None when it has nothing to draw."""
+    rows = len(result["time"])
+    if not rows or "body/position" not in result:
+        return None
+    places = len(read_scene(result, slice(0, 1)).places)
+    every = frame_rows(rows, places)
+    scene = read_scene(result, every)
+    return scene_data(scene, list(element_bodies(result, scene.body_names, every)))
+
+
+def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict:
+    """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
+    drawn = [body for body in scene.bodies if body.number not in {one.number for one in surfaces}]
+    every = scene.places
+    view = view_of(every, scene.gravity)
+    seconds = float(scene.time[-1] - scene.time[0])
+    return {
+        "time": scene.time.tolist(),
+        "labels": rounded(scene.time),
+        "seconds": min(max(seconds, SHORTEST), LONGEST),
+        "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
+        "view": {"eye": list(view.eye), "up": list(view.up)},
+        "bodies": [_lines(body) for body in drawn],
+        "surfaces": [_surface(body) for body in surfaces],
+        "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
+        "traces": _traces(scene),
+    }
+
+
+def rounded(times: np.ndarray) -> list[str]:
+    """Times with as many digits as tell frames apart."""
+    step = float(np.min(np.diff(times))) if len(times) > 1 else 0.0
+    digits = 9 if step <= 0 else int(min(9, max(0, 2 - np.floor(np.log10(step)))))
+    return [
+        f"{round(time, digits) + 0.0:.{digits}f}".rstrip("0").rstrip(".") or "0" for time in times.tolist()
+    ]
+
+
+def _lines(body):
+    marks = body.marks[:1] if body.still else body.marks
+    colour = GREY if body.still else COLOURS[(body.number - 1) % len(COLOURS)]
+    data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}
+    return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
+
+
+def _surface(body: ElementBody):
+    faces = outer_faces(body.cells)
+    nodes = np.unique(faces)
+    place = np.zeros(len(body.undeformed), int)
+    place[nodes] = np.arange(len(nodes))
+    return {
+        "name": body.name,
+        "colour": COLOURS[(body.number - 1) % len(COLOURS)],
+        "modes": body.amplitude.shape[1],
+        "numbers": body.node_numbers[nodes].tolist(),
+        "nodes": _numbers(body.undeformed[nodes]),
+        "shape": _numbers(body.shape[nodes]),
+        "stress": _numbers(body.stress_shape[nodes]),
+        "amplitude": _numbers(body.amplitude),
+        "origin": _numbers(body.origin),
+        "turn": _numbers(body.turn),
+        "triangles": _integers(place[triangles(faces)]),
+        "edges": _integers(place[face_edges(faces)]),
+    }
+
+
+def _traces(scene):
+    """Paths of the points that move."""
+    paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
+    pairs = zip(scene.point_names, paths, strict=False)
+    return [
+        {"name": name, "colour": TRACE, "marks": _numbers(path)}
+        for name, path in pairs if len(path) > 1 and np.ptp(path, axis=0).any()
+    ]  # fmt: skip
+
+
+def _numbers(values):
+    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode("ascii")
+
+
+def _integers(values):
+    return base64.b64encode(np.ascontiguousarray(values, "<u4").tobytes()).decode("ascii")

@@ -1,0 +1,66 @@
+"""Report rows of a YOUNG deck with elements at joints: joint coordinates, and what every element does."""
+
+import numpy as np
+
+from ...kernels.constrained.elements import COORDINATE, EFFORT, POWER, SPEED
+from ...kernels.constrained.report import Report
+from ...model.arrays.dynamic import DynamicArrays
+from ...model.arrays.young_elements import reported_coordinates
+from ...model.loads import DynamicModel
+from ...quick_dataclass import dataclass, fields
+from .rows import DynamicRows, dynamic_rows
+
+
+@dataclass(frozen=True)
+class ElementRows(DynamicRows):
+    """Rows with joint coordinates and elements; those in angles in rad, rad/s and N m."""
+
+    joint_coordinate: np.ndarray  # (T, joint coordinates)
+    joint_rate: np.ndarray  # (T, joint coordinates)
+    element_coordinate: np.ndarray  # (T, elements) length, stroke or angle; 0 of friction
+    element_rate: np.ndarray  # (T, elements)
+    element_effort: np.ndarray  # (T, elements) drives the coordinate to larger values
+    element_power: np.ndarray  # (T, elements) W, of what stores no energy
+
+
+def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> ElementRows:
+    """The rows of a report in the terms of the model."""
+    rows = dynamic_rows(model.mechanism, report._replace(wrenches=_in_order_of_deck(model, arrays, report)))
+    kept = {field.name: getattr(rows, field.name) for field in fields(DynamicRows)}
+    driven = len(model.elements.drivers)
+    if driven:
+        own = report.multipliers[:, report.multipliers.shape[1] - driven :]
+        kept["driver_effort"] = np.concatenate([rows.driver_effort, own], axis=1)
+    first = len(model.forces) + len(model.torques)
+    # A force of none is 0, not -0.
+    answers = report.responses[:, first:] + 0.0
+    ends = answers.shape[1] - len(model.elements.frictions)
+    last = ends - len(model.elements.motors)
+    begins = last - len(reported_coordinates(model.mechanism))
+    probes = answers[:, begins:last]
+    elements = np.concatenate([answers[:, :begins], answers[:, ends:]], axis=1)
+    return ElementRows(
+        **kept,
+        joint_coordinate=probes[..., COORDINATE].copy(),
+        joint_rate=probes[..., SPEED].copy(),
+        element_coordinate=elements[..., COORDINATE].copy(),
+        element_rate=elements[..., SPEED].copy(),
+        element_effort=elements[..., EFFORT].copy(),
+        element_power=elements[..., POWER].copy(),
+    )
+
+
+def _in_order_of_deck(model, arrays, report):
+    """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow laws in their places."""
+    mechanism, elements = model.mechanism, model.elements
+    own = len(arrays.kinematic.constraints)
+    others = report.wrenches[:, own:]
+    found = report.wrenches[:, :own]
+    first = len(mechanism.joints)
+    places = [(first + item.item, len(elements.driven) + k) for k, item in enumerate(elements.supports)]
+    first += len(mechanism.simplified) + len(mechanism.distances)
+    places += [(first + item.item, k) for k, item in enumerate(elements.driven)]
+    for place, k in sorted(places):
+        # The body of a law's equation is its body J, that of a driver or support its body I.
+        found = np.insert(found, place, others[:, k, ::-1], axis=1)
+    return found

@@ -1,0 +1,139 @@
+"""The status line of runs and studies, the lines of a log, and tables on narrow terminals."""
+
+import io
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flexmb_cli.cli.terminal import progress as module
+from flexmb_cli.cli.terminal.progress import Progress
+from flexmb_cli.cli.terminal.screen import fitted
+from tests.cli.test_terminal import at_a_terminal
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+
+
+class Terminal(io.StringIO):
+    """A stream that is a terminal, and what stands in its last line."""
+
+    def isatty(self):
+        return True
+
+    @property
+    def line(self):
+        return self.getvalue().rpartition("\r\x1b[K")[2]
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that the test sets."""
+    now = [100.0]
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_the_line_tells_compiling_then_rows_with_rate_and_remaining_time(clock, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    stream = Terminal()
+    with Progress("a.dat", "rows", False, False, stream) as shown:
+        shown.status("compiling kernels")
+        assert stream.line == "a.dat: compiling kernels"
+        clock[0] += 20  # which is no part of the rate
+        shown.begin(1000)
+        assert stream.line == "a.dat: 0 of 1000 rows"
+        clock[0] += 2
+        shown.advance(100)
+        # 100 rows in 2 s are 50 a second; 900 are left for 18 s.
+        assert stream.line == "a.dat: 100 of 1000 rows, 10 %, 50 rows/s, 0:18 left"
+        shown.advance(1)
+        assert "101" not in stream.line  # not more often than it can be read
+        clock[0] += 98
+        shown.advance(1)
+        assert stream.line.endswith("102 of 1000 rows, 10 %, 1.02 rows/s, 14:40 left")
+    assert stream.line == ""
+
+
+def test_the_line_is_no_longer_than_the_terminal_is_wide(clock, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "30")
+    stream = Terminal()
+    shown = Progress("a-deck-of-a-long-name.dat", "rows", False, False, stream)
+    shown.begin(100)
+    assert stream.line == "a-deck-of-a-long-name.dat: 0 "
+
+
+@pytest.mark.parametrize(("verbose", "lines"), [(False, 0), (True, 3)])
+def test_a_log_has_a_line_every_ten_seconds_with_v_alone(clock, capsys, verbose, lines):
+    shown = Progress("a.dat", "rows", False, verbose, io.StringIO())
+    shown.begin(1000)
+    for _ in range(35):
+        clock[0] += 1
+        shown.advance(10)
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == lines
+    if lines:
+        assert told[0] == "a.dat: 100 of 1000 rows, 10 %, 10 rows/s, 1:30 left"
+
+
+def test_nothing_is_shown_with_q(clock):
+    stream = Terminal()
+    with Progress("a.dat", "rows", True, True, stream) as shown:
+        shown.status("compiling")
+        shown.begin(1000)
+        clock[0] += 20
+        shown.advance(10)
+    assert stream.getvalue() == ""
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")
+def test_a_study_shows_its_cases_and_leaves_no_status_line(tmp_path):
+    shutil.copy(DECKS / "young/IN4-BAR.dat", tmp_path)
+    (tmp_path / "study.toml").write_text(
+        'deck = "IN4-BAR.dat"\n[parameters]\n"driver.1.B" = { from = 3.0, to = 3.2, count = 40 }\n'
+        '[results]\ntop = "max body.3.z"\n'
+    )
+    shown = at_a_terminal("sweep", "study.toml", "-q", cwd=tmp_path, stream="stderr")
+    assert shown == ""
+    shown = at_a_terminal("sweep", "study.toml", cwd=tmp_path, stream="stderr")
+    assert "study.toml: 0 of 40 cases" in shown
+    assert shown.replace("\r\n", "\n").rpartition("\r\x1b[K")[2].startswith("study.toml: 40 cases → study.h5")
+
+
+TABLE = "time [s]  body.1.x [m]  body.2.x [m]\n     0.1      -3.75312      -5.75312\n"
+
+
+@pytest.mark.parametrize(
+    ("width", "columns"), [(80, 3), (36, 3), (35, 2), (25, 2), (24, 2), (23, 1), (10, 1)]
+)
+def test_a_narrow_terminal_gets_fewer_columns_and_whole_numbers(width, columns):
+    for whole, line in zip(TABLE.splitlines(), fitted(TABLE, width).splitlines(), strict=True):
+        cells = re.split(r" {2,}", whole.strip())
+        shown = re.split(r" {2,}", line.removesuffix(" …").strip())
+        assert shown == cells[:columns]
+        assert line.endswith(" …") == (columns < 3)
+        assert len(line) <= width
+
+
+def test_prose_is_left_to_wrap():
+    sentence = "the run is not complete, its rows end at t = 1.5 s: the mechanism locks\n"
+    assert fitted(sentence, 20) == sentence
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")
+def test_a_table_at_a_terminal_fits_and_in_a_pipe_is_whole(tmp_path, monkeypatch):
+    run = [sys.executable, "-m", "flexmb_cli", "run", "-q", str(DECKS / "young/IN4-BAR.dat")]
+    subprocess.run(run, cwd=tmp_path, check=True, timeout=300)
+    asked = ["table", "OUT4-BAR.h5", "body.*.z", "-f", "text"]
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = at_a_terminal(*asked, cwd=tmp_path).splitlines()
+    assert len(lines) == 27
+    assert {len(line) <= 60 and line.endswith("…") for line in lines} == {True}
+    piped = subprocess.run(
+        [sys.executable, "-m", "flexmb_cli", *asked], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert all(len(line.split()) in (5, 10) for line in piped.stdout.splitlines())

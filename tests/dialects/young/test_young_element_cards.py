@@ -1,0 +1,109 @@
+"""Cards of functions and of elements at joints: what is said of slips."""
+
+import pytest
+
+from flexmb_cli.deck.text import decode
+from flexmb_cli.dialects.recognise import read_deck
+from flexmb_cli.dialects.settings import apply_settings
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
+from flexmb_cli.errors import DeckError, ModelError
+from flexmb_cli.results.texts.echo import echo
+
+# Line 6 is the first card: a ground, and a body on a revolute joint (1) that carries one on a ball (2).
+DECK = """3 0 0 1 0 1 0 0 0 1 0 1
+0 0 0 1 0 0 0  0 0 0 1 0 0 0  1 0 0 1 0 0 0
+2 3 1 0 0 0 0 0  1 2 0 0 0 0 0 0 0 0 1 0 0 1
+3 4 0  1 0 0 0 0 0 0  0 1 0.1
+DYNAMICS forward
+"""
+
+
+def read(cards):
+    return read_deck(decode("test.dat", f"{DECK}{cards}\nEND\n".encode()))
+
+
+def messages(cards):
+    with pytest.raises((DeckError, ModelError)) as caught:
+        build_young_dynamics(read(cards))
+    return [
+        f"{f.place.line}:{f.place.column}: {f.sentence}" for f in caught.value.faults if f.severity == "error"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("cards", "wanted"),
+    [
+        (
+            "TABLE 1 0 1 0 2",
+            "6:13: table 1: times must rise; 0 follows 0 (for a jump take two times a little apart)",
+        ),
+        ("TABLE 1 0 1 2", "6:1: table 1: TABLE takes number and, 2 times or more, t{n} v{n}; read 4"),
+        ("SINE 1 0 1 2\nSINE 1 0 1 3", "7:6: sine 2: function number 1 is already sine 1"),
+        ("ANGLE 2 7", "6:9: angle 1: there is no function 7; the deck has none"),
+        (
+            "SINE 1 0 1 2\nANGLE 1 1",
+            "7:7: angle 1: joint 1 (spherical joint 1) has neither angle nor stroke, not an angle",
+        ),
+        (
+            "SINE 1 0 1 2\nSTROKE 2 1",
+            "7:8: stroke 1: joint 2 (revolute joint 1) has an angle, not a stroke",
+        ),
+        ("SINE 1 0 1 2\nANGLE 3 1", "7:7: angle 1: joint number 3 is outside 1..2"),
+        (
+            "RAMP 1 0 0 1 2\nANGLE 2 1",
+            "7:9: angle 1: the rate of a coordinate cannot jump, but that of function 1 "
+            "does; use SPLINE or STEP",
+        ),
+        (
+            "SINE 1 0 1 2\nPRODUCT 2 1 1\nANGLE 2 2 1",
+            "8:9: angle 1: flexmb has no integral of a product; give the coordinate itself (rate 0)",
+        ),
+        ("SUM 1 2 3", "6:7: sum 1: function 2 must be given in a card above"),
+        (
+            "SINE 1 0 1 2\nSUPPORT 1 1",
+            "7:9: support 1: simplified constraint 1 holds an angle; x, y, z (directions 1 "
+            "to 3) can be moved",
+        ),
+        ("SINE 1 0 1 2\nDRIVE 1 1", "7:7: drive 1: driver number 1 is outside 1..0"),
+        ("COUPLING 2 1 1 2 1 3", "6:10: coupling 1: names one coordinate twice; add its factors"),
+        ("COUPLING 2 3 1 2 1 3", "6:12: coupling 1: must be 1 (angle) or 2 (stroke); read 3"),
+        ("FRICTION 2 0.1 0.1 0 1e-4 0.1", "6:20: friction 1: stribeck is a speed above 0; read 0"),
+        (
+            "FRICTION 2 0.1 0.1 0.1 1e-4",
+            "6:1: friction 1: a joint that turns needs the radius of its bearing",
+        ),
+        ("TSTOP 2 1 -1 100", "6:11: tstop 1: upper must be larger than lower"),
+        (
+            "BUSHING 2 2 0 0 0 0 0 0 1 1 1 1 1 1",
+            "6:11: bushing 1: I and J are both body 2; two bodies are needed",
+        ),
+        ("CABLE 0 4 0 0 0 0 0 0 100 1", "6:9: cable 1: body number 4 is outside 0..3"),
+        ("FORCE 0 0 0 0 1 0 0", "6:7: force 1: body number 0 is outside 1..3"),
+        (
+            "SINE 1 0 1 2\nTSPRING 2 5\nRATE 2 1 1\nRATE 2 1 2",
+            "9:6: rate 2: rate 1 already gives this; remove one of them",
+        ),
+    ],
+)  # fmt: skip
+def test_a_slip_is_told_with_place_object_and_remedy(cards, wanted):
+    assert wanted in messages(cards)
+
+
+def test_a_number_of_a_table_can_be_set_by_its_name():
+    deck = apply_settings(read("MASS 2 1 0 0 0 1 1 1\nTABLE 1 0 1 2 3\nTORQUE 2 0 0 1 0 1"), ["table.1.v2=7"])
+    model = build_young_dynamics(deck)[0]
+    assert model.torques[0].factor.at(1.0)[0] == 4.0
+
+
+def test_the_echo_lists_every_number_of_a_coupling_with_its_meaning():
+    lines = [line for line in echo(read("COUPLING 2 1 0.5 2 2 -1")).splitlines() if "coupling.1" in line]
+    assert [line.split()[1:3] for line in lines] == [
+        ["coupling.1.joint1", "2"], ["coupling.1.coordinate1", "1"], ["coupling.1.factor1", "0.5"],
+        ["coupling.1.joint2", "2"], ["coupling.1.coordinate2", "2"], ["coupling.1.factor2", "-1"],
+    ]  # fmt: skip
+    assert "factor of this coordinate in the sum that stays 0" in lines[2]
+
+
+def test_a_function_that_nothing_uses_is_noted():
+    _, faults = build_young_dynamics(read("SINE 3 0 1 2"))
+    assert "sine 1: nothing uses function 3" in [fault.sentence for fault in faults]

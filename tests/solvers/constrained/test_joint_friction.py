@@ -1,0 +1,81 @@
+"""Dry friction in joints: braking, stick and slip, and what the smooth curve leaves of sticking."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.solvers.constrained.element_decks import METHODS, ROTOR, SLIDER, rows_of
+
+G = 9.81
+
+
+@pytest.mark.parametrize("card", METHODS.values(), ids=METHODS)
+def test_a_rotor_is_braked_by_its_bearing(card):
+    """I ω̇ = -μ m g r: it stops after ω0 I/(μ m g r) = 0.764… s; the energy lost is ½ I ω0²."""
+    mu, m, r, inertia, spin = 0.25, 2.0, 0.04, 0.3, 0.5
+    cards = (
+        f"MASS 2 {m} 0 0 0 0.2 0.2 {inertia}\nGRAVITY 0 -{G} 0\nRATE 1 1 {spin}\n"
+        f"FRICTION 1 {mu} {mu} 0.1 1e-6 {r}\n{card}"
+    )
+    rows = rows_of(ROTOR, "0 1 0.05", cards)
+    slow = mu * m * G * r / inertia
+    stop = spin / slow
+    sliding = rows.time < 0.98 * stop
+    wanted = spin * rows.time - slow * rows.time**2 / 2
+    assert rows.joint_coordinate[sliding, 0] == pytest.approx(wanted[sliding], abs=1e-6)
+    assert rows.joint_coordinate[-1, 0] == pytest.approx(spin**2 / (2 * slow), rel=1e-4)
+    assert abs(rows.joint_rate[-1, 0]) < 1e-5
+    assert rows.applied_work[-1] == pytest.approx(-inertia * spin**2 / 2, rel=1e-4)
+    assert rows.element_effort[sliding, 0] == pytest.approx(np.full(sliding.sum(), -mu * m * G), rel=1e-9)
+
+
+def test_friction_follows_the_reaction_that_it_changes():
+    """A slider pushed by P at 30° against its guide: N = m g + P sin 30°, so m a = P cos 30° - μ N."""
+    push, mu, m = 40.0, 0.2, 3.0
+    cards = (
+        f"MASS 2 {m} 0 0 0 1 1 1\nGRAVITY 0 -{G} 0\nRATE 1 2 1\nFRICTION 1 {mu} {mu} 0.1 1e-6\n"
+        f"FORCE 2 0 0 0 {push * math.cos(math.pi / 6)!r} {-push / 2} 0\n"
+    )
+    rows = rows_of(SLIDER, "0 0.5 0.1", cards)
+    a = (push * math.cos(math.pi / 6) - mu * (m * G + push / 2)) / m
+    assert rows.acceleration[:, 1, 0] == pytest.approx(np.full(6, a), rel=1e-10)
+    assert rows.joint_coordinate[:, 0] == pytest.approx(rows.time + a * rows.time**2 / 2, abs=1e-9)
+
+
+def test_a_joint_that_should_stick_creeps_at_the_speed_that_is_stated():
+    """On a slope with tan 10° < μ: μ tanh(v/c) = tan 10°, so v = c atanh(tan 10°/μ)."""
+    slope, mu, creep = math.radians(10), 0.3, 1e-5
+    cards = (
+        f"MASS 2 2 0 0 0 1 1 1\nGRAVITY {G * math.sin(slope)!r} {-G * math.cos(slope)!r} 0\n"
+        f"FRICTION 1 {mu} {mu} 0.1 {creep}\nRAD5\n"
+    )
+    rows = rows_of(SLIDER, "0 1 0.5", cards)
+    assert rows.joint_rate[-1, 0] == pytest.approx(creep * math.atanh(math.tan(slope) / mu), rel=1e-6)
+
+
+@pytest.mark.long_motion
+def test_a_mass_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
+    """Belt speed V, spring k: it sticks while the spring stretches from -x1 to x1 about the sliding
+    equilibrium, x1 = (μs - μd) m g/k, and slips for (2 π - 2 atan(x1 ω/V))/ω.
+
+    Thomsen, Journal of Low Frequency Noise 18 (1999); T = 2 x1/V + 2 (π - atan(x1 ω/V))/ω.
+    The belt is body 2 on a driven slide, the mass body 3 on it; smoothing errs by its speeds over V.
+    """
+    V, k, m, static, dynamic = 0.1, 100.0, 1.0, 0.4, 0.3
+    deck = (
+        "3 0 0 0 0 0 0 2 0 0 0 1\n" + "0 0 0 1 0 0 0\n" * 3
+        + "1 2 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n2 3 0 0 0 0 0 0 1 0 0 1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0\n"
+    )  # fmt: skip
+    cards = (
+        f"MASS 2 1 0 0 0 1 1 1\nMASS 3 {m} 0 0 0 1 1 1\nGRAVITY 0 -{G} 0\nPOLYNOMIAL 1 0 {V}\nSTROKE 1 1\n"
+        f"LSPRING 0 3 -1 0 0 0 0 0 {k} 1\nFRICTION 2 {dynamic} {static} 1e-3 1e-5\nRAD5 1e-7\n"
+    )
+    rows = rows_of(deck, "0 6 0.002", cards)
+    speed = rows.velocity[:, 2, 0]
+    slips = np.flatnonzero((speed[:-1] > 0) & (speed[1:] <= 0))
+    found = np.diff(rows.time[slips] + 0.002 * speed[slips] / (speed[slips] - speed[slips + 1]))[1:]
+    omega, x1 = math.sqrt(k / m), (static - dynamic) * m * G / k
+    period = 2 * x1 / V + 2 * (math.pi - math.atan(x1 * omega / V)) / omega
+    assert len(found) > 3
+    assert found == pytest.approx(np.full(len(found), period), rel=0.02)
