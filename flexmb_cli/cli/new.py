@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import click
 
+from ..dialects import DIALECTS
+from ..dialects.recognise import dialect_named
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
 
-_NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
 _KEYS = """\
 Enter    take what stands in [ ]      ?       what is asked here
 <        the question before          < NAME  back to a record, such as: < driver.1
@@ -25,7 +26,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
 
 
 @click.command()
-@click.argument("dialect", type=click.Choice(list(_NAMES)))
+@click.argument("dialect", type=click.Choice(list(reversed(DIALECTS))))
 @click.option(
     "-o",
     "--output",
@@ -48,7 +49,7 @@ def new(dialect, output, force, restart, with_draft):
     Example:
         flexmb new young -o IN-CRANK.dat
     """
-    path = output or _NAMES[dialect]
+    path = output or dialect_named(dialect).new_name
     _ask_to_replace(path, force)
     talk = _Talk(dialect, path, restart, with_draft)
     try:
@@ -76,12 +77,9 @@ def _ask_to_replace(path, force):
         sys.exit(BAD_INPUT)
 
 
-def _form(dialect):
-    from ..dialects.dafms.form import DafmsForm
-    from ..dialects.vsdf.form import VsdfForm
-    from ..dialects.young.form import YoungForm
-
-    return {"young": YoungForm, "dafms": DafmsForm, "vsdf": VsdfForm}[dialect]()
+def _form(name):
+    dialect = dialect_named(name)
+    return dialect.part(dialect.form)()
 
 
 class _Talk:

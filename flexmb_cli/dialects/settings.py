@@ -5,8 +5,7 @@ from dataclasses import replace
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
-from .young.reader import DIALECT as YOUNG
-from .young.reader import labelled
+from .recognise import dialect_named
 
 COUNTS = "counts"
 _NEAREST = 3
@@ -75,14 +74,13 @@ class SettableDeck:
 
     def _with_changes(self, changes):
         """The records with new numbers; those left alone stay the same objects."""
-        records, turned = list(self.deck.records), set()
+        records, dialect = list(self.deck.records), dialect_named(self.deck.dialect)
         for name, changed in changes.items():
             index, position = self._places[name]
             numbers = list(records[index].numbers)
             numbers[position] = changed
             records[index] = records[index].with_numbers(numbers)
-            if changed.key == "direction" and self.deck.dialect == YOUNG:
-                turned.add(index)
-        for index in turned:
-            records[index] = labelled(records[index])
+        for name, changed in changes.items():
+            index, _ = self._places[name]
+            records[index] = dialect.relabelled(records[index], changed.key)
         return tuple(records)

@@ -33,13 +33,15 @@ class Journal:
     """The journal at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's types.
 
     `find` the journal of a stopped run if there may be one; then `begin`, take the `stored` entries,
-    and `append` further ones.  `doubts`: what could not be used of the one found.
+    and `append` further ones.  `doubts`: what could not be used of the one found, `last_checkpoint` where it
+    goes on.
     """
 
     def __init__(self, path: str | None, identity: dict):
         self.path = path
         self.identity = identity
         self.doubts: list[Fault] = []
+        self.last_checkpoint: dict | None = None
         self._file = None
         self._first = self._end = 0
 
@@ -57,9 +59,14 @@ class Journal:
                 return
             self._check_identity(head)
             self._first = self._end = file.tell()
+            last = b""
             for entry in _entries(file):
                 self._end = file.tell()
-                _remove_unfinished(_arrays(entry, (_UNFINISHED,)), os.path.dirname(self.path))
+                unfinished = _arrays(entry, (_UNFINISHED,))
+                _remove_unfinished(unfinished, os.path.dirname(self.path))
+                last = last if unfinished else entry
+            if last:
+                self.last_checkpoint = _parted(_arrays(last))[1]
             lost = os.fstat(file.fileno()).st_size - self._end
         if lost:
             self._doubt("note", f"torn or damaged at byte {self._end}; the {lost} bytes there are not used")

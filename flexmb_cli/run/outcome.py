@@ -96,6 +96,13 @@ class RunOptions:
     echo: bool = False
     debug: bool = False
 
+    @property
+    def given_numbers(self) -> tuple[tuple[str, object], ...]:
+        """The options given on which numbers depend, as the command has them, and their values."""
+        solver = ((SOLVER_OPTIONS.get(key, key), value) for key, value in self.solver.items())
+        formulation = () if self.formulation == KANE else (("formulation", self.formulation),)
+        return (*solver, *self.integration.items(), *formulation)
+
 
 @dataclass
 class Outcome:

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
+from ...dialects import DIALECTS
+from ...dialects.recognise import dialect_named
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 
-# What tells most of a result, most telling first; the rest is asked for by name.
-TELLING = {
-    "young": ("point/position", "body/position", "driver/effort"),
-    "dafms": ("coordinate/q",),
-    "vsdf": ("point/position", "body/position"),
-}
+# What is drawn of a result of no dialect, such as a study's.
+OF_ANY = ("point/position", "body/position", "driver/effort")
 ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
 TOTAL = "energy/total"
 # More curves than these in a panel cannot be told apart.
@@ -82,13 +80,17 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     """
     known = names(result)
     chosen = []
-    for dataset in TELLING.get(attribute(result, "dialect"), TELLING["young"]):
+    for dataset in _datasets(attribute(result, "dialect")):
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.
         if moving and not (dataset == "body/position" and chosen):
             chosen += _crowd(moving)
     return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
+
+
+def _datasets(dialect):
+    return dialect_named(dialect).curves if dialect in DIALECTS else OF_ANY
 
 
 def still_energies(result: h5py.File) -> list[str]:

@@ -4,8 +4,7 @@ Torque laws are linear between the breakpoints of their tables; the integration 
 that no step straddles a jump.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -23,29 +22,13 @@ CALL_WORK = 2_000_000
 LARGEST_BLOCK = 256  # rows
 
 
-@dataclass(frozen=True, eq=False)
-class Checkpoint:
-    """Where a stopped run goes on: the start of the last step, so that the same steps follow.
-
-    The integrators of scipy keep a memory of steps: with them it is the last breakpoint.
-
-    `clock` is one record of `tree_dop853.CLOCK`, `state` (n,) the state at that time, `attitude`
-    (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
-    """
-
-    row: int
-    clock: np.ndarray
-    state: np.ndarray
-    attitude: np.ndarray
-
-
 GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
 
 
 class TreeAnalysis:
-    """One run over the report times of a tree."""
+    """One run over the report times of a tree, from the start or from the `checkpoint` of a stopped run."""
 
-    def __init__(self, tree: Tree, checkpoint: Checkpoint | None = None):
+    def __init__(self, tree: Tree, checkpoint: Mapping | None = None):
         self.tree = tree
         self.arrays: TreeArrays = tree_arrays(tree)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
@@ -58,10 +41,9 @@ class TreeAnalysis:
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row, self.attitude = 0, None
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
-        self.resumed = checkpoint is not None
+        self.resumed = False
         if checkpoint is not None:
-            self.row, self.attitude = checkpoint.row, checkpoint.attitude
-            self.clock[:], self.march.z[:] = checkpoint.clock, checkpoint.state
+            self.restore(checkpoint)
 
     @property
     def state(self) -> np.ndarray:
@@ -69,12 +51,31 @@ class TreeAnalysis:
         return self.march.z
 
     @property
-    def checkpoint(self) -> Checkpoint:
-        """Where to go on after the rows that have been yielded."""
+    def checkpoint(self) -> dict:
+        """Where to go on after the rows that have been yielded: the start of the last step.
+
+        The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
+        breakpoint.  `clock` is one record of `tree_dop853.CLOCK`, `state` (n,) the state at that time,
+        `attitude` (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
+        """
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
-        return Checkpoint(self.row, clock, self.march.old.copy(), self.attitude)
+        return {"row": self.row, "clock": clock, "state": self.march.old.copy(), "attitude": self.attitude}
+
+    def restore(self, checkpoint: Mapping) -> None:
+        """Go on behind the rows that were yielded up to a checkpoint."""
+        self.resumed = True
+        self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
+        self.clock[:], self.march.z[:] = checkpoint["clock"], checkpoint["state"]
+
+    @property
+    def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
+        """Where a run ends: tolerance, time aimed at, step, time, and speeds and coordinates (2 n,)."""
+        clock, grid = self.clock[0], self.tree.time
+        aim = grid.time(min(self.row, grid.rows - 1))
+        state = self.state[: 2 * len(self.tree.coordinates)]
+        return float(clock["rtol"]), aim, float(clock["step"]), float(clock["t"]), state
 
     def rows(self) -> Iterator[TreeRows]:
         """Yield the report rows in blocks.
@@ -242,8 +243,3 @@ def _step_vanished(tree, t, step, worst):
         f"'{name}'; the motion or a load grows without bound there, or the tolerance is finer than round-off"
     )
     return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")
-
-
-def with_tolerance(tree: Tree, tolerance: float) -> Tree:
-    """The same tree integrated to another relative and absolute tolerance."""
-    return replace(tree, integration=replace(tree.integration, rtol=tolerance, atol=tolerance))

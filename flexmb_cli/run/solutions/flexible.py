@@ -1,0 +1,40 @@
+"""Dynamics of a mechanism of rigid and flexible bodies."""
+
+from functools import partial
+
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.unit_checks import unit_doubts
+from ...results.hdf5.flexible import flexible_layout, flexible_values
+from ...solvers.compilation import tell_of_compiling
+from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
+from ..context import Run
+from ..energy_drift import ConstrainedDrift
+from ..error_estimate import finer_motion
+from ..solution import Solution
+from ..step_count import StepCount
+
+TOO_COARSE = (
+    "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "
+    "spectral radius below 1)"
+)
+
+
+def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
+    """Return the motion of `mechanism`, ready to be solved."""
+    analysis, values = _analysis(mechanism, run), partial(flexible_values, mechanism)
+    return Solution(
+        analysis,
+        mechanism.time.rows,
+        lambda: flexible_layout(mechanism),
+        values,
+        StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
+        partial(unit_doubts, mechanism),
+        analysis.warnings,
+        partial(finer_motion, partial(_analysis, mechanism), values),
+    )
+
+
+def _analysis(mechanism, run):
+    analysis = FlexibleDynamics(mechanism)
+    tell_of_compiling(run.listener, analysis.stepper.entry)
+    return analysis
