@@ -41,7 +41,7 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
               help="DAFMS: integrator, in place of the deck's METH.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
-@click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
+@click.option("--resume", is_flag=True, help="Go on with a stopped run, to the same results.")
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
 def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):

@@ -42,7 +42,8 @@ class Solution:
     of the analysis so far.  `finer(run)` makes the blocks of values of a second, finer run, or None.
     `identity`: what the numbers depend on besides the deck, in JSON's types.
 
-    Where the analysis has a `checkpoint`, arrays by name, `analysis.restore(checkpoint)` goes on from it.
+    If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
+    `analysis.restore(checkpoint)` goes on from it.
     """
 
     analysis: object
@@ -54,6 +55,7 @@ class Solution:
     warnings: list[Fault] = field(default_factory=list)
     finer: Callable[[Run], Iterator[dict] | None] = lambda run: None
     identity: dict = field(default_factory=dict)
+    resumable: bool = True
 
     def blocks(self) -> Iterator[dict]:
         """Yield the blocks of values; raises as the analysis does."""
@@ -92,8 +94,8 @@ def _resumable_if_stopped(paths, run):
 
 
 def _journal(deck, solution, paths, run) -> Journal:
-    """The journal of a run; without a checkpoint there is none."""
-    kept = paths.resume if hasattr(solution.analysis, "checkpoint") else None
+    """The journal of a run; one that cannot be resumed keeps none."""
+    kept = paths.resume if solution.resumable else None
     journal = Journal(kept, identity_of(deck, solution, run))
     if run.options.resume:
         journal.find()

@@ -14,8 +14,8 @@ from ...run.processes.worker import Worker, end_all, having_answers, portable
 from .stops import pass_over_stops, stop_on_signals
 
 KILLED = (
-    "the process that solved this deck was killed from outside, or out of memory: give it again; a DAFMS "
-    "deck goes on with --resume"
+    "the process that solved this deck was killed from outside, or out of memory: give it again; with "
+    "--resume the run goes on"
 )
 
 

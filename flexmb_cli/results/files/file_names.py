@@ -32,8 +32,10 @@ class ResultPaths:
         """<stem>.resume beside the results, for what a stopped run leaves; None when no result is a file."""
         if beside := self.h5 or next(iter(self.series), None):
             return _stem(beside) + ".resume"
+        if self.out in (None, STANDARD_OUTPUT) or not _is_plain(self.out):
+            return None
         # Tables of several decks may differ in their suffix only.
-        return None if self.out in (None, STANDARD_OUTPUT) else f"{self.out}.resume"
+        return f"{self.out}.resume"
 
 
 def out_name(deck_name: str, dialect: str, model: int = 0) -> str:

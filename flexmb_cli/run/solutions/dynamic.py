@@ -34,6 +34,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         analysis.warnings,
         partial(finer_motion, partial(_forward, model), values) if forward else nothing_to_refine,
         {} if forward else dict(run.options.solver),
+        forward or not analysis.one_block,
     )
 
 

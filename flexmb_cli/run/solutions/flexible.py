@@ -1,6 +1,7 @@
 """Dynamics of a mechanism of rigid and flexible bodies."""
 
 from functools import partial
+from hashlib import sha256
 
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.unit_checks import unit_doubts
@@ -31,7 +32,16 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         partial(unit_doubts, mechanism),
         analysis.warnings,
         partial(finer_motion, partial(_analysis, mechanism), values),
+        {"bodies": _digest(analysis.system)},
     )
+
+
+def _digest(system):
+    """A digest of the reduced bodies: a deck names files that may have changed since."""
+    digest = sha256()
+    for array in system:
+        digest.update(array.tobytes())
+    return digest.hexdigest()
 
 
 def _analysis(mechanism, run):

@@ -22,6 +22,7 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
         warnings=analysis.warnings,
         finer=nothing_to_refine,
         identity=dict(run.options.solver),
+        resumable=not analysis.one_block,
     )
 
 

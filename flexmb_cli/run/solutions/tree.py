@@ -32,6 +32,7 @@ def solution(tree: Tree, run: Run) -> Solution:
         partial(unit_doubts, tree),
         finer=partial(_finer_blocks, tree),
         identity={"method": given.method, "rtol": given.rtol, "atol": given.atol},
+        resumable=not absolute,
     )
 
 
