@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import click
 
-from ..dialects import DIALECTS
-from ..dialects.recognise import dialect_named
+from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
 
+# The dialects that have a dialogue, and the decks that it writes.
+_NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
+*_FIRST, _LAST = _NAMES.values()
 _KEYS = """\
 Enter    take what stands in [ ]      ?       what is asked here
 <        the question before          < NAME  back to a record, such as: < driver.1
@@ -26,13 +28,13 @@ _LOST = "the answers are not kept (--draft keeps them)"
 
 
 @click.command()
-@click.argument("dialect", type=click.Choice(list(reversed(DIALECTS))))
+@click.argument("dialect", type=click.Choice(list(_NAMES)))
 @click.option(
     "-o",
     "--output",
     type=WrittenPlace(),
     metavar="PATH",
-    help="Deck to write, - for standard output; IN-NEW.dat, NEW.DAT or NEW.vsdf if not given.",
+    help=f"Deck to write, - for standard output; {', '.join(_FIRST)} or {_LAST} if not given.",
 )
 @click.option("--force", is_flag=True, help="Replace a deck that is there already.")
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
@@ -49,7 +51,7 @@ def new(dialect, output, force, restart, with_draft):
     Example:
         flexmb new young -o IN-CRANK.dat
     """
-    path = output or dialect_named(dialect).new_name
+    path = output or _NAMES[dialect]
     _ask_to_replace(path, force)
     talk = _Talk(dialect, path, restart, with_draft)
     try:
