@@ -18,7 +18,9 @@ myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = f"flexmb {release}"
-html_static_path = []
+html_static_path = ["_static"]
+html_css_files = ["flexmb.css"]
+html_show_copyright = False
 exclude_patterns = ["_build", "_ext"]
 nitpicky = False
 # Links to pages of other sites are not followed: the documentation builds without a network.

@@ -4,8 +4,9 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 `DeckError` that carries all of them.  Only the commands (`cli`) turn them into text on a stream.
 """
 
-from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from .quick_dataclass import dataclass, field
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 

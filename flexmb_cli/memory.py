@@ -29,7 +29,7 @@ def require_memory(size: int) -> None:
 
 
 def lacks_memory(fault: BaseException) -> bool:
-    """Whether it is what numpy, HDF5, imports and llvmlite raise where memory is short."""
+    """Return whether it is what numpy, HDF5, imports and llvmlite raise where memory is short."""
     if isinstance(fault, OSError):
         return fault.errno is None or file_lacks_memory(fault)
     if isinstance(fault, SystemError):
@@ -39,7 +39,7 @@ def lacks_memory(fault: BaseException) -> bool:
 
 
 def file_lacks_memory(fault: OSError) -> bool:
-    """Whether it is what the system, or HDF5, raises of a file where memory is short."""
+    """Return whether it is what the system, or HDF5, raises of a file where memory is short."""
     return fault.errno == errno.ENOMEM or _OF_HDF5 in str(fault)
 
 

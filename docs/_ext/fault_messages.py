@@ -13,7 +13,7 @@ PAGE = TOP / "docs" / "reference" / "messages.md"
 # What makes a fault, and which of its arguments is the message.
 MAKERS = {
     "Fault": 1, "error": 1, "warn": 1, "note": 1, "OutputError": 0, "UnsafePlace": 0, "ResultError": 1,
-    "ToleranceError": 0, "ClusterError": 0, "WorkersError": 0, "MissingParquet": 0, "FEFileFault": 0,
+    "ToleranceError": 0, "ClusterError": 0, "WorkersError": 0, "MissingExtra": 0, "FEFileFault": 0,
 }  # fmt: skip
 HEAD = """# Messages
 

@@ -1,28 +1,19 @@
-"""Run the decks of the documentation and draw its pictures and the gallery.
+"""Run the decks of the documentation and draw its pictures, the gallery and the page of the sources.
 
     python docs/_ext/pictures.py [--gif]
 
-Results are kept in docs/_build/results while the decks and the package stay as they are.  `--gif` draws the
-animated picture of the README as well (docs/pictures/four-bar.gif, kept in the repository).
+`--gif` draws the animated picture of the README alone (docs/pictures/four-bar.gif, kept in the repository).
 """
 
-import hashlib
-import os
-import re
 import subprocess
 import sys
-from pathlib import Path
 
-DOCS = Path(__file__).resolve().parents[1]
-TOP = DOCS.parent
-RESULTS = DOCS / "_build" / "results"
+from gallery import gallery
+from results import DOCS, RESULTS, TOP, digest, flexmb, program, solved
+
 PICTURES = DOCS / "pictures"
-FOLDERS = {
-    "YOUNG": ("young", "*.dat"),
-    "YOUNG with dynamics": ("young/dynamics", "*.dat"),
-    "DAFMS": ("dafms", "*.DAT"),
-    "VSDF": ("vsdf", "*.vsdf"),
-}
+REPRODUCTION = TOP / "scripts" / "reproduction"
+PUBLISHED = TOP / "tests" / "published"
 # Pictures of the tutorial: deck, quantities, other options, file.
 FIGURES = [
     ("young/IN4-BAR.dat", ["body.3.velocity"], [], "four-bar-velocity.svg"),
@@ -32,78 +23,28 @@ FIGURES = [
 ]
 
 
-def flexmb(*arguments, folder=RESULTS):
-    """Run a command of this checkout's flexmb and return what it prints."""
-    environment = os.environ | {"PYTHONPATH": str(TOP)}
-    command = [sys.executable, "-m", "flexmb_cli", *map(str, arguments)]
-    done = subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True, text=True)
-    return done.stdout
-
-
-def result_of(deck: Path) -> Path:
-    """Return the HDF5 result of a deck, solved anew if the deck has changed."""
-    stamp = hashlib.sha256(deck.read_bytes()).hexdigest()[:12]
-    folder = RESULTS / f"{deck.stem}-{stamp}"
-    if not any(folder.glob("*.h5")):
-        folder.mkdir(parents=True, exist_ok=True)
-        flexmb("run", "-q", "--no-out", deck, folder=folder)
-    return next(folder.glob("*.h5"))
-
-
-def summary(deck: Path) -> str:
-    """Return the lines of `check` that describe the model."""
-    lines = flexmb("check", deck, folder=TOP).splitlines()[1:4]
-    return " ".join(line.strip() for line in lines)
-
-
-def purpose(deck: Path) -> str:
-    """Return what the README beside the decks says of one."""
-    for folder in (deck.parent, deck.parent.parent):
-        page = folder / "README.md"
-        if page.exists():
-            for line in page.read_text(encoding="utf-8").splitlines():
-                cells = [cell.strip() for cell in line.strip("|").split("|")]
-                if len(cells) > 1 and re.search(rf"`{re.escape(deck.stem)}`", cells[0]):
-                    return cells[1]
-    return ""
-
-
-def drawn(result: Path, picture: Path) -> bool:
-    """Draw the default curves of a result; return False for a mechanism at rest, which has none."""
-    if picture.exists() and picture.stat().st_mtime > result.stat().st_mtime:
-        return True
-    picture.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        flexmb("plot", result, "-q", "--title", picture.stem, "-o", picture)
-    except subprocess.CalledProcessError as refused:
-        if "nothing" not in refused.stderr:
-            raise
-        return False
-    return True
-
-
-def gallery():
-    """Write gallery.md with a picture and key numbers of every supplied deck."""
-    text = ["# Gallery\n", "Every supplied deck, with the curves that `flexmb plot` draws by default.\n"]
-    for title, (folder, pattern) in FOLDERS.items():
-        text.append(f"## {title}\n")
-        for deck in sorted((TOP / "decks" / folder).glob(pattern)):
-            picture = PICTURES / "gallery" / f"{deck.stem}.svg"
-            result = result_of(deck)
-            text.append(f"### {deck.stem}\n\n{purpose(deck)}\n\n{summary(deck)}\n")
-            if drawn(result, picture):
-                text.append(
-                    f"```{{image}} pictures/gallery/{picture.name}\n:alt: Curves of {deck.stem}\n```\n"
-                )
-    (DOCS / "gallery.md").write_text("\n".join(text), encoding="utf-8")
-
-
-def figures():
+def figures() -> None:
     """Draw the pictures of the tutorial."""
+    results = solved([TOP / "decks" / deck for deck, *_ in FIGURES])
     for deck, names, options, target in FIGURES:
-        path = TOP / "decks" / deck
-        if not (PICTURES / target).exists():
-            flexmb("plot", result_of(path), *names, *options, "-q", "-o", PICTURES / target)
+        flexmb("plot", results[TOP / "decks" / deck], *names, *options, "-q", "-o", PICTURES / target)
+
+
+def sources() -> None:
+    """Run the examples of the three sources: docs/verification/reproduced.md and its pictures."""
+    page = DOCS / "verification" / "reproduced.md"
+    folder = PICTURES / "reproduction"
+    inputs = [
+        path for where in (REPRODUCTION, PUBLISHED) for path in where.rglob("*") if path.suffix != ".pyc"
+    ]
+    decks = [path for path in (TOP / "decks").rglob("*") if path.is_file()]
+    stamp = digest([path for path in (*inputs, *decks) if path.is_file()], program())
+    kept = RESULTS / "reproduced"
+    if page.exists() and kept.exists() and kept.read_text() == stamp:
+        return
+    command = [sys.executable, REPRODUCTION / "page.py", folder, "--markdown", page]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    kept.write_text(stamp)
 
 
 def gif():
@@ -178,3 +119,4 @@ if __name__ == "__main__":
         sys.exit()
     figures()
     gallery()
+    sources()

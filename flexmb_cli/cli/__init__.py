@@ -16,6 +16,7 @@ from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from .options.exit_codes import epilog
 from .terminal.screen import lines_visible
 from .terminal.stops import ignore_stops, pass_over_stops
 
@@ -29,7 +30,7 @@ COMMANDS = {
     "check": "Read every DECK, assemble it and report what is doubtful,...",
     "verify": "Run every DECK by two formulations and compare the motions;...",
     "modes": "List eigenfrequencies and damping of the mechanism of every...",
-    "diff": "Compare two OUT tables, DAFMS echoes or series, or HDF5...",
+    "diff": "Compare results number by number: OUT tables, DAFMS echoes or...",
     "table": "Print quantities of RESULT.h5 over time, on a terminal and in...",
     "plot": "Draw quantities of RESULT.h5 over time, a panel for each unit.",
     "report": "Write a self-contained HTML page: motion in 3-D, curves, audit...",
@@ -49,7 +50,9 @@ class Commands(Mapping):
         if name not in COMMANDS:
             raise KeyError(name)
         module = import_module(f".{name}", __name__)
-        return getattr(module, name if hasattr(module, name) else f"{name}_")
+        command = getattr(module, name if hasattr(module, name) else f"{name}_")
+        command.epilog = epilog(name)
+        return command
 
     def __iter__(self):
         return iter(COMMANDS)
@@ -71,8 +74,20 @@ class Group(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-@click.group(cls=Group, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="flexmb")
+def _tell_version(context, option, asked):
+    if not asked or context.resilient_parsing:
+        return
+    from .terminal.commit import commit
+
+    found = commit()
+    click.echo(f"flexmb, version {__version__}{f' (commit {found})' if found else ''}")
+    context.exit()
+
+
+@click.group(cls=Group, invoke_without_command=True, epilog=epilog("flexmb"),
+             context_settings={"help_option_names": ["-h", "--help"]})  # fmt: skip
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_tell_version,
+              help="Show the version, and in a checkout the commit, and exit.")  # fmt: skip
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
 def cli(context, debug):

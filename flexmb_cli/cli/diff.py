@@ -5,15 +5,17 @@ import sys
 
 import click
 
-from ..errors import DONE, compiler_style, visible
+from ..errors import compiler_style, visible
+from .options.completion import files
 from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
 from .terminal.screen import show
+from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("a")
-@click.argument("b")
+@click.argument("a", shell_complete=files)
+@click.argument("b", shell_complete=files)
 @click.option("--last-digit", type=click.IntRange(0), default=0, metavar="N",
               help="Allow N units of the last printed digit.")  # fmt: skip
 @click.option("--atol", type=Finite(0), help="Allow this distance.")
@@ -23,51 +25,138 @@ from .terminal.screen import show
 @click.option("--same-attitude", is_flag=True, help="Euler parameters p and -p count as equal.")
 @click.option("--explain", is_flag=True,
               help="Mark differences that are known errors of the historic programs.")  # fmt: skip
+@click.option("--deck", metavar="DECK",
+              help="With --explain: the YOUNG deck of both, run with the errors of 1996.")  # fmt: skip
 @click.option(
     "--words", is_flag=True, help="Differences in words count, too: titles, names, notes, settings."
 )
+@click.option("--tolerances", "tolerance_file", metavar="FILE.toml", shell_complete=files,
+              help="Tolerances per file, per type of column and per quantity.")  # fmt: skip
 @click.option("--update", is_flag=True, help="Where they differ, put a copy of B in the place of A.")
+@click.option(
+    "--junit", type=WrittenPlace(), metavar="FILE", help="Write a JUnit file, a test for each file."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
-def diff(a, b, update, as_json, quiet, **options):
-    """Compare two OUT tables, DAFMS echoes or series, or HDF5 results, number by number.
+def diff(a, b, update, junit, as_json, quiet, **options):
+    """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
 
     A is the reference.  A value differs when it exceeds all tolerances given; by default every printed
-    digit counts.  Differences in words are reported, and count with --words only.
+    digit counts.  Differences in words are reported, and count with --words only.  A and B may be folders
+    or quoted patterns: files of one name are compared, and one that is missing counts as a difference.
 
     \b
     Example:
         flexmb diff reference/OUT4-BAR.dat OUT4-BAR.dat --last-digit 1
+        flexmb diff reference results --junit diff.xml
     """
-    from ..deck.listing import TableError
-    from ..results.diff.accept import accept, is_missing
+    from ..results.diff.folders import Summary, is_many
 
+    if options["deck"] and not options["explain"]:
+        raise click.UsageError("--deck goes with --explain")
     if update and "-" in (a, b):
         raise click.UsageError("--update copies files; standard input is none")
+    many = is_many(a), is_many(b)
+    if any(many) and not all(many):
+        single, other = (a, b) if many[1] else (b, a)
+        raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
+    tolerances = _tolerances(options)
+    if all(many):
+        summary = _compare_folders(a, b, tolerances, update, as_json, options)
+    else:
+        summary = Summary(a, b, [_compare_files(a, b, tolerances, update, as_json, options)])
+    tolerances.refuse_unused()
+    if junit:
+        _write_junit(junit, summary)
+    if all(many):
+        _print_summary(summary, as_json, quiet)
+    else:
+        _print_report(summary.compared[0], update, as_json, quiet)
+    sys.exit(summary.exit_code)
+
+
+def _tolerances(options):
+    """Take what counts as a difference out of the options."""
+    from ..results.diff.tolerance_file import FileTolerances, read_tolerances
+    from ..results.diff.tolerances import Tolerances, parse_kinds
+
+    kinds = parse_kinds(options.pop("kinds"))
+    general = Tolerances(options.pop("atol"), options.pop("rtol"), options.pop("last_digit"), kinds)
+    path = options.pop("tolerance_file")
+    return read_tolerances(path, general) if path else FileTolerances(general=general)
+
+
+def _compare_files(a, b, tolerances, update, as_json, options):
+    from ..deck.listing import TableError
+    from ..results.diff.accept import accept, is_missing
+    from ..results.diff.compare import compare
+    from ..results.diff.folders import Compared, Pair
+
     new = update and is_missing(a)
     try:
         with faults_in_json(as_json, {"a": a, "b": b, "updated": False}, b):
             # A result that can be compared with itself can be read.
-            report = _compared(b if new else a, b, **options)
+            report = compare(b if new else a, b, tolerances.of_file(b), **options)
             updated = update and (new or not report.equal)
             if updated:
                 accept(a, b)
     except TableError as failure:
         click.echo(compiler_style(failure.name, failure.faults, failure.lines), err=True)
         sys.exit(failure.exit_code)
+    return Compared(Pair(a, a, b), report, updated=updated, new=new)
+
+
+def _compare_folders(a, b, tolerances, update, as_json, options):
+    from ..results.diff.accept import accept_pair
+    from ..results.diff.compare import compare
+    from ..results.diff.folders import compare_many
+    from ..results.diff.forms import LISTING, form_of
+
+    def compare_pair(pair):
+        chosen = tolerances.of_file(pair.name)
+        if form_of(pair.a) != LISTING:
+            # Results in full precision have no last printed digit: other files of the folder have.
+            chosen = chosen.without_digits()
+        return compare(pair.a, pair.b, chosen, **options)
+
+    with faults_in_json(as_json, {"a": a, "b": b}, b):
+        summary = compare_many(a, b, compare_pair)
+        for compared in summary.compared if update else ():
+            accept_pair(compared, a)
+    return summary
+
+
+def _write_junit(path, summary):
+    from ..results.diff.junit import junit_bytes
+    from ..results.files.replaced_file import write_whole
+    from .options.output_file import STANDARD_OUTPUT, refuse_inputs
+
+    content = junit_bytes(f"flexmb diff {summary.a} {summary.b}", summary.compared)
+    if path == STANDARD_OUTPUT:
+        click.echo(content, nl=False)
+        return
+    refuse_inputs(path, [name for x in summary.compared for name in (x.pair.a, x.pair.b) if name], "--junit")
+    write_whole(path, content)
+
+
+def _print_report(compared, update, as_json, quiet):
+    a, b, updated = compared.pair.a, compared.pair.b, compared.updated
     if as_json:
-        click.echo(json.dumps(report.as_dict() | {"a": a, "updated": updated}))
+        click.echo(json.dumps(compared.report.as_dict() | {"a": a, "updated": updated}))
     elif not quiet:
-        show("" if new else report.text())
+        show("" if compared.new else compared.report.text())
         if update:
             done = f"taken from {visible(b)}" if updated else "left as it is"
-            show(f"{visible(a)}: {'new reference, ' if new else ''}{done}\n")
-    sys.exit(DONE if report.equal or updated else 1)
+            show(f"{visible(a)}: {'new reference, ' if compared.new else ''}{done}\n")
 
 
-def _compared(a, b, last_digit, atol, rtol, kinds, same_attitude, explain, words):
-    from ..results.diff.listings import compare
-    from ..results.diff.tolerances import Tolerances, parse_kinds
-
-    tolerances = Tolerances(atol, rtol, last_digit, parse_kinds(kinds))
-    return compare(a, b, tolerances, same_attitude, explain, words)
+def _print_summary(summary, as_json, quiet):
+    failed = [compared for compared in summary.compared if compared.failure is not None]
+    show("".join(compared.sentence for compared in failed), err=True)
+    if as_json:
+        click.echo(json.dumps(summary.as_dict()))
+    elif not summary.compared:
+        show(summary.verdict, err=True)
+    elif not quiet:
+        differing = [x for x in summary.compared if x.failure is None and not x.equal]
+        show("".join(compared.sentence for compared in differing) + summary.verdict)

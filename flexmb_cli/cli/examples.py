@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from ..dialects.recognise import every_dialect
+from .options.completion import example_names
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
@@ -18,7 +19,7 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 
 
 @click.command()
-@click.argument("names", nargs=-1, metavar="[NAME...]")
+@click.argument("names", nargs=-1, metavar="[NAME...]", shell_complete=example_names)
 @click.option(
     "-o", "--output-dir", type=click.Path(path_type=Path), default=".", help="Folder of the copies."
 )

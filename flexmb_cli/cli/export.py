@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
@@ -11,7 +12,7 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5")
+@click.argument("result", metavar="RESULT.h5", shell_complete=files)
 @click.option("--to", "form", required=True, type=click.Choice(list(SUFFIX)), help="What to write.")
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip

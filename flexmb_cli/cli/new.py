@@ -3,13 +3,13 @@
 import os
 import re
 import sys
-from dataclasses import replace
 
 import click
 
 from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
+from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
@@ -205,7 +205,7 @@ class _Talk:
         return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
 
     def accepted(self):
-        """Whether `flexmb check` takes the deck; else its faults are shown, and the dialogue goes back."""
+        """Return whether `flexmb check` takes the deck; else show its faults and let the dialogue go back."""
         from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
 

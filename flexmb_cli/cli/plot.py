@@ -5,14 +5,15 @@ from pathlib import Path
 
 import click
 
+from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5")
-@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@click.argument("names", metavar="[NAME]...", nargs=-1, shell_complete=quantities)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="A .png, .svg or .pdf file [default: the result's name with .png].")  # fmt: skip
 @click.option("--with", "others", multiple=True, metavar="OTHER.h5",
@@ -28,26 +29,26 @@ def plot(result, names, output, others, across, start, stop, every, title, quiet
 
     NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
     driver efforts of a YOUNG deck, coordinates of a DAFMS deck, and how energies change.
-    Needs matplotlib: pip install 'flexmb[plot]'.
+    Needs matplotlib (the extra `plot`).
 
     \b
     Example:
         flexmb plot OUT4-BAR.h5 "body.3.velocity" point.1.z -o four-bar.svg
         flexmb plot OUT4-BAR.h5 point.1.z --x point.1.y -o path.png
     """
+    from ..extras import needed
     from ..results.figures.curves import panels
     from ..results.figures.plots import FORMATS, picture
     from ..results.files.replaced_file import write_whole
     from ..results.hdf5.stored_result import attribute
     from .options.output_file import refuse_inputs, refuse_standard_output
-    from .terminal.extras import needed
 
     output = output or f"{Path(result).stem}.png"
     refuse_standard_output(output, "a picture")
     form = Path(output).suffix[1:].lower()
     if form not in FORMATS:
         raise click.UsageError(f"{output}: pictures are written as .png, .svg or .pdf files")
-    needed("matplotlib", "matplotlib", "plot")
+    needed("matplotlib", "matplotlib", "plot", "flexmb plot")
     paths = (result, *others)
     refuse_inputs(output, paths)
     with contextlib.ExitStack() as open_files:
@@ -94,7 +95,7 @@ def _source(open_files, path, label, names, across, window, quiet):
 
 
 def _labels(paths):
-    """What tells results apart: nothing for one, file names without folder and suffix, or whole paths."""
+    """Return labels of results: none for a single one, else file names without suffix, or whole paths."""
     if len(paths) == 1:
         return [""]
     stems = [Path(path).stem for path in paths]

@@ -42,6 +42,8 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on with a stopped run, to the same results.")
+@click.option("--as-printed", is_flag=True,
+              help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
 def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
@@ -103,6 +105,8 @@ def _refuse_foreign_resume(options):
 def _refuse_foreign_estimate(options):
     if options["estimate_error"] and options["formulation"] == "absolute":
         raise click.UsageError("--estimate-error goes with --formulation kane")
+    if options["estimate_error"] and options["as_printed"]:
+        raise click.UsageError("--estimate-error and --as-printed exclude each other: give one")
 
 
 def _given(options, **names):

@@ -10,6 +10,7 @@ import click
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DONE, DeckError, compiler_style
 from ..memory import TO_LOAD, require_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
+from .options.completion import files
 from .options.output_file import refuse_inputs
 from .terminal.json_faults import faults_in_json
 from .terminal.screen import tell
@@ -18,7 +19,7 @@ from .terminal.written_place import WrittenPlace
 
 
 @click.command()
-@click.argument("study")
+@click.argument("study", shell_complete=files)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PATH",
               help="Table: .h5, or .parquet.  [default: STUDY's name, .h5]")  # fmt: skip
 @click.option("-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
@@ -42,7 +43,7 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     stem = "" if study == "-" else PurePath(study).stem
     output = output or f"{stem or 'flexmb'}.h5"
     parts = parts or f"{output}.parts"
-    made = _begun(study, output, parts, fresh, as_json)
+    made = _begun(study, output, parts, scheduler, fresh, as_json)
     stop_on_signals()
     try:
         with faults_in_json(as_json, {"study": study}, study), Stop.released():
@@ -61,6 +62,18 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet):
     sys.exit(exit_code)
 
 
+def _require_libraries(output, scheduler):
+    """What is missing is reported before hours of work."""
+    if output.endswith(".parquet"):
+        from ..study.table import require_library
+
+        require_library(output)
+    if scheduler:
+        from ..study.cluster import require_dask
+
+        require_dask()
+
+
 def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
     cases, failed, table = made.job.study.cases, made.failed, output
     told = f"{output} is complete"
@@ -77,7 +90,7 @@ def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
         sys.stdout.flush()
 
 
-def _begun(study, output, parts, fresh, as_json):
+def _begun(study, output, parts, scheduler, fresh, as_json):
     require_memory(TO_LOAD)  # of numpy, below
     from ..results.files.replaced_file import refuse_unwritable
     from ..study.sweep import StudyError, Sweep
@@ -85,6 +98,7 @@ def _begun(study, output, parts, fresh, as_json):
     if PurePath(output).suffix not in (".h5", ".parquet"):
         raise click.UsageError("-o needs a name that ends in .h5 or .parquet")
     refuse_inputs(output, [study])
+    _require_libraries(output, scheduler)
     try:
         with faults_in_json(as_json, {"study": study}, study):
             # The cases are kept beside the table: without this their folder would be made with all its

@@ -2,13 +2,14 @@
 
 import click
 
+from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.screen import show, tell
 
 
 @click.command()
-@click.argument("result", metavar="RESULT.h5")
-@click.argument("names", metavar="NAME...", nargs=-1)
+@click.argument("result", metavar="RESULT.h5", shell_complete=files)
+@click.argument("names", metavar="NAME...", nargs=-1, shell_complete=quantities)
 @click.option("--list", "listing", is_flag=True,
               help="Show the names (of NAME, or all) with unit and meaning instead of numbers.")  # fmt: skip
 @click.option("--from", "start", type=AnyFinite(), metavar="T", help="Begin with the row at T seconds.")

@@ -6,11 +6,11 @@ one number, one question or the rest of a record, as Pascal's READ took them.
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import takewhile
 from typing import Protocol
 
 from ..errors import DeckError, Fault, Place
+from ..quick_dataclass import replace
 from . import number
 from .questions import TEXT, Entry, Question, spelled
 from .record import Number, Record
@@ -127,7 +127,7 @@ class Dialogue:
         return []
 
     def _answered(self, entry):
-        """How many cells of `entry`, from its first on, have a good answer."""
+        """Return how many cells of `entry`, from its first on, have a good answer."""
         known = (self._known(entry, cell) is not None for cell in entry.cells)
         return sum(takewhile(bool, known))
 

@@ -6,8 +6,9 @@ sign, a short line is as if padded with blanks, a list longer than the FORMAT go
 """
 
 import re
-from dataclasses import dataclass
 from functools import lru_cache
+
+from ..quick_dataclass import dataclass
 
 _EDIT = re.compile(r"(\d*)([IFE])(\d+)(?:\.(\d+))?")
 _PLAIN = re.compile(r"[+-]?(?:[0-9]+\.[0-9]*|\.[0-9]+)")
@@ -80,7 +81,7 @@ class Field:
 
     @property
     def span(self) -> str:
-        """Where the field stands, in words."""
+        """Return where the field stands, in words."""
         first, last = self.edit.column, self.edit.last
         return f"column {first}" if first == last else f"columns {first}-{last}"
 
@@ -121,7 +122,7 @@ def _real(digits: str, decimals: int) -> float | None:
 
 
 def hint(field: Field, line: str) -> str:
-    """What probably went wrong in a field that holds no number, as a question or a rule; "" if unknown."""
+    """Return the probable cause of a field without a number, as a question or a rule; "" if unknown."""
     text = field.raw
     if "\t" in text:
         return "a tab counts as one column: use blanks"
@@ -141,7 +142,7 @@ def hint(field: Field, line: str) -> str:
 
 
 def _crosses_edge(field: Field, line: str) -> bool:
-    """Whether a word of the line lies over the field's left or right edge without filling the field."""
+    """Return whether a word lies over the field's left or right edge without filling the field."""
     before = line[field.edit.column - 2 : field.edit.column - 1] if field.edit.column > 1 else ""
     after = line[field.edit.last : field.edit.last + 1]
     left = before.strip() and field.raw[0] != " "

@@ -7,10 +7,12 @@ prints stars.  The two give the same bytes wherever a field has room.
 """
 
 import math
-from dataclasses import dataclass
 from functools import cache
+from itertools import chain
 
 import numpy as np
+
+from ..quick_dataclass import dataclass
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
@@ -94,26 +96,41 @@ def rounds_to_zero(decimals: int) -> float:
 
 
 def _exponent_form(value, digits):
-    return _exponent_forms([value], digits)[0]
+    """Return 0.ddddE+ee of a finite number."""
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    figures = mantissa.replace(".", "")
+    head = f"-0.{figures[1:]}" if figures[0] == "-" else f"0.{figures}"
+    return head + (_raised(int(exponent) + 1) if value else "E+00")
 
 
-def _exponent_forms(values, digits):
-    """Return 0.ddddE+ee of finite numbers."""
-    pattern, forms = f"%.{digits - 1}e", []
-    for value in values:
-        mantissa, _, exponent = (pattern % value).partition("e")
-        figures = mantissa.replace(".", "")
-        head = f"-0.{figures[1:]}" if figures[0] == "-" else f"0.{figures}"
-        forms.append(head + (_raised(exponent) if value else "E+00"))
-    return forms
+def _raised(power):
+    """Return a power of ten as FORTRAN prints it: it gives up the letter, not a digit, for three figures."""
+    return f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}"
 
 
 @cache
-def _raised(exponent):
-    """Return an exponent of C's, "+02", as FORTRAN prints it for a number ten times smaller."""
-    power = int(exponent) + 1
-    # FORTRAN gives up the letter, not a digit, when the exponent needs three figures.
-    return f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}"
+def _all_raised():
+    """Characters (199, 4) of the powers from -98 to 100."""
+    return np.array([list(_raised(power).encode()) for power in range(-98, 101)], np.uint8)
+
+
+def _aligned_exponent_forms(values, digits, width, room):
+    """Return 0.ddddE+ee of an array, each at the right of its field; None where one of them may not fit.
+
+    C prints all of them, +d.ddde+ee, and their characters are moved at once.
+    """
+    text = f"%+.{digits - 1}e" * len(values) % tuple(values.tolist())
+    if digits < 2 or room < digits + 7 or len(text) != len(values) * (digits + 6):
+        return None  # an exponent of three figures, or a field that widens
+    c = np.frombuffer(text.encode(), np.uint8).reshape(len(values), digits + 6).astype(np.int16)
+    power = (44 - c[:, -3]) * (10 * c[:, -2] + c[:, -1] - 11 * 48)  # 43 is "+", 45 "-", 48 "0"
+    fields = np.full((len(values), width), ord(" "), np.uint8)
+    own = fields[:, width - digits - 7 :]
+    own[:, 0][c[:, 0] == ord("-")] = ord("-")
+    own[:, 1:3] = tuple(b"0.")
+    own[:, 3], own[:, 4 : digits + 3] = c[:, 1], c[:, 3 : digits + 2]
+    own[:, -4:] = _all_raised()[np.where(values == 0.0, 98, power + 99)]
+    return fields.view(f"S{width}").ravel().astype(f"U{width}").tolist()
 
 
 class Layout:
@@ -141,27 +158,28 @@ class Layout:
         if self.layout == SAFE:
             values = np.where(np.abs(values) <= self._limits, 0.0, values)
         if any(self._as_text):
-            columns = [self._column(k, column) for k, column in enumerate(values.T.tolist())]
-            rows = zip(*columns, strict=True)
+            columns = [self._column(k, column) for k, column in enumerate(values.T)]
+            printed = tuple(chain.from_iterable(zip(*columns, strict=True)))
         else:
-            rows = values.tolist()
-        template = self._template
-        return "".join([template % tuple(row) for row in rows])
+            printed = tuple(values.ravel().tolist())
+        return self._template * len(values) % printed
 
     def _needs_text(self, field):
-        """Whether C's `%` cannot print the field."""
+        """Return whether C's `%` cannot print the field."""
         return field.kind == "e" or (field.stars and self.layout == HISTORIC)
 
     def _column(self, k, values):
-        """What the template takes for the values of field `k`."""
+        """Return what the template takes for the values of field `k`."""
         if not self._as_text[k]:
-            return values
+            return values.tolist()
         field, separated = self.fields[k], self._separated[k]
         # Most of a long run's time would go into field after field.
-        if field.kind == "e" and self.layout == SAFE and all(map(math.isfinite, values)):
-            blank = " " if separated else ""
-            return [(blank + form).rjust(field.width) for form in _exponent_forms(values, field.decimals)]
-        return [field.text(value, self.layout, separated) for value in values]
+        if field.kind == "e" and self.layout == SAFE and np.isfinite(values).all():
+            room = field.width - separated
+            forms = _aligned_exponent_forms(values, field.decimals, field.width, room)
+            if forms is not None:
+                return forms
+        return [field.text(value, self.layout, separated) for value in values.tolist()]
 
     def _percent_template(self, parts):
         pieces, column = [], 0

@@ -1,10 +1,10 @@
 """The records of a fixed-format deck in sequence: READ statements with located, collected faults."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 from ..errors import Fault, Place
+from ..quick_dataclass import dataclass
 from .fortran_card import Field, Format, cut, fortran_format, hint
 from .lines import Lines
 from .record import DeckText, Number

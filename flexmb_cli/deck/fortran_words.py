@@ -6,8 +6,8 @@ keeps its columns; flexmb's own lines keep a blank between fields and may lose t
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
+from ..quick_dataclass import replace
 from .fortran_format import Edit
 
 # Python makes no integer of thousands of digits; digits that only one part of a pattern can take are
@@ -55,7 +55,7 @@ def unit_of(word: str) -> float:
 
 
 def overflows(value: float, edit: Edit) -> bool:
-    """Whether a number prints as stars."""
+    """Return whether a number prints as stars."""
     text = replace(edit, stars=False).text(value, separated=False)
     return len(text.strip()) > edit.width
 

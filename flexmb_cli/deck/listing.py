@@ -2,12 +2,12 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import DeckError, Fault
+from ..quick_dataclass import dataclass, field
 from .fortran_format import Edit
 
 # Bytes.  The numbers of two listings take seven times their size in memory.
@@ -26,6 +26,7 @@ class ListingForm(NamedTuple):
         False  # numbers of its echo belong to their titles, over however many lines they are spread
     )
     fewer_decimals: bool = False  # in the echoes of older programs
+    emulated: bool = False  # whether its program's errors can be computed from a deck (`diff --deck`)
     # Known errors of historic programs for `--explain`.  Of the rows: function of the names of two files, of
     # items with section, deck, index, cause and holds(index, column, step).
     known_errors: Callable[..., Sequence] = lambda *names: ()

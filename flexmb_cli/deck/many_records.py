@@ -1,9 +1,9 @@
 """The records of a large deck, each made when it is looked at: kept, they would take many times the deck."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain
 
+from ..quick_dataclass import dataclass
 from .record import Record
 
 MANY = 300_000  # numbers; fewer are kept as records, which studies share

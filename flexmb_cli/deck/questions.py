@@ -1,9 +1,9 @@
 """What a dialogue asks: values, the records they belong to, and how a question reads."""
 
 import re
-from dataclasses import dataclass
 from itertools import groupby
 
+from ..quick_dataclass import dataclass
 from . import number
 
 INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"
@@ -26,7 +26,7 @@ class Cell:
 
     @property
     def kind(self) -> str:
-        """What must be typed, for messages."""
+        """Return what must be typed, for messages."""
         return _KINDS.get(self.letter) or f"one of {', '.join(self.words)}"
 
     @property
@@ -77,7 +77,7 @@ class Question:
 
     @property
     def prompt(self) -> str:
-        """What Enter gives, and the mark behind which the answer is typed."""
+        """Return what Enter gives, and the mark behind which the answer is typed."""
         return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "
 
     @property

@@ -1,10 +1,10 @@
 """What a reader delivers: the deck's text, and every number of it with a name, a meaning and a place."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..errors import Fault, Place
+from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
 
 
@@ -76,7 +76,7 @@ class Record:
 
     @cached_property
     def positions(self) -> dict[str, int]:
-        """Where among the numbers each key stands first."""
+        """Return where among the numbers each key stands first."""
         return {number.key: k for k, number in reversed([*enumerate(self.numbers)])}
 
     def __contains__(self, key: str) -> bool:

@@ -30,6 +30,6 @@ class DeckValues:
         return default if record is None else tuple(n.value for n in record.numbers)
 
     def place(self, section: str, number: int = 0) -> Place | None:
-        """Where a record stands, None when it does not."""
+        """Return where a record stands, None when it does not."""
         record = self.record(section, number)
         return record.place if record else None

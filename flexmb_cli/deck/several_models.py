@@ -6,9 +6,9 @@ Each is read by itself: what the cards of an earlier model gave is not kept, oth
 
 import os
 import re
-from dataclasses import replace
 
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from .record import DeckText
 from .text import LARGEST_DECK, STANDARD_INPUT
 

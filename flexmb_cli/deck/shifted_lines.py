@@ -6,9 +6,9 @@ almost everywhere, a line that holds neither its record nor a fair part of one i
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ..errors import Fault, Place
+from ..quick_dataclass import replace
 from .words import LONGEST_CARET, Word
 
 KEPT_PER_SLIP = 2
@@ -66,7 +66,7 @@ def _walk(held, needed, kept_per_slip):
 
 
 def _step(held, needed, line, record):
-    """How many (lines, records) go together from here: one and one, one broken, several joined; or 0, 0."""
+    """Return the numbers of lines and records that go together from here; 0, 0 if none do."""
     here, wanted = held[line], needed[record]
     if here == wanted or (here > wanted and record == len(needed) - 1):
         return 1, 1
@@ -78,7 +78,7 @@ def _step(held, needed, line, record):
 
 
 def _reach(sizes, start, total):
-    """How many of `sizes` from `start` on add up to `total`; 0 when none do."""
+    """Return how many of `sizes` from `start` on add up to `total`; 0 when none do."""
     reached = 0
     # By places: a slice would walk through all that lies before `start`.
     for place in range(start, len(sizes)):

@@ -1,6 +1,6 @@
 """The sections of a YOUNG OUT table and their columns, as its reader and `diff` name them."""
 
-from dataclasses import dataclass
+from ..quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

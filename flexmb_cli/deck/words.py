@@ -29,7 +29,7 @@ class Word(NamedTuple):
 
     @property
     def place(self) -> Place:
-        """Where the word stands, for messages."""
+        """Return where the word stands, for messages."""
         return Place(self.line, self.column, min(len(self.text), LONGEST_CARET))
 
 
@@ -95,7 +95,7 @@ def _is_word(found):
 
 
 def _offsets(text, start):
-    """Where the words of `text` begin, and a comment without end."""
+    """Return where the words of `text` begin, and a comment without end."""
     for found in _WORD_OR_COMMENT.finditer(text, start):
         first, end = found.span()
         if text[first] != "{" or end == first + 1 or text[end - 1] != "}":

@@ -1,10 +1,9 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
-from dataclasses import replace
-
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
+from ..quick_dataclass import replace
 from .recognise import dialect_named
 
 COUNTS = "counts"
@@ -36,7 +35,7 @@ class SettableDeck:
         return name in self._known
 
     def unknown(self, name: str) -> str:
-        """What to say of a name that the deck lacks."""
+        """Return what to say of a name that the deck lacks."""
         from difflib import get_close_matches
 
         close = get_close_matches(name, self._known, n=_NEAREST, cutoff=0.0)

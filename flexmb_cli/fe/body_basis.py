@@ -1,12 +1,12 @@
 """The basis that a deck asks for: eigenmodes, attachment modes or Craig-Bampton, with faults at the cards."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
+from ..quick_dataclass import dataclass
 from . import modes
 from .free_motion import FreeMotion, NegativeStrain
 from .independent_shapes import reduced_basis
@@ -113,7 +113,7 @@ def _too_few_masses(given, count):
 
 
 def _clamped_on_a_line(given):
-    """Whether the body is held by clamped nodes that leave it a rotation."""
+    """Return whether the body is held by clamped nodes that leave it a rotation."""
     if not given.clamped:
         return False
     held = given.positions[np.isin(given.numbers, given.clamped)]

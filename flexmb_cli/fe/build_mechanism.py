@@ -15,6 +15,8 @@ from ..model.flexible_mechanism import (
     PointPin,
     PointSpring,
 )
+from ..quick_dataclass import replace
+from .elements.stress_outputs import stress_outputs
 from .flexible_bodies import flexible_body
 
 STEPS_A_PERIOD = 20
@@ -36,7 +38,8 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
     faults += _step_doubts(model, bodies)
-    return _Points(model, bodies).mechanism(), faults
+    stresses = stress_outputs(model, bodies)
+    return replace(_Points(model, bodies).mechanism(), stresses=stresses), faults
 
 
 def _step_doubts(model, bodies):

@@ -9,21 +9,22 @@ import io
 import json
 import os
 import tempfile
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import Fault
 from ..managed_files import UnsafePlace, open_managed
-from ..model.flexible_body import Dropped, FlexibleBody, FlexibleInput
+from ..model.flexible_body import BodyStress, Dropped, FlexibleBody, FlexibleInput
+from ..quick_dataclass import fields
 
 # To be raised when the arrays, or how they are computed, change.
 LAYOUT = 6
 # Bytes behind the archive: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))
-_ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped"))
+_ARRAYS = tuple(item.name for item in fields(FlexibleBody) if item.name not in ("name", "dropped", "stress"))
+_STRESS = tuple(item.name for item in fields(BodyStress))
 
 
 def cache_folder() -> Path | None:
@@ -46,7 +47,7 @@ def key_of(given: FlexibleInput) -> str:
     """Name of everything the body depends on.  Raises OSError when a file cannot be read."""
     digest = hashlib.sha256(f"flexmb body {LAYOUT}".encode())
     files = [given.mass, given.stiffness, given.mapping, *(load.file for load in given.unit_loads)]
-    files += [given.bricks.file] if given.bricks else []
+    files += [material.file for material in (given.stiffening, given.material) if material]
     for file in files:
         digest.update(f"|{file.form}".encode() if file else b"|none")
         if file:
@@ -59,18 +60,21 @@ def key_of(given: FlexibleInput) -> str:
 
 def _settings(given):
     loads = [(load.i, load.j) for load in given.unit_loads]
-    return repr(
-        (
-            given.reference,
-            given.clamped,
-            given.attachment,
-            given.interface,
-            given.modes,
-            tuple(float(value).hex() for value in given.damping),
-            loads,
-            given.bricks and (given.bricks.young.hex(), given.bricks.poisson.hex()),
-        )
+    settings = (
+        given.reference,
+        given.clamped,
+        given.attachment,
+        given.interface,
+        given.modes,
+        tuple(float(value).hex() for value in given.damping),
+        loads,
+        given.stiffening and (given.stiffening.young.hex(), given.stiffening.poisson.hex()),
     )
+    return repr((*settings, "stress", _of_material(given.material)) if given.material else settings)
+
+
+def _of_material(material):
+    return material.young.hex(), material.poisson.hex(), material.density.hex()
 
 
 def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
@@ -97,12 +101,20 @@ def _restored(given, stored):
         arrays[name] = arrays[name].item()
     left_out = notes["dropped"]
     left_out["shapes"] = tuple((node, axis) for node, axis in left_out["shapes"])
-    body = FlexibleBody(given.name, **arrays, dropped=Dropped(**left_out))
+    body = FlexibleBody(given.name, **arrays, dropped=Dropped(**left_out), stress=_stress(stored))
     places = {"mass": given.mass.place, "stiffness": given.stiffness.place, "body": given.place}
     faults = [
         Fault("warning", text, places[where], given.name, id="FE-008") for where, text in notes["warnings"]
     ]
     return body, faults
+
+
+def _stress(stored):
+    """The stresses of a body whose material is known."""
+    if "stress_nodal" not in stored:
+        return None
+    arrays = {name: stored[f"stress_{name}"] for name in _STRESS}
+    return BodyStress(**{name: value if value.ndim else value.item() for name, value in arrays.items()})
 
 
 def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> None:
@@ -116,6 +128,8 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
         "dropped": vars(body.dropped),
     }
     arrays = {name: np.asarray(getattr(body, name)) for name in _ARRAYS}
+    if body.stress:
+        arrays |= {f"stress_{name}": np.asarray(getattr(body.stress, name)) for name in _STRESS}
     try:
         _write(folder / f"{key_of(given)}.npz", arrays | {"notes": np.array(json.dumps(notes))})
     except OSError:

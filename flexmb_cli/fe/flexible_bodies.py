@@ -1,16 +1,19 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced, cached."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import Fault, ModelError
 from ..model.diagnostics import Findings
 from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
+from ..quick_dataclass import dataclass
 from . import cache
 from .body_basis import basis_of
 from .centrifugal import centrifugal_stiffness
+from .elements.assembled_matrices import OF_ELEMENTS, element_matrix
+from .elements.body_elements import element_table
+from .elements.stress_shapes import body_stress
 from .formats.formats import read_matrix
 from .formats.matrix_file import FEFileFault
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
@@ -74,6 +77,9 @@ def _built(given, findings) -> FlexibleBody | None:
 def _read(given, file: FEFile, letter, arrange, findings):
     mapping = given.mapping
     try:
+        if file.form == OF_ELEMENTS:
+            table = element_table(given, given.material.file, given.positions, findings)
+            return table and arrange(file.path.name, element_matrix(given, table, letter), given.numbers)
         found = read_matrix(
             file.path, file.form, letter, mapping.path if mapping else None, mapping.form if mapping else ""
         )
@@ -120,6 +126,7 @@ def _body(given, matrices, frame, basis, figures: Figures, findings) -> Flexible
             basis.left_out,
             math.sqrt(basis.next_value) / math.tau,
         ),
+        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
     )
 
 
@@ -175,7 +182,7 @@ def _errors(given, matrices, frame, basis, findings):
 def _geometric(given, matrices, frame, Phi, findings):
     """Phi' KG Phi per component of w~ w~ in body axes; the files' unit loads are in those of the table."""
     size = Phi.shape[1]
-    if given.bricks:
+    if given.stiffening:
         return centrifugal_stiffness(given, matrices.K, matrices.S, frame, Phi, findings)
     if not given.unit_loads:
         return np.zeros((0, 0, size, size))

@@ -3,13 +3,12 @@
 A failed test names its figure, the worst node and the likely causes.  The limits are relative.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import Place
 from ..model.diagnostics import Findings
 from ..model.flexible_body import FlexibleInput
+from ..quick_dataclass import dataclass
 from .linear_algebra import in_three_directions
 
 ISOTROPIC_DOUBT, ISOTROPIC_ERROR = 1e-8, 1e-3

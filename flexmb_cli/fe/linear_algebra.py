@@ -47,7 +47,7 @@ def without_diagonal(A) -> Matrix:
 
 
 def is_small(size: int, count: int) -> bool:
-    """Whether to find all eigenvectors of a matrix at once; few of a large one are found by iteration."""
+    """Return whether to find all eigenvectors of a matrix at once rather than few by iteration."""
     return size <= DENSE or count > size // 3
 
 

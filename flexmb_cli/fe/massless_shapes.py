@@ -4,10 +4,9 @@ Reduced integration (C3D20R, C3D10, C3D4 of CalculiX) leaves mass matrices that 
 Such shapes z have S z = 0: inertia does not see them, and K alone decides how concentrated forces bend them.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..quick_dataclass import dataclass
 from .free_motion import check_strain
 
 # Eigenvalues of the mass matrix below this share of the largest are those of shapes without mass.

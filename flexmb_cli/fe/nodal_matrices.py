@@ -6,10 +6,10 @@ S^ij = m_ij E no longer held, of which the equations of motion make use.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ..quick_dataclass import dataclass
 from .formats.matrix_file import FEFileFault, MatrixFile
 from .linear_algebra import Matrix, Singular, condensed_on, solver, stored, summed, without_diagonal
 

@@ -8,10 +8,9 @@ Entries that are written alike are rounded alike.  In a regular mesh such errors
 out, hence the sum over entries of one magnitude before the sum of squares over magnitudes.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..quick_dataclass import dataclass
 from .nodal_matrices import NodalMatrix
 
 # The largest number of decimal digits that double precision always keeps.

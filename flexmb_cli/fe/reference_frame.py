@@ -4,11 +4,10 @@ Vlasenko and Kasper (2008), section VIII.  The equations of motion hold for ever
 excludes rigid motion; x0 and A then mean the frame so defined.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model.flexible_body import FlexibleInput
+from ..quick_dataclass import dataclass
 from .input_tests import rigid_motions
 
 

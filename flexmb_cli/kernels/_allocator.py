@@ -3,8 +3,10 @@
 The names and the layout of a block are numba's (numba/core/runtime/nrt.cpp).
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from llvmlite import ir
-from numba.core import cgutils
 
 _WORD, _BYTE, _INT = ir.IntType(64), ir.IntType(8), ir.IntType(32)
 _ADDRESS = _BYTE.as_pointer()
@@ -59,16 +61,14 @@ def _add_reshape(module):
     function = ir.Function(module, kind, "numba_attempt_nocopy_reshape")
     n, lengths, strides, new_n, new_lengths, new_strides, item, fortran = function.args
     builder = ir.IRBuilder(function.append_basic_block())
-    size, new_size = (cgutils.alloca_once_value(builder, item) for _ in range(2))
-    with cgutils.for_range(builder, n, intp=_WORD) as loop:
-        k = _from_last(builder, n, loop.index)
+    size, new_size = (_variable(builder, item) for _ in range(2))
+    with _places_from_last(builder, n) as k:
         length = builder.load(builder.gep(lengths, [k]))
         other = builder.icmp_signed("!=", builder.load(builder.gep(strides, [k])), builder.load(size))
         with builder.if_then(builder.and_(other, builder.icmp_signed("!=", length, _WORD(1)))):
             builder.ret(_INT(0))
         builder.store(builder.mul(builder.load(size), length), size)
-    with cgutils.for_range(builder, new_n, intp=_WORD) as loop:
-        k = _from_last(builder, new_n, loop.index)
+    with _places_from_last(builder, new_n) as k:
         builder.store(builder.load(new_size), builder.gep(new_strides, [k]))
         length = builder.load(builder.gep(new_lengths, [k]))
         builder.store(builder.mul(builder.load(new_size), length), new_size)
@@ -77,6 +77,25 @@ def _add_reshape(module):
     builder.ret(builder.zext(builder.and_(same, in_order), _INT))
 
 
-def _from_last(builder, n, k):
-    """The place n - 1 - k."""
-    return builder.sub(builder.sub(n, _WORD(1)), k)
+def _variable(builder, value):
+    """A place for a number; LLVM keeps those of the first block in registers."""
+    with builder.goto_entry_block():
+        place = builder.alloca(value.type)
+    builder.store(value, place)
+    return place
+
+
+@contextmanager
+def _places_from_last(builder: ir.IRBuilder, n: ir.Value) -> Iterator[ir.Value]:
+    """The code in this block is done for n - 1, n - 2 … 0."""
+    left = _variable(builder, n)
+    head, body, end = (builder.append_basic_block() for _ in range(3))
+    builder.branch(head)
+    builder.position_at_end(head)
+    k = builder.sub(builder.load(left), _WORD(1))
+    builder.cbranch(builder.icmp_signed(">=", k, _WORD(0)), body, end)
+    builder.position_at_end(body)
+    builder.store(k, left)
+    yield k
+    builder.branch(head)
+    builder.position_at_end(end)

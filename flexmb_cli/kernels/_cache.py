@@ -37,7 +37,7 @@ def _bases() -> Iterator[Path]:
 
 
 def _is_own(found: os.stat_result) -> bool:
-    """Whether only this user, or root, can have written it."""
+    """Return whether only this user, or root, can have written it."""
     return not hasattr(os, "getuid") or (found.st_uid in (0, os.getuid()) and not found.st_mode & 0o022)
 
 
@@ -55,7 +55,7 @@ def _refuse(path):
 
 
 def _is_safe(base: Path, folder: Path) -> bool:
-    """Whether all folders from the base down to `folder` that exist can be trusted."""
+    """Return whether all folders from the base down to `folder` that exist can be trusted."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
         if not _is_safe_base(base.stat()):
             _refuse(base)

@@ -22,7 +22,7 @@ def entry_name(function: Callable) -> str:
 
 
 def is_ready(name: str) -> bool:
-    """Whether the kernel `name` can be called without compiling it."""
+    """Return whether the kernel `name` can be called without compiling it."""
     unit = unit_of(name)
     if unit is None or not _load_unit(unit, _objects.kernel_digest()):
         return False
@@ -128,7 +128,7 @@ class Entry:
 
     @property
     def part(self):
-        """What numba compiles into kernels that call this one."""
+        """Return what numba compiles into kernels that call this one."""
         return self.dispatcher.part
 
     @property
@@ -145,7 +145,7 @@ class PlainEntry(Entry):
 
 
 def _compiler():
-    """What compiles kernels; numba is imported here."""
+    """Return what compiles kernels; numba is imported here."""
     import numba
 
     # Loops over three or four numbers gain nothing from vectors, and compilation takes a fifth longer.

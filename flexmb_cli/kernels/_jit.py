@@ -20,12 +20,12 @@ def interpret() -> None:
 
 
 def interpreted() -> bool:
-    """Whether kernels run as plain Python."""
+    """Return whether kernels run as plain Python."""
     return _interpreted
 
 
 def must_compile(name: str) -> bool:
-    """Whether the kernel `name` ("module.function") has to be compiled before its first call."""
+    """Return whether the kernel `name` ("module.function") has to be compiled before its first call."""
     return not _interpreted and not is_ready(name)
 
 

@@ -227,7 +227,7 @@ def _machine_code(bitcode, triple, processor):
 
 
 def _refuse_foreign(module):
-    """What neither the object nor the C library has would be called at address 0."""
+    """Return what neither the object nor the C library has would be called at address 0."""
     called = {function.name for function in module.functions if function.is_declaration}
     foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
     if foreign:
@@ -246,7 +246,7 @@ def _numba_type(parameter):
 
 
 def _result(kind):
-    """How `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
+    """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
     if isinstance(kind, types.BaseTuple):
         return ["t", "", [_result(part) for part in kind]]
     for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):

@@ -1,7 +1,7 @@
 """Files of compiled kernels: an object for the linker, behind lines with its checksum and what it holds.
 
 Objects are the same wherever they lie, in the package or in the user's cache, and whichever numba made them.
-llvmlite loads them; numba is not imported for it.
+On x86-64 Linux `_elf_loader` loads them, elsewhere llvmlite; numba is not imported for it.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ OF_C = frozenset(
     + ("sinh", "cosh", "tanh", "exp", "log", "log10", "pow", "sqrt", "fmod", "floor", "ceil", "rint")
     + ("hypot",)
 )
-_LOADING = ("_cache.py", "_entry.py", "_objects.py")
+_LOADING = ("_cache.py", "_elf_loader.py", "_entry.py", "_objects.py")
 # Checks of bounds are other code under the same name.
 CHECKED = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")
 
@@ -51,12 +51,22 @@ def kernel_digest() -> str:
     A kernel depends on what it calls and on constants of other files: one changed text makes all others.
     What only finds and loads objects has no part in them.
     """
-    here = Path(__file__).parent
+    here = os.path.dirname(__file__)
     digest = hashlib.sha256(b"checked" if CHECKED else b"")
-    for path in sorted(path for path in here.rglob("*.py") if path.name not in _LOADING):
-        digest.update(path.relative_to(here).as_posix().encode())
-        digest.update(path.read_bytes())
+    for path in sorted(_texts(here), key=lambda path: path.split(os.sep)):
+        digest.update(path[len(here) + 1 :].replace(os.sep, "/").encode())
+        with open(path, "rb") as file:
+            digest.update(file.read())
     return digest.hexdigest()[:16]
+
+
+def _texts(folder):
+    """Paths of the files of Python that the kernels consist of."""
+    for found in os.scandir(folder):
+        if found.is_dir():
+            yield from _texts(found.path)
+        elif found.name.endswith(".py") and found.name not in _LOADING:
+            yield found.path
 
 
 def write(header: dict, code: bytes) -> bytes:
@@ -85,7 +95,7 @@ class Compiled:
         self._lock = threading.Lock()
 
     def takes(self, values: tuple) -> bool:
-        """Whether the values are of the kinds that it was compiled for."""
+        """Return whether the values are of the kinds that it was compiled for."""
         with self._lock:
             return self._words.pack(values)
 
@@ -108,8 +118,7 @@ def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
     header, code = read(content)
     if header["digest"] != digest or header["target"] != target():
         raise DamagedError
-    require_memory(TO_LOAD)
-    engine = _engine(code)
+    engine = _elf_engine(code) or _llvm_engine(code)
     _engines.append(engine)
     found: dict[str, list[Compiled]] = {}
     for entry in header["entries"]:
@@ -118,7 +127,19 @@ def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
     return found
 
 
-def _engine(code):
+def _elf_engine(code):
+    """Return an object of x86-64 Linux in memory, None where only LLVM can load it."""
+    if target() != "x86_64-linux":
+        return None
+    from ._elf_loader import LoadedObject, NotLoadedError
+
+    with contextlib.suppress(NotLoadedError):
+        return LoadedObject(code)
+    return None
+
+
+def _llvm_engine(code):
+    require_memory(TO_LOAD)
     import llvmlite.binding as llvm
 
     with contextlib.suppress(RuntimeError):  # llvmlite may have been told already

@@ -35,7 +35,7 @@ class Attitudes:
         return math.copysign(math.sqrt(self._rest(body)), self.bodies[body].p[0])
 
     def _rest(self, body):
-        """What the held components leave of |p|² = 1; its root would make much of round-off."""
+        """Return what the held components leave of |p|² = 1; its root would make much of round-off."""
         rest = 1.0 - sum(value * value for value in self.held[body].values())
         return rest if rest > ROUND_OFF else 0.0
 

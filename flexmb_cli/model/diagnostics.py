@@ -1,8 +1,7 @@
 """Faults collected while a model is built, each at the deck's number that causes it."""
 
-from dataclasses import dataclass, field
-
 from ..errors import Fault, Place
+from ..quick_dataclass import dataclass, field
 
 
 @dataclass

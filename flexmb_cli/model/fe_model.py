@@ -4,11 +4,10 @@ Bodies are numbered from 0, the ground is -1.  A node is named by its number in 
 by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionLaw
@@ -64,7 +63,7 @@ class VsdfBody:
         return (2 * e0 * e0 - 1) * np.eye(3) + 2 * (np.outer(e, e) + e0 * tilde)
 
     def global_position(self, node: int) -> np.ndarray:
-        """Where a node is at t = 0, undeformed, global axes (3,)."""
+        """Return where a node is at t = 0, undeformed, global axes (3,)."""
         return np.array(self.r) + self.A @ self.position(node)
 
 
@@ -162,6 +161,18 @@ class Integrator:
 
 
 @dataclass(frozen=True)
+class StressSelection:
+    """Where the stresses of a body are reported: its nodes and elements by number, and its largest one."""
+
+    body: int
+    nodes: tuple[int, ...] = ()
+    elements: tuple[int, ...] = ()
+    every_element: bool = False
+    largest: bool = False
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
 class VsdfModel:
     """Everything the deck says, in its order."""
 
@@ -178,9 +189,10 @@ class VsdfModel:
     joint_springs: tuple[JointSpring, ...] = ()
     gravity: Vector = (0.0, 0.0, 0.0)
     outputs: tuple[End, ...] = ()
+    stresses: tuple[StressSelection, ...] = ()
 
     def global_position(self, end: End) -> np.ndarray:
-        """Where an end is at t = 0 (3,)."""
+        """Return where an end is at t = 0 (3,)."""
         if end.point is not None:
             return np.array(end.point)
         body = self.ground if end.body == GROUND else self.bodies[end.body]

@@ -5,12 +5,12 @@ S is the mass matrix of the finite-element program; S^ij = m_ij E, so that the n
 is all that inertia needs.
 """
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,17 @@ class UnitLoad:
 
 
 @dataclass(frozen=True)
-class BrickMaterial:
-    """Hexahedra in the `file` of the nodes, of Young's modulus `young`, Pa, and Poisson's ratio."""
+class ElementMaterial:
+    """Elements in the `file` of the nodes, of Young's modulus `young`, Pa, and Poisson's ratio.
+
+    `density`, kg/m³, nan where it is not given.
+    """
 
     file: FEFile
     young: float
     poisson: float
     place: Place | None = None
+    density: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,8 @@ class FlexibleInput:
     `reference`: the three nodes of (100)-(102), () for none.  With `clamped` nodes those are held in the
     body frame instead of (103); with neither the frame is that of mean axes.  `modes`: how many, 0 for all.
     `attachment`: nodes of static attachment modes; `interface`: nodes of a Craig-Bampton basis.
-    `damping`: alpha, 1/s, beta, s, and the ratio of every mode.
+    `damping`: alpha, 1/s, beta, s, and the ratio of every mode.  `stiffening`: elements whose stresses
+    stiffen the body, `material`: those whose stresses are wanted.
     """
 
     name: str
@@ -64,7 +69,8 @@ class FlexibleInput:
     modes: int = 0
     damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
     unit_loads: tuple[UnitLoad, ...] = ()
-    bricks: BrickMaterial | None = None
+    stiffening: ElementMaterial | None = None
+    material: ElementMaterial | None = None
     place: Place | None = None
 
 
@@ -84,8 +90,25 @@ class Dropped:
 
     @property
     def dependent(self) -> int:
-        """How many static shapes were superfluous."""
+        """Return how many static shapes were superfluous."""
         return len(self.shapes)
+
+
+@dataclass(frozen=True)
+class BodyStress:
+    """The elements of a body in one formulation, and the stresses of its modes at the nodes.
+
+    `deviation`: largest difference between the stiffness that the elements assemble to and that of the
+    file, relative to its largest entry.
+    """
+
+    numbers: np.ndarray  # (m,) element numbers
+    rows: np.ndarray  # (m, k) rows of the elements' nodes
+    formulation: str
+    young: float  # Pa
+    poisson: float
+    deviation: float
+    nodal: np.ndarray  # (n, 6, N) Pa per unit of each mode: xx yy zz xy yz zx, body axes
 
 
 @dataclass(frozen=True)
@@ -121,6 +144,7 @@ class FlexibleBody:
     rigid_residual: float  # largest |K R| of the six rigid motions relative to the largest entry of K
     massless: int = 0  # shapes without mass, the last ones, of unit modal mass all the same
     dropped: Dropped = field(default_factory=Dropped)
+    stress: BodyStress | None = None
 
     @property
     def modes(self) -> int:

@@ -4,11 +4,10 @@ A rigid body is one without modal coordinates: m, s0 and J0 mean the same for bo
 from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass
 from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
 from .mechanism import TimeGrid, Vector
@@ -101,6 +100,22 @@ class PointSpring:
 
 
 @dataclass(frozen=True)
+class StressOutput:
+    """Stresses of body number `body` that are reported, Pa per unit of each mode, body axes.
+
+    Components are xx yy zz xy yz zx; `largest`: whether the largest von Mises stress of all nodes is, too.
+    """
+
+    body: int
+    nodes: np.ndarray  # (s,) numbers of nodes
+    nodal: np.ndarray  # (s, 6, N)
+    elements: np.ndarray  # (e,) numbers of elements
+    points: np.ndarray  # (e, g, 6, N) at the points of integration
+    volumes: np.ndarray  # (e, g) m³
+    largest: bool = False
+
+
+@dataclass(frozen=True)
 class FlexibleMechanism:
     """Everything that dynamics needs of a VSDF deck."""
 
@@ -116,3 +131,4 @@ class FlexibleMechanism:
     springs: tuple[PointSpring, ...] = ()
     joint_springs: tuple[JointSpring, ...] = ()
     outputs: tuple[NodePoint, ...] = ()
+    stresses: tuple[StressOutput, ...] = ()

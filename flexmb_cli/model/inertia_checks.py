@@ -71,7 +71,7 @@ def hinge_motions(tree: Tree, k: int) -> np.ndarray:
 
 
 def _stands_alone(tree, k):
-    """Whether no child can add inertia to hinge k: each sits on a node and can turn back with its own hinge.
+    """Return whether no child adds inertia to hinge k: each sits on a node and turns back with its own hinge.
 
     Where the nodes of body k can stay behind altogether, such children stay with them.
     """

@@ -4,7 +4,7 @@ The codes are what the kernels switch on (`kernels/kinematics/constraints.py`); 
 files in `kernels/joints/` and to the counts of `EQUATIONS` there.
 """
 
-from dataclasses import dataclass
+from ..quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

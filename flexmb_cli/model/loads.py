@@ -4,10 +4,10 @@ SI units.  Bodies are numbered from 0, as in `mechanism`; points and vectors are
 body unless the text says global.  Every item keeps its readable name and its place in the deck.
 """
 
-from dataclasses import dataclass
 from typing import Literal
 
 from ..errors import Place
+from ..quick_dataclass import dataclass
 from .mechanism import Mechanism, Vector
 
 NOWHERE: Vector = (0.0, 0.0, 0.0)

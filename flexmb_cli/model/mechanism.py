@@ -5,9 +5,8 @@ in s; local vectors are in the axes of their body.  Attitudes are Euler paramete
 Every item keeps its readable name and its place in the deck.
 """
 
-from dataclasses import dataclass, field
-
 from ..errors import Place
+from ..quick_dataclass import dataclass, field
 
 Vector = tuple[float, float, float]
 
@@ -121,7 +120,7 @@ class TimeGrid:
 
     @property
     def left_out(self) -> str:
-        """What to say where the end is no report time, "" where it is."""
+        """Return what to say where the end is no report time, "" where it is."""
         # The round-off that `rows` allows.
         if self.end - self.last <= 1e-6 * self.step:
             return ""

@@ -5,7 +5,7 @@ FINEST = 1e-14  # relative tolerance of a step; round-off is 2e-16 of every numb
 
 
 def unsteppable(end: float, interval: float) -> str:
-    """Why a motion up to the time `end`, with rows `interval` apart, cannot be integrated; "" if it can."""
+    """Return why a motion up to `end`, with rows `interval` apart, cannot be integrated; "" if it can."""
     if end > LONGEST:
         return f"the last time would be {end:.3g} s; motions are integrated up to {LONGEST:g} s (30 years)"
     if 0.0 < interval < SHORTEST:
@@ -14,7 +14,7 @@ def unsteppable(end: float, interval: float) -> str:
 
 
 def too_fine(rtol: float) -> str:
-    """Why a relative tolerance cannot be kept; "" if it can."""
+    """Return why a relative tolerance cannot be kept; "" if it can."""
     if rtol >= FINEST:
         return ""
     return f"a relative tolerance of {rtol:g} is finer than round-off allows; {FINEST:g} is the finest"

@@ -4,11 +4,11 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE = 1, 2, 3, 4, 5
 

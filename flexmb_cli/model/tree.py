@@ -9,12 +9,12 @@ Bodies and nodes are numbered from 0 here (parent -1: inertial frame) and from 1
 axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, e2, e3), scalar first.
 """
 
-from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from ..errors import Place
+from ..quick_dataclass import dataclass, field
 from .mechanism import TimeGrid, Vector
 
 INERTIAL = -1

@@ -6,12 +6,12 @@ else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Fault, Place
+from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from .flexible_mechanism import FlexibleMechanism

@@ -194,7 +194,7 @@ class Journal:
 
 
 def _obstacle(file):
-    """Why the open file may not be written as a journal; "" where it may."""
+    """Return why the open file may not be written as a journal; "" where it may."""
     if hold(file) is False:
         return "another run is writing it; wait until it ends"
     head = file.read(_LONGEST_HEAD)
@@ -204,7 +204,7 @@ def _obstacle(file):
 
 
 def _is_blank(head):
-    """Whether a journal begins with nothing, or with the zeros that a loss of power may leave."""
+    """Return whether a journal begins with nothing, or with the zeros that a loss of power may leave."""
     return not head.strip(b"\0")
 
 

@@ -4,7 +4,7 @@ from ..deck.record import Deck
 from ..results.files.file_names import ResultPaths, result_paths
 from .context import Run
 from .exit_status import ending_recorded
-from .open_deck import open_deck, warn_of_foreign_options
+from .open_deck import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, RunOptions, Stop
 from .solution import solve_deck
 
@@ -20,7 +20,7 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
         with Stop.released():
             deck = open_deck(path, options, outcome)
         warn_of_foreign_options(deck, options, outcome)
-        run = Run(outcome, options, listener or Listener(), stdout)
+        run = Run(outcome, own_options(deck, options), listener or Listener(), stdout)
         try:
             solve_deck(deck, paths_of(deck, options), run)
         finally:

@@ -1,12 +1,12 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
+from ..quick_dataclass import replace
 from .context import Run
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first

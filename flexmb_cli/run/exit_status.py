@@ -1,10 +1,10 @@
 """How a deck ends that does not come to its last time: what is told of it, and its exit code."""
 
 from contextlib import contextmanager
-from dataclasses import replace
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
 from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
+from ..quick_dataclass import replace
 from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
 
 _REPORT = "please report it with the deck: `flexmb --debug …` shows where it happened"
@@ -33,7 +33,7 @@ def ending_recorded(outcome: Outcome, options: RunOptions):
 
 
 def reason_of(ending: BaseException) -> str:
-    """Why a run ended in its midst, for the rows that are kept."""
+    """Return why a run ended in its midst, for the rows that are kept."""
     if Stop.asked is not None or not isinstance(ending, Exception):
         return "interrupted"
     if isinstance(ending, FlexmbError):

@@ -1,13 +1,12 @@
 """Small motions of the mechanism of a deck, about a time or an equilibrium."""
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from ..errors import Fault, ModelError
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.loads import DynamicModel
 from ..model.tree import Tree
+from ..quick_dataclass import dataclass, replace
 from ..solvers.compilation import tell_of_compiling
 from .check.parts import FARTHEST_STEPS
 from .context import Run

@@ -1,12 +1,12 @@
 """The model that a deck describes, ready for an analysis: building ends here, before solving starts."""
 
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 from ..deck.record import Deck
 from ..deck.text import STANDARD_INPUT
 from ..dialects.recognise import dialect_named
+from ..quick_dataclass import replace
 from .context import Run
 
 # The analysis of every type of model.  Each has a module of this name for runs, checks, modes and

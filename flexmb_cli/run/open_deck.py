@@ -1,12 +1,12 @@
 """A deck from its file to records: with the changes of `--set`, and doubts about the options given."""
 
-from dataclasses import replace
-
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
 from ..dialects.recognise import dialect_named, every_dialect, read_deck
 from ..errors import Fault
+from ..quick_dataclass import replace
+from ..solvers.as_printed.errors import AS_PRINTED
 from .outcome import Outcome, RunOptions
 
 
@@ -34,7 +34,8 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
 def _counting_options(deck, options):
     """The options of this run on which its numbers depend, as the command has them."""
     known = dialect_named(deck.dialect).options
-    return tuple(f"{name}={value}" for name, value in options.given_numbers if name in known)
+    given = [(name, value) for name, value in options.given_numbers if name in known]
+    return tuple(name if value is None else f"{name}={value}" for name, value in given)
 
 
 def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -> None:
@@ -46,6 +47,12 @@ def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -
         told = f"{', '.join(others)} and {last} are" if others else f"{last} is"
         message = f"{told} for {owners} decks and {'have' if others else 'has'} no effect here"
         outcome.faults.append(Fault("warning", message, id="RUN-012"))
+
+
+def own_options(deck: Deck, options: RunOptions) -> RunOptions:
+    """Return the options without a flag that means nothing to the deck's dialect."""
+    as_printed = options.as_printed and AS_PRINTED in dialect_named(deck.dialect).options
+    return replace(options, as_printed=as_printed)
 
 
 def _by_owners(names):

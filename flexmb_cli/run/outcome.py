@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
+from ..quick_dataclass import dataclass, field, replace
 
 INTERRUPTED, TERMINATED = 130, 143
 
@@ -76,7 +76,8 @@ class RunOptions:
     """The options of `flexmb run` that concern one deck.
 
     `solver` are fields of `KinematicSettings`, `integration` of `model.tree.Integration`; `formulation` of
-    a tree: KANE or ABSOLUTE; `debug`: faults of flexmb itself are raised.
+    a tree: KANE or ABSOLUTE; `as_printed`: a YOUNG deck is solved with the errors of the program of 1996;
+    `debug`: faults of flexmb itself are raised.
     """
 
     dialect: str = "auto"
@@ -93,15 +94,20 @@ class RunOptions:
     resume: bool = False
     formulation: str = KANE
     estimate_error: bool = False
+    as_printed: bool = False
     echo: bool = False
     debug: bool = False
 
     @property
     def given_numbers(self) -> tuple[tuple[str, object], ...]:
-        """The options given on which numbers depend, as the command has them, and their values."""
+        """The options given on which numbers depend, as the command has them, and their values.
+
+        A flag has the value None.
+        """
         solver = ((SOLVER_OPTIONS.get(key, key), value) for key, value in self.solver.items())
         formulation = () if self.formulation == KANE else (("formulation", self.formulation),)
-        return (*solver, *self.integration.items(), *formulation)
+        flags = (("as-printed", None),) if self.as_printed else ()
+        return (*solver, *flags, *self.integration.items(), *formulation)
 
 
 @dataclass
@@ -110,7 +116,8 @@ class Outcome:
 
     `deck` is the deck as named by the user, `settings` what `--set` changed of it, `source` its text once
     read, `echo` the list of its numbers if asked for, `statistics` what the solver counted, `resumable`
-    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets.
+    whether `--resume` can go on with it, `errors` the largest global errors by the paths of their datasets,
+    `as_printed` whether it was solved with the errors of the program of 1996.
     """
 
     deck: str
@@ -126,6 +133,7 @@ class Outcome:
     errors: dict = field(default_factory=dict)
     failed_at: float | None = None
     norms: dict = field(default_factory=dict)
+    as_printed: bool = False
 
     @property
     def status(self) -> str:
@@ -146,6 +154,7 @@ class Outcome:
             "rows": self.rows,
             "files": list(self.files),
             **({"global_error": self.errors} if self.errors else {}),
+            **({"as_printed": True} if self.as_printed else {}),
         }
 
 

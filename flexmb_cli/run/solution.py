@@ -6,11 +6,11 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 
 from .. import __version__
 from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
+from ..quick_dataclass import dataclass, field
 from ..results.files.file_names import ResultPaths
 from .checkpoint import Journal
 from .context import Run

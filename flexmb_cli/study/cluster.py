@@ -11,6 +11,7 @@ from concurrent.futures import CancelledError
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
+from ..extras import needed
 from .sweep import BlockDone, Job, Sweep, next_case, solve_block
 from .workers import keep, note_deaths
 
@@ -30,18 +31,21 @@ class ClusterError(FlexmbError):
         self.exit_code = exit_code
 
 
+def require_dask() -> None:
+    """Raise MissingExtra when Dask's `distributed` is not there."""
+    needed("distributed", "distributed", "cluster", "--scheduler")
+
+
 def solve_on_cluster(sweep: Sweep, blocks: list[int], advance: Callable[[int], None], address: str) -> None:
     """Solve `blocks` on the Dask cluster whose scheduler is at `address`, a few at a time.
 
-    Raises ClusterError when there is no Dask, no scheduler or no worker, when the scheduler is lost, or when
-    workers lack flexmb or have another version.
+    Raises MissingExtra without Dask, ClusterError when there is no scheduler or no worker, when the
+    scheduler is lost, or when workers lack flexmb or have another version.
     """
-    try:
-        from distributed import Client
-        from distributed.comm.addressing import get_address_host_port
-    except ImportError:
-        message = "--scheduler needs Dask's `distributed`: pip install 'flexmb[cluster]'"
-        raise ClusterError(message, id="STUDY-004") from None
+    require_dask()
+    from distributed import Client
+    from distributed.comm.addressing import get_address_host_port
+
     try:
         # A Client of an address that is none hangs when it is thrown away.
         get_address_host_port(address)

@@ -30,7 +30,7 @@ def key_places(lines: Iterable[str]) -> dict[tuple[str, str], tuple[int, int]]:
 
 
 def _starts(line, table) -> Iterator[tuple[str, int]]:
-    """Where a name may begin, and the table it would be in."""
+    """Return where a name may begin, and the table it would be in."""
     yield "", _BEFORE_KEY.match(line).end()
     if table in TABLES:
         yield table, len(line) - len(line.lstrip())
@@ -40,7 +40,7 @@ def _starts(line, table) -> Iterator[tuple[str, int]]:
 
 
 def _names(line, start) -> Iterator[tuple[str, int]]:
-    """What may be a name there, without quotes, and its column."""
+    """Return what may be a name there, without quotes, and its column."""
     start += line[start : start + 1] in ('"', "'")
     for _, end in zip(range(_MOST_ENDS), _END.finditer(line, start), strict=False):
         name = line[start : end.start()].rstrip()

@@ -181,7 +181,7 @@ class _Reader:
         self.faults.append(Fault("error", message, self._place(name), name, id="STUDY-013"))
 
     def _place(self, name) -> Place | None:
-        """Where the name stands as a key, at best of the table being read."""
+        """Return where the name stands as a key, at best of the table being read."""
         found = self._places.get((self.within, name)) or self._places.get(("", name))
         return Place(*found, len(name)) if found else None
 

@@ -2,7 +2,6 @@
 
 import os
 import tempfile
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from ..deck.record import Deck
 from ..dialects.settings import SettableDeck
 from ..errors import ANALYSIS_FAILED, DONE, INTERNAL_FAULT, DeckError, Fault, FlexmbError
 from ..memory import LACK_OF_MEMORY, lacks_memory
+from ..quick_dataclass import dataclass, field
 from ..results.hdf5.result_file import ResultFile
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
 from ..run.context import Run
@@ -56,7 +56,7 @@ class CaseSolver:
 
     @property
     def single(self) -> int:
-        """How many of the results are one number."""
+        """Return how many of the results are one number."""
         return sum(take != SERIES for take in self.takes)
 
     def _refuse_unknown_numbers(self):
@@ -126,7 +126,7 @@ def _told(fault):
 
 
 def _quantities(study, deck, solution) -> list[Quantity]:
-    """What the study keeps, looked up in a result without rows.  Raises DeckError."""
+    """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
     faults = []

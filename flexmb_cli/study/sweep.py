@@ -4,7 +4,6 @@ import gc
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from .. import __version__
@@ -12,6 +11,7 @@ from ..deck.record import Deck, DeckText
 from ..deck.text import read_text
 from ..dialects.recognise import CHOOSES, read_deck
 from ..errors import INTERNAL_FAULT, DeckError, Fault
+from ..quick_dataclass import dataclass, field, replace
 from ..run.outcome import Stop
 from .checkpoints import Part, Parts
 from .lock import StudyLock
@@ -37,12 +37,12 @@ class Job:
 
     @property
     def parts(self) -> Parts:
-        """Where the cases are kept."""
+        """Return where the cases are kept."""
         return Parts(self.parts_folder, dict(self.identity))
 
     @property
     def blocks(self) -> int:
-        """How many blocks there are."""
+        """Return how many blocks there are."""
         return -(-self.study.cases // self.block_size)
 
     def cases(self, block: int) -> range:
@@ -120,7 +120,7 @@ class Sweep:
 
     @property
     def left(self) -> int:
-        """How many cases there were still to solve when `pending` looked."""
+        """Return how many cases there were still to solve when `pending` looked."""
         return self.job.study.cases - sum(self.kept.values())
 
     def results(self) -> Iterator[CaseResult]:
@@ -135,7 +135,7 @@ class Sweep:
 
     @property
     def failed(self) -> int:
-        """How many of the cases done failed."""
+        """Return how many of the cases done failed."""
         return sum(block.failed for block in self.done.values())
 
 

@@ -4,14 +4,14 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import islice
 
 import h5py
 import numpy as np
 
 from .. import __version__
-from ..errors import BAD_INPUT, FlexmbError
+from ..extras import needed
+from ..quick_dataclass import dataclass
 from ..results.files.full_disk_guard import ForgivingDisk
 from ..results.files.replaced_file import Replacement, located
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
@@ -20,12 +20,6 @@ from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 CONVENTIONS = "flexmb-study-2"
 BLOCK_NUMBERS = 2**17  # written at a time
 PARQUET = ".parquet"
-
-
-class MissingParquet(FlexmbError):
-    """Parquet is asked for and its library is not there (exit 2)."""
-
-    exit_code = BAD_INPUT
 
 
 @dataclass(frozen=True)
@@ -59,11 +53,10 @@ COUNTS = (("case", "number of the case"), ("exit_code", "0 when the case was sol
 def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     """Write the table; it appears whole at `path`, or not at all.
 
-    Raises OutputError when it cannot be written, MissingParquet without pyarrow.
+    Raises OutputError when it cannot be written, MissingExtra without pyarrow.
     """
     write = _write_parquet if path.endswith(PARQUET) else _write_hdf5
-    if write is _write_parquet:
-        _pyarrow()
+    require_library(path)
     place = Replacement(path)
     try:
         with located(path):
@@ -151,12 +144,16 @@ def _describe(dataset, units, long_name):
     dataset.attrs["long_name"] = long_name
 
 
+def require_library(path: str) -> None:
+    """Raise MissingExtra when the table at `path` cannot be written for want of a library."""
+    if path.endswith(PARQUET):
+        _pyarrow()
+
+
 def _pyarrow():
-    try:
-        import pyarrow.parquet
-    except ImportError:
-        message = "a Parquet table needs pyarrow: pip install 'flexmb[parquet]', or name a table .h5"
-        raise MissingParquet(message, id="STUDY-019") from None
+    needed("pyarrow.parquet", "pyarrow", "parquet", "a Parquet table (a table .h5 needs nothing more)")
+    import pyarrow
+
     return pyarrow
 
 

@@ -7,13 +7,13 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 import h5py
 import numpy as np
 
 from ..errors import visible
+from ..quick_dataclass import dataclass
 from ..results.hdf5.heap_bounds import fault_of_heaps
 from ..results.hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from ..results.quantities.quantities import NOTHING, ResultError
@@ -50,13 +50,13 @@ class StudyColumn:
         return [f"{self.name}.{row}{unit}" for row in range(1, self.length + 1)]
 
     def is_called(self, pattern: str) -> bool:
-        """Whether `pattern`, which may hold `*` and `?`, means this column; its group need not be said."""
+        """Return whether `pattern`, with `*` and `?`, means this column; its group may be left out."""
         names = {folded(self.name), folded(self.path.rpartition("/")[2] or self.name)}
         return any(name == folded(pattern) or fnmatch.fnmatchcase(name, folded(pattern)) for name in names)
 
 
 def is_study(path) -> bool:
-    """Whether the file at `path` can be opened and is the table of a study."""
+    """Return whether the file at `path` can be opened and is the table of a study."""
     try:
         with h5py.File(path, "r") as file, understood():
             return not fault_of_heaps(file) and attribute(file, "Conventions").startswith(CONVENTIONS)
@@ -169,7 +169,7 @@ def _json(cell):
 
 
 def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -> list[str]:
-    """What the text does not show: series that nobody named, and cases that failed."""
+    """Return what the text does not show: series that nobody named, and cases that failed."""
     series = [column.name for column in study_columns(table) if column.length]
     notes = [] if named or not series else [f"series are shown where they are named: {', '.join(series)}"]
     failed = int(np.count_nonzero(table[EXIT_CODE][:]))

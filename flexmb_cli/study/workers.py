@@ -3,9 +3,9 @@
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
 
 from ..errors import ANALYSIS_FAILED, FlexmbError
+from ..quick_dataclass import dataclass, field
 from ..run.processes.signal_mask import unblock_stops
 from ..run.processes.worker import Worker, end_all, having_answers, portable
 from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.dafms.reader import read_dafms
-from flexmb_cli.results.diff.listings import compare
+from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.diff.tolerances import Tolerances
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from flexmb_cli.fe.formats.calculix import read_calculix, read_freedoms
-from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.formats import read_matrix
 from flexmb_cli.fe.formats.harwell_boeing import read_harwell_boeing, read_mapping
 from flexmb_cli.fe.formats.matrix_file import FEFileFault
@@ -32,7 +32,7 @@ READERS: dict[str, Callable[[Path], object]] = {
         f"nodes {form}": lambda p, form=form: read_node_table(p, form)
         for form in ("TXT", "CDB", "INP", "BDF")
     },
-    **{f"bricks {form}": lambda p, form=form: read_hexahedra(p, form) for form in ("CDB", "INP", "BDF")},
+    **{f"bricks {form}": lambda p, form=form: read_elements(p, form) for form in ("CDB", "INP", "BDF")},
 }
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
-from flexmb_cli.fe.brick_stiffness import matching_bricks
+from flexmb_cli.fe.elements.element_stiffness import matching_elements
 
 YOUNG, POISSON, DENSITY = 2e9, 0.3, 1000.0
 SIDES = (0.3, 0.2, 0.1)
@@ -49,9 +49,9 @@ def _brick():
     """Positions (8, 3), mass of equal points with neighbours coupled, stiffness of a brick C3D8."""
     nodes = UNIT * SIDES
     rows = np.arange(8)[None]
-    made = matching_bricks(nodes, rows, (YOUNG, POISSON), sparse.identity(24, format="csc"))
-    B = made.bricks.strains(slice(0, 1))[0, :, :, :24]
-    K = np.einsum("gai,ab,gbj,g->ij", B, made.D, B, made.bricks.volumes[0])
+    made = matching_elements(nodes, rows, (YOUNG, POISSON), sparse.identity(24, format="csc"))
+    B = made.elements.strains(slice(0, 1))[0, :, :, :24]
+    K = np.einsum("gai,ab,gbj,g->ij", B, made.D, B, made.elements.volumes[0])
     near = (np.abs(UNIT[:, None] - UNIT[None]).sum(axis=2)).astype(int)
     # Consistent mass of a box: 8 4 2 1 parts of 216 for nodes that share a corner, an edge, a face, nothing.
     m = DENSITY * np.prod(SIDES) / 216 * np.array([8, 4, 2, 1])[near]

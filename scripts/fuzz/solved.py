@@ -21,7 +21,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-SECONDS = 2.0  # by the clock: a deck may ask for any number of steps
+SECONDS = 10.0  # of processor time: a deck may ask for any number of steps
 BATCH = 250  # decks of one process
 
 
@@ -31,16 +31,17 @@ def main() -> int:
         _solve_all(options)
         return 0
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    tally, sorts = Counter(), Counter()
+    tally, sorts, judged = Counter(), Counter(), Counter()
     for record in _records(options):
         tally[record["end"]] += 1
+        judged.update(record.get("judged", ()))
         if record["wrong"]:
             sorts[record["wrong"].split(":")[0]] += 1
             print(f"deck {record['number']} ({record['name']}): {record['wrong'][-1500:]}", flush=True)
     ends = ", ".join(f"{count} {end}" for end, count in sorted(tally.items()))
     print(f"{tally.total()} decks: {ends}; {sorts.total()} wrong")
-    for sort, count in sorts.most_common():
-        print(f"    {count:6} {sort}")
+    for what, count in (*judged.most_common(), *sorts.most_common()):
+        print(f"    {count:6} {what}")
     return 1 if sorts else 0
 
 
@@ -50,6 +51,9 @@ def _options():
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, metavar="FOLDER")
+    parser.add_argument(
+        "--dialect", choices=("young", "dafms", "vsdf"), default="", help="of these decks alone"
+    )
     parser.add_argument("-j", "--jobs", type=int, default=1)
     parser.add_argument("--alone", action="store_true", help=argparse.SUPPRESS)
     return parser.parse_args()
@@ -66,6 +70,7 @@ def _records(options):
 
 def _together(batches, options):
     keep = ["--keep", str(options.keep)] if options.keep else []
+    keep += ["--dialect", options.dialect] if options.dialect else []
     running = []
     for first, count in batches:
         words = ["--alone", "--seed", options.seed, "--first", first, "--count", count, *keep]
@@ -85,7 +90,7 @@ class TooLong(BaseException):
 
 def _solve_all(options):
     warnings.simplefilter("ignore")
-    signal.signal(signal.SIGALRM, _stop)
+    signal.signal(signal.SIGPROF, _stop)
     with tempfile.TemporaryDirectory(prefix="solved-", dir=_memory()) as folder:
         for number in range(options.first, options.first + options.count):
             work = Path(folder) / "work"
@@ -93,13 +98,13 @@ def _solve_all(options):
             work.mkdir()
             record = {"number": number, "name": "?", "end": "failed", "wrong": ""}
             try:
-                record |= _solved(random.Random(f"{options.seed}/solved/{number}"), work)
+                record |= _solved(random.Random(f"{options.seed}/solved/{number}"), work, options.dialect)
             except TooLong:
                 record["end"] = "too long"
             except Exception:
                 record["wrong"] = traceback.format_exc()
             finally:
-                signal.setitimer(signal.ITIMER_REAL, 0)
+                signal.setitimer(signal.ITIMER_PROF, 0)
             if record["wrong"] and options.keep:
                 shutil.copytree(work, options.keep / f"solved-{options.seed}-{number}", dirs_exist_ok=True)
             print(json.dumps(record), flush=True)
@@ -114,14 +119,14 @@ def _stop(_number, _frame):
     raise TooLong
 
 
-def _solved(chance, work) -> dict:
+def _solved(chance, work, dialect) -> dict:
     from solved_decks import damaged
 
     from flexmb_cli.run.check.check import check_deck
     from flexmb_cli.run.deck import run_deck
     from flexmb_cli.run.outcome import RunOptions
 
-    deck = damaged(chance)
+    deck = damaged(chance, dialect)
     # Files that a deck names are found beside it.
     for path in deck.folder.iterdir():
         if path.is_dir():
@@ -129,13 +134,15 @@ def _solved(chance, work) -> dict:
     path = work / deck.name
     path.write_bytes(deck.raw)
     options = RunOptions(folder=str(work / "out"), no_out=True, h5=str(work / "r.h5"), changes=deck.changes)
-    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     checked = check_deck(str(path), options).outcome
     ran = run_deck(str(path), options)
-    signal.setitimer(signal.ITIMER_REAL, 0)
+    signal.setitimer(signal.ITIMER_PROF, 0)
     end = {0: "solved", 1: "failed in words", 2: "refused"}.get(ran.exit_code, "interrupted")
-    wrong = _disagree(checked, ran) or _judged(deck, ran, work / "r.h5")
-    return {"name": deck.name, "end": end if end != "interrupted" else "too long", "wrong": wrong}
+    judged = []
+    wrong = _disagree(checked, ran) or _judged(deck, ran, work / "r.h5", judged)
+    told = {"name": deck.name, "end": end if end != "interrupted" else "too long", "wrong": wrong}
+    return told | {"judged": judged}
 
 
 def _disagree(checked, ran) -> str:
@@ -153,7 +160,8 @@ def _disagree(checked, ran) -> str:
     return ""
 
 
-def _judged(deck, ran, result) -> str:
+def _judged(deck, ran, result, judged) -> str:
+    """What is wrong with the result; `judged` gets what was looked at besides."""
     from solved_judge import judge
     from young_text import read_young_text
 
@@ -166,7 +174,7 @@ def _judged(deck, ran, result) -> str:
     told = b"UNCO" in deck.raw or any("energy" in fault.message for fault in ran.faults)
     # Steps that leave out the highest modes make rates that are not theirs; flexmb says so.
     coarse = any("a step of" in fault.message for fault in ran.faults)
-    return judge(result, text, told, coarse)
+    return judge(result, text, told, coarse, judged)
 
 
 def _with_changes(text, changes):

@@ -13,10 +13,11 @@ from judged_young import judge_young
 ENERGY = 2e-3  # of the largest energy: flexmb warns of a thousandth
 
 
-def judge(path, text, warned: bool, coarse: bool = False) -> str:
+def judge(path, text, warned: bool, coarse: bool = False, judged: list[str] | None = None) -> str:
     """What is wrong with the result at `path`, "" for nothing; `text`: a YoungText, or None.
 
-    `warned`: the run itself warned of its energy; `coarse`: of its steps.
+    `warned`: the run itself warned of its energy; `coarse`: of its steps.  `judged` gets a word when
+    differences of rows were compared.
     """
     result = Result(path)
     try:
@@ -27,8 +28,8 @@ def judge(path, text, warned: bool, coarse: bool = False) -> str:
                 _attitudes(result)
                 if text is not None:
                     judge_young(result, text)
-                elif not coarse:
-                    judge_rates(result)
+                elif not coarse and judge_rates(result) and judged is not None:
+                    judged.append(f"rates of {result.attributes['dialect']} decks compared")
                 _kept_joints(result)
                 _energies(result, warned)
                 _tree_closures(result)

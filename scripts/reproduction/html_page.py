@@ -20,24 +20,33 @@ class Section:
 
     title: str
     pieces: list[str] = field(default_factory=list)
+    markdown: list[str] = field(default_factory=list)
 
     def text(self, sentence: str) -> None:
         """A paragraph; line ends do not matter."""
-        self.pieces.append(f"<p>{html.escape(' '.join(sentence.split()))}</p>")
+        sentence = " ".join(sentence.split())
+        self.pieces.append(f"<p>{html.escape(sentence)}</p>")
+        self.markdown.append(_plain(sentence))
 
     def heading(self, words: str) -> None:
         """A heading below the section's."""
         self.pieces.append(f"<h3>{html.escape(words)}</h3>")
+        self.markdown.append(f"### {_plain(words)}")
 
     def table(self, head, rows) -> None:
         """A table; cells that begin like numbers stand on the right."""
         top = "".join(f"<th>{html.escape(str(cell))}</th>" for cell in head)
         body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
         self.pieces.append(f"<table><tr>{top}</tr>{body}</table>")
+        lines = (map(str, head), ("---" for _ in head), *(map(str, row) for row in rows))
+        self.markdown.append("\n".join(f"| {' | '.join(map(_plain, line))} |" for line in lines))
 
     def picture(self, folder: Path, name: str, figure, caption: str) -> None:
         """A matplotlib figure, written to `folder`."""
         figure.savefig(folder / name, dpi=110, metadata={"Software": None})
+        self.markdown.append(
+            f"```{{figure}} ../pictures/{folder.name}/{name}\n:alt: {_plain(caption)}\n{_plain(caption)}\n```"
+        )
         caption = html.escape(caption)
         self.pieces.append(
             f'<figure><img src="{name}" alt="{caption}"><figcaption>{caption}</figcaption></figure>'
@@ -53,6 +62,13 @@ def _cell(value):
     return f'<td class="n">{html.escape(text)}</td>' if number else f"<td>{html.escape(text)}</td>"
 
 
+def _plain(text):
+    """Text in which MyST sees no markup."""
+    for sign in "\\|*_<>[]`$":
+        text = text.replace(sign, f"\\{sign}")
+    return "---" if text == "---" else text
+
+
 def page(title: str, sections) -> str:
     """The whole page."""
     body = "\n".join(map(str, sections))
@@ -60,3 +76,11 @@ def page(title: str, sections) -> str:
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title>'
         f"<style>{STYLE}</style><h1>{html.escape(title)}</h1>\n{body}\n</html>\n"
     )
+
+
+def markdown_page(head: str, sections) -> str:
+    """The same page for the documentation."""
+    parts = [head]
+    for section in sections:
+        parts += [f"## {_plain(section.title)}", *section.markdown]
+    return "\n\n".join(parts) + "\n"

@@ -10,20 +10,24 @@ from scipy.io import mmread
 from scipy.spatial.transform import Rotation
 
 from flexmb_cli.errors import ModelError
-from flexmb_cli.fe.brick_stiffness import element_stiffness, initial_stress_matrix, matching_bricks
-from flexmb_cli.fe.bricks import CUBE, FORMULATIONS, bricks, elasticity, shape_slopes
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.fe.elements.element_stiffness import (
+    element_stiffness,
+    initial_stress_matrix,
+    matching_elements,
+)
+from flexmb_cli.fe.elements.solid_elements import CUBE, FORMULATIONS, elasticity, shape_slopes, solid_elements
 from flexmb_cli.fe.flexible_bodies import flexible_body
-from flexmb_cli.fe.formats.connectivity import read_hexahedra
+from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.formats import read_matrix
 from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.fe.nodal_matrices import condensed
-from flexmb_cli.model.flexible_body import BrickMaterial, FEFile
+from flexmb_cli.model.flexible_body import ElementMaterial, FEFile
 from scripts.brick_beam import Beam, run_calculix
+from tests.dialects.vsdf.vsdf_decks import build, supplied, told
 from tests.fe.calculix import needs_ccx
 from tests.fe.supplied import FILES, body, nodes, pendulum, spin_up
 from tests.fe.trusses import write_matrix
-from tests.read.vsdf_decks import build, supplied, told
 
 # 30 x 1 x 1 bricks with incompatible modes; four nodes a section, in the order (y, z).
 SPIN_UP = np.array([[4 * i + a for a in (1, 5, 7, 3, 2, 6, 8, 4)] for i in range(30)])
@@ -41,7 +45,7 @@ def spin_up_bricks(folder, young=YOUNG, poisson=POISSON, **choices):
     path = folder / "spinup.inp"
     path.write_text("\n".join(["*NODE", *places, "*ELEMENT, TYPE=C3D8I", *rows]) + "\n")
     given = replace(spin_up(**choices), unit_loads=())
-    return replace(given, bricks=BrickMaterial(FEFile(path, "INP"), young, poisson))
+    return replace(given, stiffening=ElementMaterial(FEFile(path, "INP"), young, poisson))
 
 
 def test_the_supplied_matrices_of_the_spin_up_are_found_to_their_digits(tmp_path):
@@ -54,15 +58,15 @@ def test_the_supplied_matrices_of_the_spin_up_are_found_to_their_digits(tmp_path
 def test_the_formulation_is_told_from_the_stiffness_and_decides_on_the_stresses():
     """Bricks of full integration are stiffer by 7 % and would have another stress in every direction."""
     table, K = nodes("spinup_nodes.txt"), mmread(FILES / "spinup_K.mtx").tocsc()
-    found = matching_bricks(table.positions, SPIN_UP - 1, (YOUNG, POISSON), K)
-    assert found.bricks.formulation.name == "incompatible modes"
+    found = matching_elements(table.positions, SPIN_UP - 1, (YOUNG, POISSON), K)
+    assert found.elements.formulation.name == "incompatible modes"
     assert found.deviation < 1e-10
 
 
 def pendulum_bricks(**choices):
     """The rod of 8 x 2 x 1 bricks, its joint's face clamped; elements of the archive."""
     given = pendulum(clamped=(1, 2, 3, 4, 5, 6), modes=6, **choices)
-    return replace(given, bricks=BrickMaterial(FEFile(FILES / "pendulum.cdb", "CDB"), 1e7, 0.49))
+    return replace(given, stiffening=ElementMaterial(FEFile(FILES / "pendulum.cdb", "CDB"), 1e7, 0.49))
 
 
 def test_six_loads_make_the_stiffening_independent_of_the_axes(tmp_path):
@@ -101,7 +105,7 @@ def test_a_free_rod_in_mean_axes_is_stiffened_by_its_pull():
     mode = np.cosh(b * x) + np.cos(b * x) - s * (np.sinh(b * x) + np.sin(b * x))
     slope = np.gradient(mode, x, edge_order=2)
     expected = trapezoid(x * (1 - x) / 2 * slope**2, x) / trapezoid(mode**2, x)
-    given = replace(pendulum(modes=2, mean=True), bricks=pendulum_bricks().bricks)
+    given = replace(pendulum(modes=2, mean=True), stiffening=pendulum_bricks().stiffening)
     KG = body(given).KG
     found = np.diag(-(KG[0, 0] + KG[1, 1]))
     # A depth of a tenth to a seventh of the length bends by shear too.
@@ -132,7 +136,7 @@ def test_a_skewed_brick_has_the_stiffness_that_calculix_prints():
     """Gradients of incompatible modes by the Jacobian at the centre, without the factor det J0 / det J."""
     deviations = {}
     for formulation in FORMULATIONS[8]:
-        made = bricks(SKEWED, np.arange(8)[None], formulation)
+        made = solid_elements(SKEWED, np.arange(8)[None], formulation)
         found = np.diag(element_stiffness(made, elasticity(1.0, 0.3))[0][0])[:6]
         deviations[formulation.name] = np.abs(found - OF_CALCULIX).max()
     assert deviations.pop("incompatible modes of CalculiX") < 1e-13
@@ -162,8 +166,8 @@ def test_skewed_bricks_of_calculix_are_recognised(tmp_path):
     table, rows = read_node_table(tmp_path / "b.inp", "INP"), np.array(beam.mesh()[1]) - 1
     matrix = read_matrix(given.stiffness.path, "CCX", "K", given.mapping.path, "CCX")
     K = condensed("K", matrix, table.numbers).matrix
-    found = matching_bricks(table.positions, rows, (beam.young, beam.poisson), K)
-    assert found.bricks.formulation.name == "incompatible modes of CalculiX"
+    found = matching_elements(table.positions, rows, (beam.young, beam.poisson), K)
+    assert found.elements.formulation.name == "incompatible modes of CalculiX"
     assert found.deviation < 1e-12
 
 
@@ -178,7 +182,7 @@ def calculix_body(folder, beam, **choices):
         numbers=table.numbers,
         positions=table.positions,
         unit_loads=(),
-        bricks=BrickMaterial(FEFile(folder / "b.inp", "INP"), beam.young, beam.poisson),
+        stiffening=ElementMaterial(FEFile(folder / "b.inp", "INP"), beam.young, beam.poisson),
         **choices,
     )
 
@@ -225,9 +229,9 @@ def test_a_bar_under_pull_has_the_string_stiffness_of_its_pull(count):
     positions = np.array(list(placed.values()))
     rows = np.array(elements) - 1
     for formulation in FORMULATIONS[count]:
-        made = bricks(positions, rows, formulation)
+        made = solid_elements(positions, rows, formulation)
         assert made.volumes.sum() == pytest.approx(0.02, rel=1e-13)
-    found = matching_bricks(positions, rows, (beam.young, 0.0), sparse.identity(3 * len(positions)).tocsc())
+    found = matching_elements(positions, rows, (beam.young, 0.0), sparse.identity(3 * len(positions)).tocsc())
     stretched = np.zeros(positions.shape)
     stretched[:, 0] = 1e-3 * positions[:, 0]
     scalars = initial_stress_matrix(found, stretched.ravel())
@@ -242,8 +246,8 @@ def test_hookes_law_in_pure_shear_and_under_pressure():
 
 
 def test_elements_come_in_the_same_order_from_every_format():
-    archive = read_hexahedra(FILES / "pendulum.cdb", "CDB")
-    wanted = read_hexahedra(FILES / "calculix/pendulum.inp", "INP")
+    archive = read_elements(FILES / "pendulum.cdb", "CDB")
+    wanted = read_elements(FILES / "calculix/pendulum.inp", "INP")
     np.testing.assert_array_equal(archive.nodes, wanted.nodes)
     np.testing.assert_array_equal(archive.numbers, np.arange(1, 17))
 
@@ -265,7 +269,7 @@ def test_a_deck_asks_for_it_by_the_material_on_geos():
 
 
 FAULTS = {
-    "    1    1": "stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the bricks",
+    "    1    1": "stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the elements",
     "    1    1    -1.0E7      0.49": "Young's modulus must be above zero; read -1.0E7",
     "    1    1     1.0E7      0.50": "Poisson's ratio lies between -1 and 0.5; read 0.50",
 }
@@ -278,4 +282,4 @@ def test_a_material_that_cannot_be_is_refused_at_its_card(card):
 
 def test_matrices_and_bricks_at_once_are_refused():
     text = supplied("spinup", ("GEOS\n    1    1\n", "GEOS\n    1    1     7.E10       0.3\n"))
-    assert any("either from the matrices of FEMG or from bricks" in fault for fault in told(text))
+    assert any("either from the matrices of FEMG or from elements" in fault for fault in told(text))

@@ -9,7 +9,7 @@ from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.dialects.vsdf.joints import BY_WORD
 from flexmb_cli.errors import ModelError
 from flexmb_cli.fe.build_mechanism import euler_parameters, flexible_mechanism
-from tests.read.vsdf_decks import DECKS, RIGID, build, changed, read, supplied
+from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, build, changed, read, supplied
 
 # Nine modes are the paper's pendulum and rod.
 MODES = {"spinup": 12, "slider_crank_flex": 6}

@@ -17,7 +17,7 @@ from flexmb_cli.kernels.constrained.floating_frame import (
     moving_inertia,
     velocity_forces,
 )
-from tests.read.vsdf_decks import build, supplied
+from tests.dialects.vsdf.vsdf_decks import build, supplied
 
 FREE_ROD = {
     0.1: (0.113486, 0.013563, -0.052720),

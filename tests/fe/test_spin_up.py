@@ -15,7 +15,7 @@ from flexmb_cli.kernels.constrained.floating_frame import (
     moving_inertia,
     velocity_forces,
 )
-from tests.read.vsdf_decks import build, supplied
+from tests.dialects.vsdf.vsdf_decks import build, supplied
 
 # t: u2 nonlinear, with K_G, without.
 TIP = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flexmb_cli.fe.bricks import elasticity
+from flexmb_cli.fe.elements.solid_elements import elasticity
 
 
 def tetrahedra(positions, elements, young, poisson, density):

@@ -18,7 +18,7 @@ from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.mechanism_modes import Wish
 from flexmb_cli.run.modes import modes_of_deck
 from flexmb_cli.run.outcome import Listener, RunOptions
-from tests.read.vsdf_decks import RIGID
+from tests.dialects.vsdf.vsdf_decks import RIGID
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 UNTURNED = (1.0, 0.0, 0.0, 0.0)

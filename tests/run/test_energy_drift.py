@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from flexmb_cli.run.energy_drift import ConstrainedDrift
-from tests.read.vsdf_decks import changed
-from tests.trouble.young_linkages import AT_REST, outcome, told, turned, young
+from tests.dialects.vsdf.vsdf_decks import changed
+from tests.solvers.kinematics.young_linkages import AT_REST, outcome, told, turned, young
 
 MASS, ARM, INERTIA, GRAVITY = 1.0, 0.5, 0.1, 9.81
 SWINGING = f"DYNAMICS forward\nMASS 2 {MASS} {ARM} 0 0 0.01 0.1 {INERTIA}\nGRAVITY 0 -{GRAVITY} 0\n"

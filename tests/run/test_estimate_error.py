@@ -11,10 +11,10 @@ from flexmb_cli.errors import AnalysisError, Fault
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.error_estimate import ErrorEstimate
 from flexmb_cli.run.outcome import RunOptions
-from tests.read.vsdf_decks import changed
+from tests.dialects.vsdf.test_rigid_links import young_rows
+from tests.dialects.vsdf.vsdf_decks import changed
 from tests.run.dafms_runs import altered, loaded, run
-from tests.trouble.young_linkages import AT_REST, four_bar, outcome, told, turned, young
-from tests.vsdf.test_rigid_links import young_rows
+from tests.solvers.kinematics.young_linkages import AT_REST, four_bar, outcome, told, turned, young
 
 ARM, INERTIA, GRAVITY = 0.5, 0.1, 9.81
 

@@ -347,7 +347,7 @@ def kill_when_grown(arguments, journal, growth):
     return False
 
 
-@pytest.mark.campaign  # the fast pass kills runs in tests/test_fault_injection.py
+@pytest.mark.campaign  # the fast pass kills runs in tests/scripts/test_fault_injection.py
 @pytest.mark.processes
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill is Unix's")
 def test_a_run_killed_ten_times_goes_on_to_the_same_bytes(tmp_path):

@@ -13,9 +13,9 @@ from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.constrained import analysis as constrained
 from flexmb_cli.solvers.kinematics import analysis as kinematic
-from tests.read.vsdf_decks import RIGID, changed
+from tests.dialects.vsdf.vsdf_decks import RIGID, changed
 from tests.run.dafms_runs import stop_after
-from tests.trouble.young_linkages import AT_REST, turned, young
+from tests.solvers.kinematics.young_linkages import AT_REST, turned, young
 
 DECKS = Path(__file__).parents[2] / "decks"
 

@@ -22,7 +22,7 @@ from flexmb_cli.cli.terminal.screen import OutputText
 from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.errors import Fault, OutputError
 from flexmb_cli.memory import LACK_OF_MEMORY
-from flexmb_cli.results.diff.listings import compare
+from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.files.replaced_file import located
 from flexmb_cli.results.hdf5.result_file import ResultFile
 from flexmb_cli.run import deck, modes

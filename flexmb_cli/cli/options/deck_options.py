@@ -6,8 +6,9 @@ from ...dialects import DIALECTS
 from ...errors import compiler_style
 from ..terminal.screen import tell
 from ..terminal.stops import stop_on_signals
+from .completion import files
 
-DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True)
+DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True, shell_complete=files)
 
 
 def deck_options(command):

@@ -4,10 +4,10 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lacks_memory, told_of_lack
+from ...quick_dataclass import dataclass, field
 from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
 from ...run.processes.signal_mask import unblock_stops
 from ...run.processes.worker import Worker, end_all, having_answers, portable
@@ -120,7 +120,7 @@ class _Work:
             self.notice(sentence)
 
     def _take(self, worker, index, deck, answer):
-        """What became of a deck; `answer` None: its process was killed."""
+        """Return what became of a deck; `answer` None: its process was killed."""
         outcome, goes_on = answer or (_failed(deck, KILLED), False)
         if goes_on:
             self.idle.append(worker)

@@ -29,7 +29,7 @@ def faults_in_json(wanted: bool, about: dict, file: str):
 
 
 def wants_json(commands: dict, arguments: list[str]) -> bool:
-    """Whether the command line asks for JSON of a command that has it; it may be wrong otherwise."""
+    """Return whether the command line asks for JSON of a command that has it; it may be wrong otherwise."""
     options = arguments[: arguments.index("--")] if "--" in arguments else arguments
     command = commands.get(next((word for word in options if word in commands), ""))
     return "--json" in options and any("--json" in option.opts for option in getattr(command, "params", ()))

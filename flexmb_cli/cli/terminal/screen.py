@@ -40,7 +40,7 @@ def _as_stream_error():
 
 
 def wants_debug() -> bool:
-    """Whether faults of flexmb itself are to be shown with their traceback."""
+    """Return whether faults of flexmb itself are to be shown with their traceback."""
     return "--debug" in sys.argv
 
 

@@ -2,6 +2,8 @@
 
 import click
 
+from ..options.completion import files
+
 
 class WrittenPlace(click.types.StringParamType):
     """A path; the empty one is what a variable of the shell leaves that was never set."""
@@ -11,3 +13,7 @@ class WrittenPlace(click.types.StringParamType):
         if value == "":
             self.fail("an empty name; give a path", param, ctx)
         return super().convert(value, param, ctx)
+
+    def shell_complete(self, ctx, param, incomplete):
+        """Have the shell complete names of files."""
+        return files(ctx, param, incomplete)

@@ -5,11 +5,10 @@ Euler–Bernoulli elements with Hermite (cubic) deflection; the nodal rotations 
 each of its ends.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import DeckError, Fault
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
 
 
 def _cards_begin(values):
-    """Where cards are expected: at the last number of the time, which stands before them."""
+    """Return where cards are expected: at the last number of the time, which stands before them."""
     return values.number("time", 0, "H").place
 
 

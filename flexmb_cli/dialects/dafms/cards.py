@@ -8,10 +8,10 @@ record of theirs can begin with a card's word, because all begin with a number.
 The whole format is described for users in decks/dafms/FORMAT.md.
 """
 
-from dataclasses import dataclass
 from functools import cache
 
 from ...deck.fortran_records import Item
+from ...quick_dataclass import dataclass
 
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"

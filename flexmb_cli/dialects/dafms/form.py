@@ -96,7 +96,7 @@ def _body_entry(k):
 
 
 def _coordinates(answers, bodies):
-    """What each coordinate is, in the order of card Y(L)."""
+    """Return what each coordinate is, in the order of card Y(L)."""
     for letter, motion in (("NR", "rotation about"), ("NT", "translation along")):
         for k in bodies:
             for a in (1, 2, 3):

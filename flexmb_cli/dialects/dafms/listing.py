@@ -66,7 +66,7 @@ class _Page:
         return "".join(self.line(tag, *len(chunk) * (edit,), values=chunk) for chunk in chunks)
 
     def control(self):
-        """What MAIN and QCONTR write."""
+        """Return what MAIN and QCONTR write."""
         size, *bodies = self.counts
         time = self.sections["time"][0]
         return "".join(
@@ -92,7 +92,7 @@ class _Page:
         return self.listed(_HEAD.format(title), I(5), 10, values)
 
     def flexible_body(self, k):
-        """What DFIN writes for one body."""
+        """Return what DFIN writes for one body."""
         positions = self._nodes("node", k)
         forces = self._nodes("nodal_force", k)
         masses = _values(self._array("bmi", k))
@@ -137,7 +137,7 @@ class _Page:
         return full_matrix(_values(self._array("counts.jdi", k)), _values(self._array("bkp", k))).tolist()
 
     def system(self):
-        """What TSYSIN writes, card by card as read, unless NOPR has switched the echo off."""
+        """Return what TSYSIN writes, card by card as read, unless NOPR has switched the echo off."""
         text, printing = [], True
         for section, group in groupby(self.records, key=_card):
             records = list(group)

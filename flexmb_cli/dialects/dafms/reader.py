@@ -4,11 +4,11 @@ DAFMS thesis (Zhao, 1992), appendix C, MAIN, QCONTR and DFIN; TSYSIN is in `syst
 """
 
 from contextlib import suppress
-from dataclasses import dataclass, field
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Place
+from ...quick_dataclass import dataclass, field
 from .cards import CARDS, KNOWN_WORDS, MACROS, SWITCHES
 from .skipped_lines import SkippedLines
 from .system_cards import read_system

@@ -92,7 +92,7 @@ def _check_first_coordinates(values, q, findings):
 
 
 def _is_set(values, m):
-    """Whether `--set` gave the initial coordinate: the deck's echoes of the old one are no slips then."""
+    """Return whether `--set` gave the initial coordinate: old echoes are no slips then."""
     return bool(values.section("coordinate")) and values.place("coordinate", m + 1) is None
 
 

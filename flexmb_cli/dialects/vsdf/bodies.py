@@ -10,6 +10,7 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, RigidMass, VsdfBody
 from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
 from .nodes import given_nodes, sets_of
+from .placement import placed_bodies
 
 _UNIT_LENGTH = 1e-6
 _TRIANGLE = 1e-9
@@ -19,7 +20,8 @@ def build_bodies(values: DeckValues, folder: Path, findings: Findings) -> tuple[
     """The bodies in order; file names are relative to `folder`; faults go to `findings`."""
     count = len(values.section("body"))
     _check_body_numbers(values, count, findings)
-    return tuple(_body(values, k, folder, findings) for k in range(1, count + 1))
+    bodies = tuple(_body(values, k, folder, findings) for k in range(1, count + 1))
+    return placed_bodies(values, bodies, findings)
 
 
 def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:

@@ -13,6 +13,7 @@ from .bodies import build_bodies, build_ground
 from .joints import build_joints, build_motions, build_pins, build_tables
 from .loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
 from .motion_angles import check_motion_laws
+from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
 
 MOST_ROWS = 10_000_000
@@ -43,6 +44,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "springs": build_springs(values, bodies, ground, findings),
         "joint_springs": build_joint_springs(values, joints, findings),
         "outputs": build_outputs(values, bodies, ground, findings),
+        "stresses": build_stresses(values, bodies, findings),
     }
     if not bodies:
         findings.error("", "the deck has no body", None, id="VSDF-009")

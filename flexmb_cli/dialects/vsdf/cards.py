@@ -4,7 +4,7 @@ Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's 
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
-from dataclasses import dataclass
+from ...quick_dataclass import dataclass
 
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
@@ -83,6 +83,7 @@ MATRIX_FORMS = ("MM", "HB", "CCX", "ABQ", "DMIG", "OP4")
 MAPPING_FORMS = ("ANS", "CCX")
 JOINTS = ("SPHE", "UNIV", "REVO", "CYLI", "TRAN", "SCRW", "FIXD", "RSPH", "DIST")
 MOTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ", "ANGL", "STRK")
+STRESS_PLACES = ("NODE", "ELEM", "MAX")
 
 CARDS = (
     Card(
@@ -296,8 +297,8 @@ CARDS = (
         (
             _BODY,
             _whole("on", "1: centrifugal stiffening"),
-            Column("E", "Young's modulus of the bricks; empty: by FEMG", "Pa", default=0.0),
-            Column("nu", "Poisson's ratio of the bricks", default=0.0),
+            Column("E", "Young's modulus of the elements; empty: by MATL or FEMG", "Pa", default=0.0),
+            Column("nu", "Poisson's ratio of the elements", default=0.0),
         ),
     ),
     Card(
@@ -339,6 +340,37 @@ CARDS = (
         ),
     ),
     Card("OUTN", "output", "output nodes {}", "list", (_BODY,), _NODE),
+    Card(
+        "MATL",
+        "material",
+        "material of body {}",
+        "body",
+        (
+            _BODY,
+            Column("E", "Young's modulus of the elements", "Pa", default=None),
+            Column("nu", "Poisson's ratio of the elements", default=0.0),
+            Column("rho", "density, to test the mass by; empty: no test", "kg/m^3", default=0.0),
+        ),
+    ),
+    Card(
+        "OUTS",
+        "stress_output",
+        "stress output {}",
+        "list",
+        (_BODY, _word("what", "where stresses are reported", STRESS_PLACES)),
+        _whole("number", "node, node set or element; none: all"),
+    ),
+    Card(
+        "PLAC",
+        "placement",
+        "placement {}",
+        "list",
+        (
+            _BODY,
+            _NODE,
+            *_vector("p", "point that it lies at (first), towards (second), beside (third), global", "m"),
+        ),
+    ),
 )
 
 BY_WORD = {card.word: card for card in CARDS}

@@ -5,7 +5,6 @@ body stretches, other axes, modes and invariants.  With all modes both hold the 
 of the origin strains nothing: the two models are one and the same.
 """
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from ...errors import Fault, ModelError
 from ...fe.build_mechanism import flexible_mechanism
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
+from ...quick_dataclass import replace
 from .build import build_vsdf
 
 

@@ -34,7 +34,7 @@ class Unfit(ValueError):
 
 
 def is_free(line: str, columns: tuple[Column, ...]) -> bool:
-    """Whether a card is in free form: it has a comma before any file name."""
+    """Return whether a card is in free form: it has a comma before any file name."""
     text = any(column.letter == "T" for column in columns)
     head = line[: _edges(columns)[-1][0] - 1] if text else line
     return "," in head
@@ -56,7 +56,7 @@ def fields(line: str, columns: tuple[Column, ...], more: Column | None = None) -
 
 
 def rest(line: str, columns: tuple[Column, ...]) -> Field:
-    """What stands behind the last field of a card."""
+    """Return what stands behind the last field of a card."""
     if is_free(line, columns):
         extra = _cut_by_commas(line, columns)[len(columns) :]
         return next((field for field in extra if field.text), Field("", len(line) + 1))
@@ -65,7 +65,7 @@ def rest(line: str, columns: tuple[Column, ...]) -> Field:
 
 
 def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
-    """Whether what stands behind the last field of a card in fixed form goes on without a blank."""
+    """Return whether what stands behind the last field of a card in fixed form goes on without a blank."""
     return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
 
 

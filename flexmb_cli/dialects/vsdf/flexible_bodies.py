@@ -9,7 +9,8 @@ from ...fe.formats.matrix_file import FEFileFault
 from ...fe.formats.node_table import read_node_table
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
-from ...model.flexible_body import BrickMaterial, FEFile, FlexibleInput, UnitLoad
+from ...model.flexible_body import FEFile, FlexibleInput, UnitLoad
+from .materials import matrices_of_elements, stiffening_material, stress_material
 from .nodes import members_of, sets_of
 
 FLEXIBLE_ONLY = (
@@ -20,6 +21,7 @@ FLEXIBLE_ONLY = (
     ("damping", "DAMP"),
     ("stiffening", "GEOS"),
     ("unit_load", "FEMG"),
+    ("material", "MATL"),
 )
 LISTS = (("clamped", "CLMP"), ("attachment", "ATTM"), ("interface", "CRBN"))
 
@@ -36,9 +38,11 @@ def flexible_body(
                 )
     table = _node_table(values, k, record, folder, findings)
     files = {name: _file(values.record(name, k), folder) for name, _ in FLEXIBLE_ONLY[:4]}
+    files |= matrices_of_elements(values, k, files)
     for name, word in FLEXIBLE_ONLY[1:3]:
         if files[name] is None:
-            findings.error(record.subject, f"a FLEX body needs a card {word}", record.place, id="VSDF-023")
+            message = f"a FLEX body needs a card {word}{_or_density(values, k, files)}"
+            findings.error(record.subject, message, record.place, id="VSDF-023")
     _check_mapping(values.record("mapping", k), files, findings)
     _check_shapes(values, k, findings)
     if table is None or None in (files["mass_matrix"], files["stiffness_matrix"]):
@@ -57,11 +61,19 @@ def flexible_body(
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, findings),
-        bricks=_bricks(values.record("stiffening", k), files["node_table"], findings),
+        stiffening=stiffening_material(values, k, files["node_table"], findings),
+        material=stress_material(values, k, files["node_table"], findings),
         place=record.place,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+
+
+def _or_density(values, k, files):
+    """What else helps where both matrices are missing."""
+    if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
+        return ", or the density of its elements on MATL"
+    return ""
 
 
 def _file(record, folder) -> FEFile | None:
@@ -174,20 +186,6 @@ def _unit_loads(values, k, folder, findings):
     return tuple(loads)
 
 
-def _bricks(record, file, findings) -> BrickMaterial | None:
-    """The material that GEOS gives, to find stresses with."""
-    if record is None or not record["on"] or not record.at("E").text:
-        return None
-    young, poisson = float(record["E"]), float(record["nu"])
-    if not young > 0:
-        message = f"Young's modulus must be above zero; read {record.at('E').text}"
-        findings.error(record.subject, message, record.at("E").place, id="VSDF-033")
-    if not -1 < poisson < 0.5:
-        message = f"Poisson's ratio lies between -1 and 0.5; read {record.at('nu').text}"
-        findings.error(record.subject, message, record.at("nu").place, id="VSDF-034")
-    return BrickMaterial(file, young, poisson, record.at("E").place)
-
-
 def _stiffened(record, given, findings):
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
@@ -197,13 +195,13 @@ def _stiffened(record, given, findings):
             message = f"FEMG is not used: GEOS does not switch stiffening on for {given.name}"
             findings.warn(given.name, message, given.unit_loads[0].file.place, id="VSDF-036")
         return False
-    if given.unit_loads and given.bricks:
-        message = "stiffening comes either from the matrices of FEMG or from bricks; leave E out, or FEMG"
+    if given.unit_loads and given.stiffening:
+        message = "stiffening comes either from the matrices of FEMG or from elements; leave E out, or FEMG"
         findings.error(record.subject, message, record.at("E").place, id="VSDF-037")
-    if not given.unit_loads and not given.bricks:
+    if not given.unit_loads and not given.stiffening:
         message = (
             "centrifugal stiffening needs geometric stiffness matrices, cards FEMG, or E and nu of the "
-            "bricks in the node table's file"
+            "elements in the node table's file, on GEOS or on MATL"
         )
         findings.error(record.subject, message, record.at("on").place, id="VSDF-038")
     return True

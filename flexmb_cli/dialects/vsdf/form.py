@@ -93,7 +93,7 @@ def _counts(values):
 
 
 def _is_numbered(card):
-    """Whether the first field is the record's own number or body, which nobody needs to type."""
+    """Return whether the first field is the record's own number or body, which nobody needs to type."""
     return card.counted == "own" or card.word in (*_FLEXIBLE, *_RIGID)
 
 

@@ -1,7 +1,6 @@
 """Joints, pins and motions of a VSDF deck, at nodes."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionLaw, table_law
+from ...quick_dataclass import dataclass
 from .bodies import end_of_body
 
 _COINCIDENT = 1e-12

@@ -1,7 +1,6 @@
 """Reader of the listing of a VSDF deck (`vsdf.py`): cards, bodies and frequencies, then the rows in time."""
 
 import re
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from ...deck.fortran_format import Edit, I, P
 from ...deck.fortran_words import split_fields, unit_of, value_of
 from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
+from ...quick_dataclass import dataclass, field
 
 _RULE = "*" * 20
 _TIME, _ENERGY = re.compile(r"\s*TIME\s*="), re.compile(r"\s*ENERGY(?=[\s\d*+-])")
@@ -109,7 +109,7 @@ class _Scan:
 
 
 def _is_nameless(words, edits):
-    """Whether stars stand where the number of a body or node is wanted."""
+    """Return whether stars stand where the number of a body or node is wanted."""
     return any(edit.kind == "d" and word.startswith("*") for word, edit in zip(words, edits, strict=True))
 
 

@@ -156,7 +156,7 @@ class _Reader:
         numbers = [self._number(card, line, columns, *pair) for pair in zip(found, wanted, strict=True)]
         if more is None:
             self._check_rest(card, line, columns)
-        elif len(found) == len(columns):
+        elif len(found) == len(columns) and more.default is None:
             place = Place(self.at, len(line) + 1)
             self._error(card.word, f"the card names no {more.meaning}", place)
         return [number for number in numbers if number is not None]
@@ -211,7 +211,7 @@ class _Reader:
 
 
 def _hint(word: str) -> str:
-    """What may have been meant by a word that no card has."""
+    """Return what may have been meant by a word that no card has."""
     if word in DATA_WORDS:
         return f"; '{word}' stands on a data card, behind a blank"
     from difflib import get_close_matches

@@ -13,7 +13,7 @@ DIALECT = Dialect(
     listing_readers=("listing_reader:parse_listing",),
     listing_signs="neither a line TIME= nor an echo of a YOUNG deck",
     renamed=("IN", "OUT"),
-    options=("feps", "epslu", "nrmax"),
+    options=("feps", "epslu", "nrmax", "as-printed"),
     curves=("point/position", "body/position", "driver/effort"),
     form="form:YoungForm",
     new_name="IN-NEW.dat",

@@ -5,7 +5,6 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ...collector import without_collector
 from ...deck.record import Deck, Record
@@ -15,6 +14,7 @@ from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
 from ...model.joints import JOINT_TYPES
 from ...model.mechanism import Mechanism, TimeGrid
+from ...quick_dataclass import dataclass
 from .dynamic_cards import FORWARD, analysis_of
 from .equation_count import check_equation_count
 from .parts import part_of

@@ -7,12 +7,12 @@ the deck does.  `{...}` is a comment.
 """
 
 import re
-from dataclasses import dataclass, field, replace
 
 from ...deck import number
 from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.words import UNCLOSED, Word, words
 from ...errors import DeckError, Fault, Place
+from ...quick_dataclass import dataclass, field, replace
 from .reader import read_young
 from .sections import Column
 

@@ -5,12 +5,12 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ...deck.number import Misspelt, integer
 from ...deck.record import Deck, Number, Record
 from ...deck.words import Word
 from ...errors import Fault
+from ...quick_dataclass import replace
 from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
 
 POSITIONS = 3  # numbers of a body estimate

@@ -7,7 +7,6 @@ YOUNG dissertation (1996), chapter 5: 6 NBODY = 3 NSPHER + 4 NUNIVE + 5 NREVOL +
 from array import array
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 
@@ -15,6 +14,7 @@ from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import dataclass, field
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
@@ -52,7 +52,7 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
 
 
 def imbalance(counts: Mapping[str, int]) -> str:
-    """What is wrong with the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
+    """Return the fault of the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
     coordinates = _PER_BODY * counts["NBODY"]
     equations = sum(
         kind.equations * counts[kind.young_count] for kind in BY_NAME.values() if kind.young_count

@@ -5,14 +5,12 @@ and everything not listed here is reproduced to the printed digit.
 """
 
 import os
-from dataclasses import dataclass
 
 import numpy as np
 
-TRANSPOSED = "QD[body, coordinate] is read as QD[coordinate, body]"
-OVERRUN = "the fourth element of a three-element array is used in the universal joint's s_i · s_j row"
-WRONG_INDEX = "components M for N in the cylindrical and translational right-hand sides"
-SCREW = "the angle in the second quadrant, a factor 2 in the Jacobian, and eq. (4.50) where sin θ = 0"
+from ...quick_dataclass import dataclass
+from ...solvers.as_printed.errors import OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
+
 EARLIER = "listing of an earlier program: dde without the term of (4.64)"
 DOUBLE_ROOT = "listing of an earlier program: e0 from the normalisation near its double root e0 = 0"
 LOOSE_STOP = "listing of an earlier program: the iteration ended a digit short"
@@ -33,7 +31,7 @@ class KnownError:
     steps: tuple[int, ...] | None = None
 
     def holds(self, index, column, step):
-        """Whether it covers the cells; the arguments are numbers or arrays that broadcast."""
+        """Return whether it covers the cells; the arguments are numbers or arrays that broadcast."""
         here = np.equal(index, self.index) & np.isin(column, self.columns)
         return here if self.steps is None else here & np.isin(step, self.steps)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...deck.fortran_format import HISTORIC, SAFE, Layout, fixed, integer
 from ...deck.record import Deck
+from ...solvers.as_printed.errors import AS_PRINTED
 
 COUNT_TITLES = (
     "body : NBODY",
@@ -50,6 +51,7 @@ DRIVER_TITLES = (
 HEAD = "\n-----------------------------\n-- KINEMATIC ANALYSIS --\n-----------------------------\n"
 FAILED = "\n\n-----CONVERGENCE FAILED-----\n"
 STOPPED = "\n\n-----RUN STOPPED-----\n"
+AS_PRINTED_MARK = "NUMBERS WITH THE KNOWN ERRORS OF THE PROGRAM OF 1996 (flexmb run --as-printed)\n"
 
 POSITION_TITLE = "BODY       X         Y         Z         e0        e1        e2        e3"
 VELOCITY_TITLE = "BODY  dX     dY     dZ     de0    de1    de2    de3    w-x    w-y    w-z"
@@ -83,8 +85,9 @@ class OutTable:
         self._block = report_block(counts["NBODY"], counts["NPOINT"], layout)
 
     def begin(self) -> None:
-        """Write the echo of the input and the head of the analysis."""
-        self._stream.write(echo_of_input(self._deck, self._layout) + HEAD)
+        """Write the echo of the input and the head of the analysis, below a line that marks an emulation."""
+        mark = AS_PRINTED_MARK if AS_PRINTED in self._deck.options else ""
+        self._stream.write(mark + echo_of_input(self._deck, self._layout) + HEAD)
 
     def rows(self, values: dict) -> None:
         """Write the blocks of the given report times; `values` by the paths of their datasets."""

@@ -7,7 +7,6 @@ do not matter.  Lines that are no part of the layout are passed over.
 
 import re
 import warnings
-from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Section, TableError
 from ...deck.table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
 from ...errors import Fault, Place
+from ...quick_dataclass import dataclass, field
 from .errata import young_errors
 
 FAST_LINES = 4096
@@ -34,6 +34,7 @@ FORM = ListingForm(
     "YOUNG OUT table",
     "CONVERGENCE FAILED or RUN STOPPED",
     fewer_decimals=True,
+    emulated=True,
     known_errors=young_errors,
 )
 
@@ -191,7 +192,7 @@ def _read_together(texts, width):
 
 
 def _decimals_agree(joined, decimals, lines):
-    """Whether every point of the text is followed by just its column's digits.
+    """Return whether every point of the text is followed by just its column's digits.
 
     Without this `0.0000245.3407` would be read as 0.0000245 and 0.3407.
     """

@@ -172,7 +172,7 @@ def _across_the_axis(record, vectors, findings):
 
 
 def _parallel(a, b):
-    """Whether two vectors lie along one line; zero and infinite ones are faults of their own."""
+    """Return whether two vectors lie along one line; zero and infinite ones are faults of their own."""
     a, b = _unit(a), _unit(b)
     if a is None or b is None:
         return False

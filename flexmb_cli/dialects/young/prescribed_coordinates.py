@@ -5,11 +5,11 @@ coordinate held twice at the same value is redundant (warning), at different val
 """
 
 import math
-from dataclasses import dataclass
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Mechanism
+from ...quick_dataclass import dataclass
 
 SAME = 1e-12
 NO_ATTITUDE = 1e-9
@@ -30,7 +30,7 @@ class _Hold:
 
     @property
     def imposed(self):
-        """What the equation imposes: the coordinate, or the Euler parameter."""
+        """Return what the equation imposes: the coordinate, or the Euler parameter."""
         return math.sin(self.value / 2) if self.direction > 3 else self.value
 
 

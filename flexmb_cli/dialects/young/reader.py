@@ -6,7 +6,6 @@ never looked at, as in the historic program.
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import islice
 
@@ -16,6 +15,7 @@ from ...deck.record import Deck, DeckText, Number, Record
 from ...deck.shifted_lines import slips, with_slip_named
 from ...deck.words import UNCLOSED, Word, Words, end_of
 from ...errors import DeckError, Fault, Place
+from ...quick_dataclass import dataclass, field, replace
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
@@ -261,7 +261,7 @@ def _values(reading, section, number_of_record, found):
 
 
 def _turns(section, values):
-    """Whether the record's direction is a rotation, so that its values are angles."""
+    """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)
 

@@ -5,10 +5,10 @@ in m, angles in rad, times in s; points in the axes of their body.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 from ...deck import number
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)
@@ -46,17 +46,17 @@ class Section:
 
     @cached_property
     def spellings(self) -> tuple[Callable[[str], tuple[float, str]], ...]:
-        """What makes a number of the word in each column, see `number`."""
+        """Return what makes a number of the word in each column, see `number`."""
         return tuple(number.integer if column.is_integer else number.real for column in self.columns)
 
     @cached_property
     def positions(self) -> dict[str, int]:
-        """Where among the columns each key stands."""
+        """Return where among the columns each key stands."""
         return {column.key: k for k, column in enumerate(self.columns)}
 
     @cached_property
     def direction(self) -> int | None:
-        """Where among the columns the direction stands, None when the records have none."""
+        """Return where among the columns the direction stands, None when the records have none."""
         return self.positions.get("direction")
 
 

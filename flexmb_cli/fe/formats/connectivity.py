@@ -1,17 +1,22 @@
-"""Hexahedra of 8 or 20 nodes in the files of node tables: INP *ELEMENT, CDB EBLOCK, BDF CHEXA."""
+"""Solid elements in the files of node tables: INP *ELEMENT, CDB EBLOCK, BDF CHEXA and CTETRA.
+
+Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
+"""
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .bulk_data import bulk_cards, integer_field
 from .file_text import integer, line_fault, lines_of
 from .matrix_file import FEFileFault
 
-COUNTS = (8, 20)
-_INP_TYPE = re.compile(r"TYPE\s*=\s*C3D(8|20)[A-Z]*\s*(,|$)")
+COUNTS = (4, 8, 10, 20)
+_KNOWN = "tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes"
+_INP_TYPE = re.compile(r"TYPE\s*=\s*C3D(4|8|10|20)[A-Z]*\s*(,|$)")
+_INP_NAME = re.compile(r"TYPE\s*=\s*(\w+)")
 _CDB_FORMAT = re.compile(r"\(\s*\d+i(\d{1,3})(?!\d)", re.IGNORECASE)
 # In EBLOCK eleven integers precede the nodes, the ninth of which counts them.
 _CDB_HEAD, _CDB_COUNT = 11, 8
@@ -20,20 +25,21 @@ _FROM_NASTRAN = [*range(12), *range(16, 20), *range(12, 16)]
 
 
 @dataclass(frozen=True)
-class Hexahedra:
-    """Node numbers (m, 8) or (m, 20) of the elements, and the numbers of the elements (m,).
+class ElementTable:
+    """Node numbers (m, k) of the elements, k 4, 8, 10 or 20, and the numbers of the elements (m,).
 
-    Corners of one face, of the opposite one, then the middles of edges as Abaqus and ANSYS have them.
+    Hexahedra: corners of one face, of the opposite one, then the middles of edges as Abaqus and ANSYS have
+    them.  Tetrahedra: corners, then the middles of the edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
     """
 
     numbers: np.ndarray
     nodes: np.ndarray
 
 
-def read_hexahedra(path: Path, form: str) -> Hexahedra:
+def read_elements(path: Path, form: str) -> ElementTable:
     """The elements beside the nodes of `path`, in the format INP, CDB or BDF.
 
-    Raises FEFileFault when there are none, or others than hexahedra of one kind.
+    Raises FEFileFault when there are none, or others than tetrahedra or hexahedra of one kind.
     """
     readers = {"INP": _inp_elements, "CDB": _cdb_elements, "BDF": _bdf_elements}
     if form not in readers:
@@ -46,11 +52,22 @@ def read_hexahedra(path: Path, form: str) -> Hexahedra:
     counts = {len(nodes) for _, nodes, _ in found}
     for number, nodes, line in found:
         if len(nodes) not in COUNTS or len(set(nodes)) < len(nodes):
-            raise line_fault(path.name, line, f"element {number} is no hexahedron of 8 or 20 different nodes")
+            message = f"element {number} has not the different nodes of one of the {_KNOWN}"
+            raise line_fault(path.name, line, message)
     if len(counts) > 1:
-        raise FEFileFault(f"{path.name} mixes elements of 8 and of 20 nodes; one kind is wanted", id="FE-021")
+        mixed = " and of ".join(map(str, sorted(counts)))
+        raise FEFileFault(f"{path.name} mixes elements of {mixed} nodes; one kind is wanted", id="FE-021")
     numbers, nodes, _ = zip(*found, strict=True)
-    return Hexahedra(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
+    return ElementTable(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
+
+
+def element_type(path: Path, form: str) -> str:
+    """Return the type of the first elements of an INP file, such as C3D20R; "" for other formats."""
+    for line in lines_of(path) if form == "INP" else ():
+        kind = _INP_NAME.search(line.upper()) if line.upper().startswith("*ELEMENT") else None
+        if kind:
+            return kind[1]
+    return ""
 
 
 def _inp_elements(path):
@@ -78,7 +95,7 @@ def _inp_type(path, number, line):
         return 0
     kind = _INP_TYPE.search(line)
     if kind is None:
-        message = "stresses are known of hexahedra only, types C3D8 and C3D20 with their variants"
+        message = f"stresses are known of {_KNOWN} only, types C3D4, C3D10, C3D8, C3D20 and their variants"
         raise line_fault(path.name, number, message)
     return int(kind[1])
 
@@ -114,15 +131,18 @@ def _cdb_elements(path):
 
 
 _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")
+# Fields of grid points behind the numbers of element and property.
+_MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 
 def _bdf_elements(path):
     for card in bulk_cards(path, _SOLIDS):
         number = integer_field(path, card, 0, "the number of the element")
-        if card.name != "CHEXA":
-            message = f"{card.name} {number}: stresses are known of hexahedra only, cards CHEXA"
+        if card.name not in _MOST_POINTS:
+            message = f"{card.name} {number}: stresses are known of {_KNOWN} only, cards CHEXA and CTETRA"
             raise line_fault(path.name, card.line, message)
-        given = [integer_field(path, card, i, "a grid point") for i in range(2, 22) if _filled(card, i)]
+        fields = range(2, 2 + _MOST_POINTS[card.name])
+        given = [integer_field(path, card, i, "a grid point") for i in fields if _filled(card, i)]
         yield number, [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given, card.line
 
 

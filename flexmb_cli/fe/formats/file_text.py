@@ -24,7 +24,7 @@ _EXACT = 2.0**53
 
 
 def bytes_of(path: Path) -> bytes:
-    """What the file holds.  Raises FEFileFault when it cannot be read."""
+    """Return what the file holds.  Raises FEFileFault when it cannot be read."""
     try:
         # A pipe without a writer would be waited for.
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
@@ -69,7 +69,7 @@ def real(text: str) -> float:
 
 
 def is_binary(raw: bytes) -> bool:
-    """Whether the file's beginning holds what no text does."""
+    """Return whether the file's beginning holds what no text does."""
     return b"\0" in raw[:65536]
 
 

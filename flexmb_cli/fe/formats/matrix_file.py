@@ -1,8 +1,8 @@
 """What a matrix file delivers, and the one exception of all file readers."""
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ...quick_dataclass import dataclass
 
 
 class FEFileFault(Exception):
@@ -63,7 +63,7 @@ def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]])
 
 
 def has_both_triangles(rows, columns, size: int) -> bool:
-    """Whether any entry off the diagonal has its mirror image among the entries."""
+    """Return whether any entry off the diagonal has its mirror image among the entries."""
     off = rows != columns
     forward = rows[off].astype(np.int64) * size + columns[off]
     mirrored = columns[off].astype(np.int64) * size + rows[off]

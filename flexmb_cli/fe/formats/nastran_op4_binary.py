@@ -6,10 +6,10 @@ one for every column that is not zero follows, and one behind the last column cl
 
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .matrix_file import FEFileFault, MatrixFile, of_strings
 
 REAL = (1, 2)

@@ -2,11 +2,11 @@
 
 import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .ansys_cdb import cdb_nodes
 from .bulk_data import bulk_cards, integer_field, real_field
 from .file_text import integer, line_fault, lines_of, real

@@ -178,7 +178,7 @@ def _digest(system, work, march, report, spent):
 
 @kernel
 def _holds(system, work, march):
-    """Whether a step may be made, whose projected end is in trial."""
+    """Return whether a step may be made, whose projected end is in trial."""
     clock, h = march.clock[0], march.clock[0]["length"]
     if not leads_over(clock, h):
         return clock["moved"] < MOST_MOVED

@@ -180,7 +180,7 @@ def _step(system, work, march):
 
 @kernel
 def _holds(system, march, h):
-    """Whether a step of length h is within the tolerance, and turns no body too far."""
+    """Return whether a step of length h is within the tolerance, and turns no body too far."""
     clock, bodies, first = march.clock[0], system.masses.shape[0], march.z.shape[0] - 1 - march.rates.shape[1]
     fastest = max(largest_turn(bodies, march.z[first:-1]), largest_turn(bodies, march.trial[first:-1]))
     clock["turned"] = h * fastest / LONGEST_TURN

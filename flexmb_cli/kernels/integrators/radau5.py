@@ -270,7 +270,7 @@ def _try_step(system, work, march, h):
 
 @kernel
 def _turns_left(system, march):
-    """How many steps like this one a body may turn in one, for rows between its ends.
+    """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
     """
@@ -319,7 +319,7 @@ def _accept(system, work, march, h, last, factor):
 
 @kernel
 def _is_singular(work, clock):
-    """Whether a pivot at the end of the last step was as good as zero."""
+    """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * clock["branching"]:
             return True

@@ -199,7 +199,7 @@ def place_trial(system, march, stage):
 
 @kernel
 def _evaluate(system, work, march, stage, t):
-    """What the equations of motion still miss at a stage, by free motions and dependent speeds; a code."""
+    """Evaluate the residual of the equations of motion at a stage, by independent speeds; return a code."""
     place_trial(system, march, stage)
     q, u = coordinates_and_speeds(system, march.trial)
     code = factorise_constraints(system, work, q)

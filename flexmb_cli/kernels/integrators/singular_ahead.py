@@ -101,7 +101,7 @@ def _factorise_ahead(system, work, march, ud, way):
 
 @kernel
 def blur(work, tolerance):
-    """How many times a tolerance round-off may be near the state, at least 1."""
+    """Return how many times a tolerance round-off may be near the state, at least 1."""
     least = math.inf
     for k in range(work.rank[0]):
         least = min(least, abs(work.pivots[k]))
@@ -124,5 +124,5 @@ def laid_out(clock, h, share):
 
 @kernel
 def leads_over(clock, h):
-    """Whether a step of length h leads over the singular position ahead."""
+    """Return whether a step of length h leads over the singular position ahead."""
     return 0.0 < clock["singular"] - clock["t"] < h

@@ -46,7 +46,7 @@ def screws_expected(motion, h, near):
 
 @kernel
 def turns_too_far(constraints, t, t_new):
-    """Whether a rotational driver would turn so far that the predictor is blind."""
+    """Return whether a rotational driver would turn so far that the predictor is blind."""
     for k in range(constraints.size):
         c = constraints[k]
         if c["kind"] == equations.DRIVER and c["coordinate"] >= 3:
@@ -60,7 +60,7 @@ def turns_too_far(constraints, t, t_new):
 
 @kernel
 def defect(system, state, new, h):
-    """How far the new position is from the smooth curve through both ends, 1 where it is just allowed,
+    """Return how far the new position is from the smooth curve through both ends, 1 where it is just allowed,
     and the way moved in the step.
 
     q1 - q0 = h (v0 + v1)/2 - h² (a1 - a0)/12, exact to the fourth power of h.
@@ -126,7 +126,7 @@ def step_to(clock, target):
 
 @kernel
 def acceptable(clock, off, moved, sign):
-    """Whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
+    """Return whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
 
     The ways of assembling a mechanism are parted by positions at which det Φ_q is zero.  Where two
     of them come close, the other can look smoother than the true one; the sign tells them apart.  A
@@ -155,7 +155,7 @@ def after_success(clock, t_new, off, sign):
 
 @kernel
 def is_barred(clock, target):
-    """Whether the next step is too short to be worth a try."""
+    """Return whether the next step is too short to be worth a try."""
     tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
     return clock[STEP] <= max(SMALLEST_PART * clock[LAST], tick)
 

@@ -62,7 +62,7 @@ def _set_lump_rows(tree, work, coordinates, k, lump, q, mass):
 
 @part
 def _add_rider_rows(tree, work, coordinates, body, mass):
-    """What the riders of a body carry resists its elastic coordinates."""
+    """Return what the riders of a body carry resists its elastic coordinates."""
     riders, first = tree.riders, body["first"]
     for r in range(body["first_rider"], body["first_rider"] + body["riders"]):
         k = riders.records[r]["frame"]

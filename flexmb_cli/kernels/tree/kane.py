@@ -242,7 +242,7 @@ def _accelerate_frame(frame, parent, s, coordinates):
 
 @part
 def _solve_coordinate(c, al, a):
-    """What a coordinate adds to the acceleration along its axis; the effort when it is locked."""
+    """Return what a coordinate adds to the acceleration along its axis; the effort when it is locked."""
     carried = dot(triple(c["coupling"], 0), al) + dot(triple(c["coupling"], 3), a)
     if c["locked"] != 0:
         c["drive"] = carried - c["drive"]

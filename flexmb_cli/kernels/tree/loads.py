@@ -40,7 +40,7 @@ def coordinate_efforts(tree, work, t, q, y, coordinates):
 
 @part
 def pulls(tree, work, body):
-    """What pulls along a beam: square of the angular velocity across it, and gravity along it."""
+    """Return what pulls along a beam: square of the angular velocity across it, and gravity along it."""
     s = work[body["frame"]]
     along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
     return dot(w, w) - dot(w, along) ** 2, dot(triple(tree.gravity, 0), along)

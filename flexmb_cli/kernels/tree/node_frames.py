@@ -260,7 +260,7 @@ def follow_riders(tree, body, work):
 
 @part
 def rider_share(tree, frame, m):
-    """What the riders of a frame's body, if it has any, take off the effort of elastic coordinate m."""
+    """Return the effort of elastic coordinate m that goes to the carried bodies of a frame's body, if any."""
     if frame["ridden"] < 0:
         return 0.0
     body = tree.riders.bodies[frame["ridden"]]

@@ -42,7 +42,7 @@ class MeasureTable:
         return np.eye(3) if body < 0 else rotation_matrix(self.bodies[body].p)
 
     def position(self, point: NodePoint) -> np.ndarray:
-        """Where a point is at t = 0, global axes."""
+        """Return where a point is at t = 0, global axes."""
         origin = np.zeros(3) if point.body < 0 else self.bodies[point.body].r
         return origin + self.A(point.body) @ point.r0
 

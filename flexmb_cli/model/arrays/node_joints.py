@@ -220,5 +220,5 @@ def spring_measure(table: MeasureTable, joint: PointJoint) -> np.ndarray:
 
 
 def reaction_point(joint: PointJoint) -> NodePoint:
-    """Where the reaction of a joint acts: its first point on body b."""
+    """Return where the reaction of a joint acts: its first point on body b."""
     return joint.b[0]

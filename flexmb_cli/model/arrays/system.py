@@ -1,9 +1,8 @@
 """What the kernels of constrained dynamics need to know of a mechanism, and the names that go with it."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from ..equations import Equation
 
 SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")

@@ -8,10 +8,10 @@ frame.  Hinges that turn with the slope of their node hang on *riders* instead, 
 """
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...quick_dataclass import dataclass, field
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED
 
 FRAME = np.dtype(

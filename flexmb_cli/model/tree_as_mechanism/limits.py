@@ -47,14 +47,14 @@ def _motors(tree):
 
 
 def has_fixed_axis(tree: Tree, motor) -> bool:
-    """Whether a motor acts along an axis that rests, or that both bodies of its hinge share at all times."""
+    """Return whether a motor's axis rests, or is shared by both bodies of its hinge at all times."""
     hinge = tree.hinges[motor.body]
     alone = motor.motion == ROTATION or len(hinge.translations) == 1
     return hinge.parent == INERTIAL or (alone and has_shared_axis(hinge, motor.axis))
 
 
 def has_shared_axis(hinge: Hinge, axis: int) -> bool:
-    """Whether an axis of P_k is fixed in the body, too: nothing turns, or only about that axis."""
+    """Return whether an axis of P_k is fixed in the body, too: nothing turns, or only about that axis."""
     return hinge.rotations in ((), (axis,))
 
 

@@ -5,11 +5,10 @@ what is prescribed does.  A gap and its rate are (p_a - p_b) · d and d · (v_a 
 closed direction of body b; the rates at single unit speeds are the columns of the Jacobian.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...quick_dataclass import replace
 from ..tree import ELASTIC, INERTIAL, ROTATION, Tree
 from .frames import Frames, shape_of
 from .poses import STILL, Pose, elastic_start, first_poses

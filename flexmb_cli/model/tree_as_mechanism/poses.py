@@ -3,10 +3,9 @@
 DAFMS thesis (1992), sections 2.2-2.3, walked outward body by body.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..vectors import rotation_matrix
 from .frames import Base, Frames, Rider

@@ -4,9 +4,11 @@ import os
 import shutil
 
 from ...deck.listing import TableError
-from ...errors import Fault
-from ..files.replaced_file import Replacement, located
-from .listings import is_hdf5, read_listing
+from ...errors import Fault, FlexmbError
+from ..files.replaced_file import Replacement, located, make_folder
+from .folders import Compared
+from .forms import CSV, HDF5, MATLAB, form_of
+from .listings import read_listing
 
 
 def accept(reference, result) -> None:
@@ -16,6 +18,10 @@ def accept(reference, result) -> None:
     result cannot be read, shows nothing since its run failed before the first row, or is of a run that
     failed later, unless the reference is so too: a mechanism that locks has no other.
     """
+    if not is_missing(reference) and form_of(reference) != form_of(result):
+        _refuse(
+            result, f"it is {form_of(result)} and the reference {form_of(reference)}: nothing was accepted"
+        )
     failed, rows = _ending(result)
     if failed and not rows:
         _refuse(result, "its run failed before the first row: that is no reference, and nothing was accepted")
@@ -39,13 +45,41 @@ def accept(reference, result) -> None:
         place.commit()
 
 
+def accept_pair(compared: Compared, folder: str) -> None:
+    """Accept the new file of a pair of two folders where it differs, or has no reference in `folder` yet.
+
+    A failure to do so is kept in `compared`, since it concerns no other file.
+    """
+    pair = compared.pair
+    if pair.b is None or compared.equal or compared.failure is not None:
+        return
+    try:
+        reference = pair.a or os.path.join(_folder(folder, pair), pair.name)
+        if os.path.dirname(reference):
+            make_folder(os.path.dirname(reference))
+        accept(reference, pair.b)
+        compared.updated, compared.new = True, pair.a is None
+    except FlexmbError as failure:
+        compared.failure = failure
+
+
+def _folder(folder, pair):
+    if os.path.isdir(folder):
+        return folder
+    raise TableError(
+        pair.b, [Fault("error", "a new reference needs a folder for A, and no pattern", id="DIFF-013")]
+    )
+
+
 def _refuse(result, message):
     raise TableError(str(result), [Fault("error", message, id="DIFF-002")])
 
 
 def _ending(path):
     """Whether the run of a result did not complete, and whether it has any rows."""
-    if is_hdf5(path):
+    if form_of(path) in (CSV, MATLAB):
+        return False, True  # an export keeps no mark that can be relied on
+    if form_of(path) == HDF5:
         from ..hdf5.stored_result import attribute
         from .hdf5 import open_sound
 
@@ -58,5 +92,5 @@ def _ending(path):
 
 
 def is_missing(reference) -> bool:
-    """Whether there is no reference yet."""
+    """Return whether there is no reference yet."""
     return not os.path.lexists(reference)

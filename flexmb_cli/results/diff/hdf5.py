@@ -21,6 +21,7 @@ from ..hdf5.stored_result import (
     texts,
     understood,
 )
+from ..quantities.quantities import ResultError, resolve
 from .report import Found, Report
 from .tolerances import Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
@@ -88,7 +89,7 @@ def open_sound(path: str) -> Iterator[h5py.File]:
 
 
 def _kind_of_file(path, file):
-    """What the file is, in words; raises TableError when it is nothing that flexmb writes."""
+    """Return what the file is, in words; raises TableError when it is nothing that flexmb writes."""
     with _understood_in(path):
         conventions = attribute(file, "Conventions")
     for begins, what in KIND_OF_FILE.items():
@@ -121,8 +122,10 @@ def _compare_files(report, a, b, tolerances, same_attitude):
     if attribute(a, "Conventions") != attribute(b, "Conventions"):
         # Versions of the format have scales of the same numbers at other places.
         _leave_out_lone_scales(*found)
+    special = quantity_places(a, tolerances)
     for name in [*found[0], *(name for name in found[1] if name not in found[0])]:
-        tolerance = tolerances.of(kind_of(name))
+        shape = (found[0].get(name) or found[1][name]).shape[1:]
+        tolerance = tolerances.of_places(kind_of(name), shape, special.get(name, ()))
         if tolerance.ignores:
             continue
         if name in found[0] and name in found[1]:
@@ -132,6 +135,22 @@ def _compare_files(report, a, b, tolerances, same_attitude):
             _compare_dataset(report, name, pair, tolerance, signs)
         else:
             report.missing.append(f"/{visible(name)}: not in {report.b if name in found[0] else report.a}")
+
+
+def quantity_places(result: h5py.File, tolerances: Tolerances) -> dict[str, list]:
+    """Return the quantities with their own tolerance: pairs (index behind time, tolerance) by dataset."""
+    places: dict[str, list] = {}
+    if not tolerances.quantities or "time" not in result:
+        return places
+    for pattern, tolerance in tolerances.quantities.items():
+        try:
+            found = resolve(result, [pattern])
+        except ResultError:
+            continue  # the patterns that fit nothing are reported when all files are compared
+        tolerances.used.add(pattern)
+        for quantity in found:
+            places.setdefault(quantity.dataset, []).append((quantity.index, tolerance))
+    return places
 
 
 def kind_of(name: str) -> str:

@@ -1,73 +1,29 @@
-"""Compare two OUT tables, or two HDF5 results, number by number."""
+"""Compare two OUT tables number by number."""
 
 import numpy as np
 
 from ...deck.listing import LARGEST_INDEX, Listing, Section, TableError, plain_text, read_bytes
+from ...deck.table_columns import SECTIONS
 from ...dialects.recognise import every_dialect
 from ...errors import Fault
 from .echo import as_stars, compare_echo
 from .report import Found, Report
-from .tolerances import ToleranceError, Tolerances
+from .tolerances import Tolerances
 
-HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # The parts of the sections that change sign with the Euler parameters.
 SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
 
 
-def compare(
-    path_a,
-    path_b,
-    tolerances: Tolerances | None = None,
+def compare_listings(
+    a: Listing,
+    b: Listing,
+    tolerances: Tolerances,
     same_attitude: bool = False,
     explain: bool = False,
-    words: bool = False,
+    emulation=None,
 ) -> Report:
-    """Compare two results of the same format.
-
-    `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
-    that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
-    cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
-    """
-    report = _compared(path_a, path_b, tolerances or Tolerances(), same_attitude, explain)
-    report.words_count = words
-    return report
-
-
-def _compared(path_a, path_b, tolerances: Tolerances, same_attitude: bool, explain: bool) -> Report:
-    kinds = [is_hdf5(path) for path in (path_a, path_b)]
-    if all(kinds):
-        from .hdf5 import compare_hdf5
-
-        if tolerances.last_digit:
-            message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
-            raise ToleranceError(message, id="DIFF-007")
-        return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
-    if any(kinds):
-        other = path_b if kinds[0] else path_a
-        if None in kinds:
-            read_listing(other)  # it words why the file cannot be opened
-        message = "this is no HDF5 result, the other file is; compare two tables, or two HDF5 results"
-        raise TableError(str(other), [Fault("error", message, id="DIFF-008")])
-    a, b = (read_listing(path) for path in (path_a, path_b))
-    if a.form.name != b.form.name:
-        raise TableError(
-            b.name,
-            [
-                Fault(
-                    "error",
-                    f"it is of another kind ({b.form.name}) than {a.name} ({a.form.name})",
-                    id="DIFF-009",
-                )
-            ],
-        )
-    return compare_listings(a, b, tolerances, same_attitude, explain)
-
-
-def compare_listings(
-    a: Listing, b: Listing, tolerances: Tolerances, same_attitude: bool = False, explain: bool = False
-) -> Report:
-    """Compare two listings of the same form that were read; see `compare`."""
-    report = Report(a.name, b.name, explaining=explain)
+    """Compare two listings of the same form that were read; see `compare.compare`."""
+    report = Report(a.name, b.name, explaining=explain, emulation=emulation)
     compare_echo(report, a, b, tolerances)
     rows_a, rows_b = _matching_rows(report, a, b)
     _compare_times(report, a, b, rows_a, rows_b, tolerances)
@@ -82,18 +38,6 @@ def compare_listings(
     if a.failed != b.failed:
         report.missing.append(f"only {(a if a.failed else b).name} ends with {a.form.mark_of_failure}")
     return report
-
-
-def is_hdf5(path) -> bool | None:
-    """Whether the file at `path` is HDF5; None when it cannot be opened."""
-    if str(path) == "-":
-        return False
-    try:
-        with open(path, "rb") as file:
-            return file.read(len(HDF5_SIGNATURE)) == HDF5_SIGNATURE
-    except OSError:
-        # The reader that opens it again words the fault.
-        return None
 
 
 def read_listing(path) -> Listing:
@@ -173,13 +117,29 @@ def _compare_section(report, name, listings, rows, tolerances, flips):
     # Where one file prints fewer decimals, the other can agree no better than to half a unit; numbers with
     # exponents all have the same number of digits.
     slack = np.where((units[0] == units[1]) | bool(first.edits), 0.0, 0.5 * unit)
-    known = _known_errors(report, name, listings[0], picks[0], shared)
+    known = _emulated_errors(report, name, first, picks[0], shared, values[0], units[0])
+    known += _known_errors(report, name, listings[0], picks[0], shared)
     for kind in dict.fromkeys(kinds.tolist()):
         columns = np.flatnonzero(kinds == kind)
         describe = _describer(name, listings[0], picks[0], columns, shared, values)
         a, b, unit_here, slack_here = (block[:, columns] for block in (*values, unit, slack))
         marked = [(cause, mask[:, columns]) for cause, mask in known]
-        report.compare(kind, a, b, tolerances.of(kind), describe, unit_here, slack_here, marked)
+        heads = [shared[column] for column in columns]
+        special = _quantity_places(name, first, picks[0], heads, tolerances)
+        tolerance = tolerances.of_places(kind, a.shape, special)
+        report.compare(kind, a, b, tolerance, describe, unit_here, slack_here, marked)
+
+
+def _quantity_places(name, section, pick, heads, tolerances):
+    """Pairs (index of lines and column, tolerance) of quantities such as `velocity.body 3.dX`."""
+    if not tolerances.quantities:
+        return
+    items = np.array([section.name_of(line) for line in pick], dtype=object)
+    for item in dict.fromkeys(items.tolist()):
+        for column, head in enumerate(heads):
+            special = tolerances.named(".".join(word for word in (name, item, head) if word))
+            if special:
+                yield (items == item, column), special
 
 
 def _shared_block(section, pick, shared):
@@ -202,6 +162,16 @@ def _known_errors(report, name, listing, pick, shared):
         (f"{place}: {error.cause}", error.holds(index, columns, step))
         for place, error in zip(places, errors, strict=True)
     ]
+
+
+def _emulated_errors(report, name, section, pick, shared, printed, unit):
+    """The same by a run of the deck with the errors of the program, the cells that they give."""
+    if report.emulation is None:
+        return []
+    columns = [SECTIONS[name].names.index(column) for column in shared]
+    step, index = section.step[pick], section.index[pick]
+    causes = report.emulation.causes(name, step, index, columns, printed, unit)
+    return [(f"{name}: {cause}", mask) for cause, mask in causes]
 
 
 def _describer(name, listing, pick, columns, shared, values):

@@ -1,11 +1,11 @@
 """What a comparison found: counts for every kind of column, the worst place, what is missing."""
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import visible
+from ...quick_dataclass import dataclass, field
 from .tolerances import KINDS, Tolerance
 
 SHOWN_MISSING = 20
@@ -81,6 +81,7 @@ class Report:
     """Result of `compare`: `a` and `b` are the names of the files.
 
     `words` tells of lines of text that differ; they count as a difference only with `words_count`.
+    `causes` counts the differences by known errors, `cells` names them, `emulation` tells more of them.
     """
 
     a: str
@@ -91,6 +92,8 @@ class Report:
     words_count: bool = False
     explaining: bool = False
     causes: dict[str, int] = field(default_factory=dict)
+    cells: list[tuple[str, Found]] = field(default_factory=list)
+    emulation: object = None
 
     @property
     def equal(self) -> bool:
@@ -99,17 +102,17 @@ class Report:
 
     @property
     def compared(self) -> int:
-        """How many numbers were compared."""
+        """Return how many numbers were compared."""
         return sum(tally.compared for tally in self.tallies.values())
 
     @property
     def differing(self) -> int:
-        """How many numbers differ beyond tolerance."""
+        """Return how many numbers differ beyond tolerance."""
         return sum(tally.differing for tally in self.tallies.values())
 
     @property
     def explained(self) -> int:
-        """How many of these are known errors of the historic programs."""
+        """Return how many of these are known errors of the historic programs."""
         return sum(tally.explained for tally in self.tallies.values())
 
     @property
@@ -135,12 +138,18 @@ class Report:
         differs, distance = tolerance.exceeded(a, b, unit, slack)
         marked = np.zeros(distance.shape, dtype=bool)
         for cause, mask in known:
-            count = int(np.count_nonzero(differs & mask))
-            if count:
-                self.causes[cause] = self.causes.get(cause, 0) + count
+            # The first cause that is named for a number counts.
+            here = differs & mask & ~marked
+            self._explain(cause, here, lambda place: describe(place, float(distance[place])))
             marked |= mask
         tally = self.tallies.setdefault(kind, Tally())
         tally.add(differs, distance, marked, lambda position: describe(position, float(distance[position])))
+
+    def _explain(self, cause, here, describe):
+        places = list(zip(*np.nonzero(here), strict=True))
+        if places:
+            self.causes[cause] = self.causes.get(cause, 0) + len(places)
+            self.cells += [(cause, describe(place)) for place in places]
 
     def text(self) -> str:
         """Summary for a reader: what is missing, a table of kinds, the worst place."""
@@ -168,6 +177,7 @@ class Report:
             "differing": self.differing,
             "explained": self.explained,
             "known_errors": [{"cause": cause, "count": count} for cause, count in self.causes.items()],
+            "explained_cells": [{"cause": cause} | cell.as_dict() for cause, cell in self.cells],
             "missing": self.missing,
             "words": self.words,
             "worst": self.worst and self.worst.as_dict(),

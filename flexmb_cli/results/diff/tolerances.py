@@ -1,12 +1,13 @@
-"""What counts as a difference between two results, for every kind of column."""
+"""What counts as a difference between two results, for every kind of column and for single quantities."""
 
 import math
 import re
-from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
 
 import numpy as np
 
 from ...errors import Fault, FlexmbError
+from ...quick_dataclass import dataclass, field, replace
 
 KINDS = (
     "time",
@@ -50,16 +51,19 @@ class ToleranceError(FlexmbError):
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Values differ when they exceed `atol`, `rtol` (of the larger) and `last_digit` printed units alike."""
+    """Values differ when they exceed `atol`, `rtol` (of the larger) and `last_digit` printed units alike.
 
-    atol: float = 0.0
-    rtol: float = 0.0
-    last_digit: int = 0
+    Each is a number, or an array that broadcasts to the values.
+    """
+
+    atol: float | np.ndarray = 0.0
+    rtol: float | np.ndarray = 0.0
+    last_digit: int | np.ndarray = 0
 
     @property
     def ignores(self) -> bool:
         """Whether nothing of this kind counts, not even that it is missing."""
-        return math.isinf(self.atol)
+        return bool(np.isinf(self.atol).all())
 
     def exceeded(self, a: np.ndarray, b: np.ndarray, unit=None, slack=0.0) -> tuple[np.ndarray, np.ndarray]:
         """(differs, distance) for values of equal shape; NaN equals NaN only.
@@ -79,18 +83,24 @@ class Tolerance:
                 # 0.003 - 0.002 is a little more than 0.001: round-off of printed numbers is no difference.
                 allowed = np.where(allowed > 0, allowed + 4 * np.finfo(float).eps * size, allowed)
         # An infinite value has an infinite relative allowance, but equals only itself.
-        finite = np.isfinite(distance) | self.ignores
+        finite = np.isfinite(distance) | np.isinf(self.atol)
         return ~same & ~((distance <= allowed) & finite), distance
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """`atol`, `rtol` None: what the format asks for; `kinds` overrules single kinds of columns."""
+    """`atol`, `rtol` None: what the format asks for; `kinds` overrules single kinds of columns.
+
+    `quantities` overrules single quantities, by patterns of their names; the last that fits counts.  The
+    patterns that fitted anything are put into `used`.
+    """
 
     atol: float | None = None
     rtol: float | None = None
     last_digit: int = 0
     kinds: dict[str, Tolerance] = field(default_factory=dict)
+    quantities: dict[str, Tolerance] = field(default_factory=dict)
+    used: set[str] = field(default_factory=set, compare=False)
 
     def with_defaults(self, atol: float, rtol: float) -> "Tolerances":
         """The same with `atol` and `rtol` where none were given."""
@@ -100,9 +110,31 @@ class Tolerances:
             rtol=rtol if self.rtol is None else self.rtol,
         )
 
+    def without_digits(self) -> "Tolerances":
+        """The same for results that were not printed."""
+        return replace(self, last_digit=0)
+
     def of(self, kind: str) -> Tolerance:
         """Tolerance of one kind of column."""
         return self.kinds.get(kind) or Tolerance(self.atol or 0.0, self.rtol or 0.0, self.last_digit)
+
+    def of_places(self, kind: str, shape: tuple[int, ...], overrules) -> Tolerance:
+        """Tolerance of a block of `shape`; `overrules` are pairs (index of the block, tolerance there)."""
+        general = self.of(kind)
+        overrules = list(overrules)
+        if not overrules:
+            return general
+        arrays = [np.full(shape, value) for value in (general.atol, general.rtol, general.last_digit)]
+        for index, special in overrules:
+            for array, value in zip(arrays, (special.atol, special.rtol, special.last_digit), strict=True):
+                array[index] = value
+        return Tolerance(*arrays)
+
+    def named(self, name: str) -> Tolerance | None:
+        """Tolerance of the quantity `name` of its own, if it has one; capitals and blanks do not matter."""
+        fitting = [pattern for pattern in self.quantities if fnmatchcase(_folded(name), _folded(pattern))]
+        self.used.update(fitting)
+        return self.quantities[fitting[-1]] if fitting else None
 
 
 def parse_kinds(settings) -> dict[str, Tolerance]:
@@ -125,6 +157,10 @@ def parse_kinds(settings) -> dict[str, Tolerance]:
             faults[0], tuple(Fault("error", message, id="DIFF-011") for message in faults), id="DIFF-012"
         )
     return kinds
+
+
+def _folded(name):
+    return name.lower().replace(" ", "_")
 
 
 def _figure(text):

@@ -1,13 +1,13 @@
 """Which curves of a result are drawn, and in which panels: one for each unit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 
@@ -74,7 +74,7 @@ class Source:
 
 
 def default_quantities(result: h5py.File) -> list[Quantity]:
-    """What to draw when nothing is named: the telling quantities of the dialect that move, and energies.
+    """Return the quantities drawn when none is named: the dialect's main ones that move, and energies.
 
     Of these those that change, and their sum; `still_energies` are the others.
     """

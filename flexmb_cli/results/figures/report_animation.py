@@ -145,7 +145,7 @@ def _chains(edges):
 
 
 def _is_plate(body):
-    """Whether a rigid body's marks span a plane polygon, such as a link with three joints."""
+    """Return whether a rigid body's marks span a plane polygon, such as a link with three joints."""
     count = body.marks.shape[1]
     if body.flexible or not 3 <= count <= 6 or len(body.edges) < count:
         return False

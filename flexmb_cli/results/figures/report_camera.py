@@ -54,7 +54,7 @@ def _camera(view, ratio):
 
 
 def _distance(view, sides):
-    """How far the eye is from the middle of a box, so that its corners leave room for the axes' names.
+    """Return how far the eye is from the middle of a box, so that its corners leave room for the axes' names.
 
     A corner c in the axes of the picture (right, up, eye) is seen at c_up / (distance - c_eye) times the
     cotangent of half the angle of view.

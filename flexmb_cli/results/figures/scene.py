@@ -4,11 +4,10 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
-from dataclasses import dataclass, replace
-
 import h5py
 import numpy as np
 
+from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes, texts
 from ..quantities.quantities import ResultError
 from .gabriel_graph import different, gabriel_edges
@@ -16,7 +15,8 @@ from .gabriel_graph import different, gabriel_edges
 # A letter a dataset's axis: time, body, joint, point, node, mode, or its length.
 SHAPES = {
     "time": "t",
-    "body/position": "tb3", "body/euler_parameters": "tb4", "body/name": "b", "body/centre": "b3",
+    "body/position": "tb3", "body/velocity": "tb3", "body/angular_velocity": "tb3",
+    "body/euler_parameters": "tb4", "body/name": "b", "body/centre": "b3",
     "joint/body": "j2", "joint/point": "j23", "joint/axis": "j23", "joint/name": "j",
     "point/position": "tp3", "point/body": "p", "point/name": "p", "gravity": "3",
 }  # fmt: skip
@@ -55,6 +55,10 @@ class Scene:
     point_names: tuple[str, ...]
     points: np.ndarray
     gravity: np.ndarray
+    body_names: tuple[str, ...] = ()
+    origin: np.ndarray | None = None  # (T, b, 3) of the body frames, and their motion where it is known
+    velocity: np.ndarray | None = None  # (T, b, 3)
+    spin: np.ndarray | None = None  # (T, b, 3)
 
     @property
     def places(self) -> np.ndarray:
@@ -86,6 +90,10 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
         point_names=_names(result, "point"),
         points=motion.points,
         gravity=result["gravity"][:] if "gravity" in result else np.zeros(3),
+        body_names=motion.names,
+        origin=motion.position,
+        velocity=_series(result, "body/velocity", rows),
+        spin=_series(result, "body/angular_velocity", rows),
     )
     numbered = [(number, motion.marks(number)) for number in range(len(motion.names) + 1)]
     extent = _extent([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])
@@ -205,6 +213,10 @@ def _drawn(motion, number, marks, extent):
 def _extent(parts):
     places = np.concatenate(parts)
     return float(np.ptp(places, axis=0).max()) or 1.0
+
+
+def _series(result, path, rows):
+    return result[path][rows] if path in result else None
 
 
 def _names(result, kind):

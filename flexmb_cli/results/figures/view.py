@@ -1,8 +1,8 @@
 """From where a mechanism is looked at: which way is up, and whether it moves in a plane."""
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ...quick_dataclass import dataclass
 
 # A mechanism this much thinner than it is long counts as planar.
 THIN = 1e-6

@@ -9,7 +9,9 @@ import io
 import h5py
 import numpy as np
 
+from .element_bodies import element_bodies
 from .scene import Scene, read_scene
+from .vtkhdf_cells import write_cells
 
 VERSION = (2, 3)
 CELLS = ("Vertices", "Lines", "Strips", "Polygons")
@@ -18,9 +20,13 @@ CELLS = ("Vertices", "Lines", "Strips", "Polygons")
 def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     """The file's bytes: bodies as lines, their marks as vertices; body numbers and displacements as arrays.
 
-    `displacement` is from the first row, m; `body` is the number in the deck, 0 for the ground.
+    Bodies whose elements the result holds are cells of an unstructured grid.  `displacement` is from the
+    first row, m; `body` is the number in the deck, 0 for the ground.
     """
     scene = read_scene(result, rows)
+    bodies = list(element_bodies(result, scene.body_names, rows))
+    if bodies:
+        return _grid(scene, bodies)
     points = np.concatenate([body.marks for body in scene.bodies], axis=1)
     stream = io.BytesIO()
     with h5py.File(stream, "w", libver=("v108", "v108")) as file:
@@ -31,6 +37,16 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
         _write_points(root, scene, points)
         _write_cells(root, scene, points.shape[1])
         _write_steps(root, scene, points.shape[1])
+    return stream.getvalue()
+
+
+def _grid(scene, bodies):
+    stream = io.BytesIO()
+    with h5py.File(stream, "w", libver=("v108", "v108")) as file:
+        root = file.create_group("VTKHDF")
+        root.attrs["Version"] = np.array(VERSION, np.int64)
+        root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
+        write_cells(root, scene, bodies)
     return stream.getvalue()
 
 

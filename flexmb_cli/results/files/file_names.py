@@ -1,11 +1,11 @@
 """Where the results of a deck go, and the refusal of two results at one place."""
 
 import os
-from dataclasses import dataclass
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
 from ...errors import OutputError
+from ...quick_dataclass import dataclass
 
 STANDARD_INPUT = STANDARD_OUTPUT = "-"
 
@@ -125,7 +125,7 @@ def _refuse_second(results, number, path, owners):
 
 
 def _is_plain(path):
-    """Whether two results at `path` would destroy each other; a device such as /dev/null takes any number."""
+    """Return whether two results at `path` would destroy each other; /dev/null takes many."""
     return os.path.isfile(path) or not os.path.exists(path)
 
 

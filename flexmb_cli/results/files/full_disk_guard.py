@@ -27,7 +27,7 @@ class ForgivingDisk(io.FileIO):
         return self._at
 
     def tell(self):
-        """Where HDF5 believes to be."""
+        """Return where HDF5 believes to be."""
         return self._at
 
     def write(self, data):

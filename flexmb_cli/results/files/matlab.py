@@ -19,12 +19,55 @@ def matlab_bytes(result: h5py.File) -> bytes:
     Names are those of the result, with _ for what MATLAB does not take: body 1 is body_1.  Raises
     `ResultError` for a result that is too large for the format.
     """
-    content = _struct(result)
-    content["info"] = {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
+    content = _content(result)
     if _size(content) > LARGEST:
         limit = "larger than the 2 GB of a MATLAB 5 file; MATLAB reads the result itself (h5read)"
         raise ResultError(result.filename, limit, id="RESULT-012")
     return variable_bytes("flexmb", content)
+
+
+def matlab_fields(result: h5py.File) -> dict[str, np.ndarray]:
+    """Return what the file of `result` would hold, by the paths of the fields: `body/position`."""
+    return dict(_flat(_content(result)))
+
+
+def read_matlab(path: str) -> dict[str, np.ndarray]:
+    """Return the fields of a file that `flexmb export --to mat` wrote, by their paths.
+
+    Raises ValueError, TypeError, NotImplementedError, KeyError or OSError when it is another file.
+    """
+    from scipy.io import loadmat
+
+    record = loadmat(path, struct_as_record=True, squeeze_me=False, chars_as_strings=True)["flexmb"]
+    return dict(_flat(_unpacked(record)))
+
+
+def _unpacked(record):
+    """A struct of 1 by 1 as a dictionary."""
+    fields = record[0, 0]
+    return {name: _opened(fields[name]) for name in fields.dtype.names}
+
+
+def _opened(value):
+    if value.dtype.names:
+        return _unpacked(value)
+    if value.dtype == object:
+        return np.array([str(np.ravel(cell)[0]) if np.size(cell) else "" for cell in np.ravel(value)])
+    return value
+
+
+def _flat(content, prefix=""):
+    for name, value in content.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}/")
+        else:
+            yield f"{prefix}{name}", np.asarray(value)
+
+
+def _content(result):
+    return _struct(result) | {
+        "info": {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
+    }
 
 
 def variable_bytes(name: str, content) -> bytes:

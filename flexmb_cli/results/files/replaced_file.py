@@ -117,7 +117,7 @@ class ReplacedText:
 
     @property
     def temporary(self) -> str:
-        """Where the text is until `commit`."""
+        """Return where the text is until `commit`."""
         return self._replacement.temporary
 
     def flush(self) -> None:
@@ -217,13 +217,13 @@ def sync_folders(files) -> None:
 
 
 def is_unfinished(path: str) -> bool:
-    """Whether a file has the name of a result in the making, such as a killed run leaves behind."""
+    """Return whether a file has the name of a result in the making, such as a killed run leaves behind."""
     name = os.path.basename(path)
     return name.startswith(_PREFIX) and name.endswith(_SUFFIX)
 
 
 def hold(file):
-    """Whether the open file is now this process's alone, until it ends somehow; None: no locks here."""
+    """Lock the open file for this process until it ends; return whether it is locked, None without locks."""
     try:
         import fcntl
     except ImportError:
@@ -288,7 +288,7 @@ def _give_up(path, held):
 
 
 def _stands(path):
-    """Whether there is a file; anything but its absence is a failure of the disk, and told."""
+    """Return whether there is a file; anything but its absence is a failure of the disk, and told."""
     with suppress(FileNotFoundError):
         os.lstat(path)
         return True

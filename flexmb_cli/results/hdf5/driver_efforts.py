@@ -1,8 +1,8 @@
 """What drivers deliver, in a result: a force along a coordinate, or a torque about an axis."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
+from ...quick_dataclass import replace
 from .result_file import Axis, Series
 
 FORCE, TORQUE = "N", "N m"

@@ -1,8 +1,7 @@
 """What the HDF5 result of a mechanism's dynamics holds beyond its kinematics."""
 
-from dataclasses import replace
-
 from ...model.loads import DynamicModel, holders
+from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .kinematic import kinematic_layout, kinematic_values
 from .result_file import Axis, Layout, Series, Values, numbered_axis

@@ -7,6 +7,7 @@ from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units,
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
+from .stress import element_axis, element_constants, stress_axes, stress_series, stress_values
 
 JOINT_VECTOR = ("joint/joint", "xyz")
 FORCES = {
@@ -52,7 +53,8 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if items:
             axes.append(driver_axis_with_units(numbered_axis(kind, [item.name for item in items]), units))
     for body in _flexible(mechanism):
-        axes += [_mode_axis(body), _node_axis(body)]
+        axes += [_mode_axis(body), _node_axis(body), *element_axis(body)]
+    axes += stress_axes(mechanism)
     present = {axis.path for axis in axes}
     series = [
         effort_series(item, units) if item.path == PATH else item
@@ -61,6 +63,9 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for body in _flexible(mechanism):
         axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
         series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))
+        if body.flexible.stress:
+            series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
+    series += stress_series(mechanism)
     return Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
 
 
@@ -70,7 +75,9 @@ def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
     values |= {series.path: getattr(rows, field) for field, series in _named().items()}
     for body, amplitude in zip(_flexible(mechanism), rows.amplitude, strict=True):
         values[_amplitude(body)] = amplitude
-    return values
+    for body, rate in zip(_flexible(mechanism), rows.amplitude_rate, strict=True):
+        values[_rate(body)] = rate
+    return values | stress_values(mechanism, values)
 
 
 def _named():
@@ -83,6 +90,10 @@ def _flexible(mechanism):
 
 def _amplitude(body):
     return f"modal/{body.name}/amplitude"
+
+
+def _rate(body):
+    return f"modal/{body.name}/rate"
 
 
 def _mode_axis(body):
@@ -101,6 +112,7 @@ def _constants(mechanism):
         frequencies = np.array(body.flexible.frequencies)
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
         yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)
+        yield from element_constants(body)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])
     if mechanism.joints:

@@ -18,7 +18,7 @@ _WIDTHS = (8, 8)  # bytes of an address and of a length
 
 
 def fault_of_heaps(file: h5py.File) -> str:
-    """What is wrong with a heap of the file, "" when they are as HDF5 leaves them."""
+    """Return what is wrong with a heap of the file, "" when they are as HDF5 leaves them."""
     if file.id.get_create_plist().get_sizes() != _WIDTHS:
         return "its addresses and lengths are not of eight bytes"
     with open(file.filename, "rb") as stream:

@@ -7,7 +7,6 @@ the file do not depend on the blocks in which the analysis delivers them.
 import os
 from collections.abc import Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from math import prod
 
 import h5py
@@ -16,8 +15,11 @@ import numpy as np
 from ... import __version__
 from ...deck.record import Deck
 from ...errors import OutputError
+from ...quick_dataclass import dataclass
+from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.full_disk_guard import ForgivingDisk
 from ..files.replaced_file import Replacement, located, put_in_place
+from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
 # 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
 # of the shapes of bodies lay beside it, which netCDF does not know.
@@ -29,8 +31,6 @@ CUT_SHORT = "the run was cut short"
 FILE_FORMAT = ("v108", "v108")
 CHUNK_ROWS = 1024
 CHUNK_BYTES = 2**20
-
-TEXT = h5py.string_dtype()
 
 Values = Mapping[str, np.ndarray]
 
@@ -118,7 +118,7 @@ class ResultFile:
 
     @property
     def temporary(self) -> str:
-        """Where the file is until it is complete."""
+        """Return where the file is until it is complete."""
         return self._place.temporary
 
     def rows(self, values: Values) -> None:
@@ -154,7 +154,7 @@ class ResultFile:
 
     @property
     def path(self) -> str:
-        """Where the file will be."""
+        """Return where the file will be."""
         return self._place.path
 
     @property
@@ -190,39 +190,39 @@ class ResultFile:
         self._series = self._make_series(layout.series, scales)
 
     def _describe(self, deck, analysis):
-        for name, value in (
-            ("Conventions", CONVENTIONS),
-            ("flexmb_version", __version__),
-            ("dialect", deck.dialect),
-            ("analysis", analysis),
-            ("deck_name", printable_name(deck.source.name)),
-            ("deck_sha256", deck.source.sha256),
-            ("status", FAILED),
-            ("message", CUT_SHORT),
-        ):
-            self._file.attrs[name] = value
+        set_texts(
+            self._file,
+            Conventions=CONVENTIONS,
+            flexmb_version=__version__,
+            dialect=deck.dialect,
+            analysis=analysis,
+            deck_name=printable_name(deck.source.name),
+            deck_sha256=deck.source.sha256,
+            status=FAILED,
+            message=CUT_SHORT,
+        )
         for name, lines in (("settings", deck.settings), ("options", deck.options)):
             if lines:
-                self._file.attrs[name] = "\n".join(lines)
-        _describe(
-            self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT), "1", "text of the deck"
-        )
+                set_texts(self._file, **{name: "\n".join(lines)})
+        if AS_PRINTED in deck.options:
+            set_texts(self._file, emulation=EMULATED)
+        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
+        set_texts(text, units="1", long_name="text of the deck")
 
     def _make_axis(self, axis):
         scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
         scale.make_scale(axis.path.rpartition("/")[2])
-        _describe(scale, "1", axis.long_name)
+        set_texts(scale, units="1", long_name=axis.long_name)
         for path, texts, long_name in axis.labels:
             dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
-            dataset.dims[0].attach_scale(scale)
-            _describe(dataset, "1", long_name)
+            attach_scales(dataset, [scale])
+            set_texts(dataset, units="1", long_name=long_name)
         return scale
 
     def _make_constant(self, constant, scales):
         dataset = self._file.create_dataset(constant.path, data=constant.values)
-        for number, path in enumerate(constant.axes):
-            dataset.dims[number].attach_scale(self._scale_for(constant.path, path, scales))
-        _describe(dataset, constant.units, constant.long_name)
+        attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
+        set_texts(dataset, units=constant.units, long_name=constant.long_name)
 
     def _scale_for(self, dataset, axis, scales):
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
@@ -233,7 +233,7 @@ class ResultFile:
         if path not in scales:
             scales[path] = self._file.create_dataset(path, data=scales[axis][:])
             scales[path].make_scale(name)
-            _describe(scales[path], "1", scales[axis].attrs["long_name"])
+            set_texts(scales[path], units="1", long_name=scales[axis].attrs["long_name"])
         return scales[path]
 
     def _make_series(self, series, scales):
@@ -243,32 +243,23 @@ class ResultFile:
         for item in series:
             axes = [self._scale_for(item.path, path, scales) for path in item.axes]
             datasets[item.path] = self._growing(item, axes)
-            for number, scale in enumerate([time, *axes]):
-                datasets[item.path].dims[number].attach_scale(scale)
+            attach_scales(datasets[item.path], [time, *axes])
         return datasets
 
     def _growing(self, series, axes):
         """A dataset without rows that grows along time."""
         item = tuple(len(axis) for axis in axes)
-        dataset = self._file.create_dataset(
-            series.path,
-            shape=(0, *item),
-            maxshape=(None, *item),
-            chunks=(self._chunk, *item),
-            dtype="f8",
-        )
-        _describe(dataset, series.units, series.long_name)
+        dataset = growing_dataset(self._file, series.path, item, self._chunk)
+        set_texts(dataset, units=series.units, long_name=series.long_name)
         return dataset
 
     def _write(self, count):
         """Write the first `count` waiting rows; the others go on waiting."""
         gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
-        stop = self._written + count
         with self._on_disk():
             for path, dataset in self._series.items():
-                dataset.resize(stop, axis=0)
-                dataset[self._written : stop] = gathered[path][:count]
-        self._written = stop
+                append_rows(dataset, self._written, gathered[path][:count])
+        self._written += count
         rest = {path: values[count:] for path, values in gathered.items()}
         self._waiting = [rest] if len(rest["time"]) else []
 
@@ -301,11 +292,6 @@ def _plain(values):
 
 def _kind(values):
     return TEXT if isinstance(values[0], str) else None
-
-
-def _describe(dataset, units, long_name):
-    dataset.attrs["units"] = units
-    dataset.attrs["long_name"] = long_name
 
 
 def _joined(blocks):

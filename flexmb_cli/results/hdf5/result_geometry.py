@@ -104,7 +104,7 @@ def shape_geometry(body: str, r0: np.ndarray, Phi: np.ndarray) -> tuple[Constant
 
 
 def _centre(body):
-    """What a flexible body's nodes leave of its mass sits at its origin."""
+    """Return what a flexible body's nodes leave of its mass sits at its origin."""
     if body.elastic is None:
         return body.centre
     return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())

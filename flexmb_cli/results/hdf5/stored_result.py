@@ -61,7 +61,7 @@ def _look_through(file):
     names: list[bytes] = []
 
     def stop_at(name, link):
-        """What ends the search.
+        """Return what ends the search.
 
         h5py cannot bear an exception in here, and its own visits of a file look links up, which may raise.
         """
@@ -128,17 +128,17 @@ def _product(lengths):
 
 
 def is_number(dataset: h5py.Dataset) -> bool:
-    """Whether it holds integers or real numbers."""
+    """Return whether it holds integers or real numbers."""
     return dataset.dtype.kind in "iuf"
 
 
 def is_text(dataset: h5py.Dataset) -> bool:
-    """Whether it holds text."""
+    """Return whether it holds text."""
     return h5py.check_string_dtype(dataset.dtype) is not None
 
 
 def is_variable_text(dataset: h5py.Dataset) -> bool:
-    """Whether it holds texts of any length, which are stored apart."""
+    """Return whether it holds texts of any length, which are stored apart."""
     return is_text(dataset) and h5py.check_string_dtype(dataset.dtype).length is None
 
 
@@ -185,7 +185,7 @@ def datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
 
 
 def place_of(dataset: h5py.Dataset) -> int:
-    """Where in its file a dataset begins."""
+    """Return where in its file a dataset begins."""
     return h5py.h5o.get_info(dataset.id).addr
 
 
@@ -206,7 +206,7 @@ def attribute(owner, name: str, default: str = "") -> str:
 
 
 def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
-    """What `--set` changed of the deck, "NAME=VALUE" each; with `name` "options" how it was to be solved."""
+    """Return the changes by `--set`, "NAME=VALUE" each; with `name` "options" the options of the solution."""
     text = _text(result, name) if name in result.attrs else ""
     return [visible(line) for line in text.splitlines()]
 

@@ -10,13 +10,13 @@ import fnmatch
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from itertools import product
 
 import h5py
 import numpy as np
 
 from ...errors import Fault, FlexmbError
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
 from .nearest_names import nearest
 from .quantity_names import TIME, families, folded, time_family
@@ -97,7 +97,7 @@ def _check_times(times):
 
 
 def _other_kind(path, error):
-    """What the file is that HDF5 cannot open."""
+    """Return what the file is that HDF5 cannot open."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
         begins = file.read(4)

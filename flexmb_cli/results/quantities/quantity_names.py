@@ -1,11 +1,11 @@
 """How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
 
 import re
-from dataclasses import dataclass
 
 import h5py
 
 from ...errors import visible
+from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
 
 TIME = "time"
@@ -24,11 +24,18 @@ FORMS = {
     "point/position": ("point.{0}.{1}", "point.{0}.position.{1}"),
     "coordinate/q": ("coordinate.{0}", "coordinate.{0}.q"),
     "elastic/displacement": ("elastic.{item}.{0}.{1}", "elastic.{item}.{0}.displacement.{1}"),
-}
+    **{f"{quantity}/{kind}_tensor": (f"{quantity}.{{item}}.{{0}}.{{1}}",)
+       for quantity in ("stress", "strain") for kind in ("node", "element")},
+    **{f"stress/{kind}_von_mises": ("stress.{item}.{0}.von_mises",) for kind in ("node", "element")},
+    **{f"stress/{kind}_principal": ("stress.{item}.{0}.principal.{1}",) for kind in ("node", "element")},
+    "strain/element_energy": ("strain.{item}.{0}.energy",),
+    "stress/max_von_mises": ("stress.{item}.max.von_mises",),
+    "stress/max_node": ("stress.{item}.max.node",),
+}  # fmt: skip
 MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
 MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
-BY_BODY = ("elastic", "modal")
+BY_BODY = ("elastic", "modal", "stress", "strain")
 
 
 @dataclass(frozen=True)
@@ -44,7 +51,7 @@ class Slot:
         return [word for words in self.words for word in words]
 
     def positions(self, pattern: re.Pattern) -> list[int]:
-        """Where along the axis a spelling, folded, matches."""
+        """Return where along the axis a spelling, folded, matches."""
         return [n for n, words in enumerate(self.words) if any(pattern.match(folded(w)) for w in words)]
 
 
@@ -68,7 +75,7 @@ class Family:
         return self.units[index[0] if len(self.units) > 1 else 0]
 
     def meaning(self, index: tuple[int, ...]) -> str:
-        """What it is, in words."""
+        """Return what it is, in words."""
         return f"{self.items[index[0]]}: {self.long_name}" if self.items else self.long_name
 
 
@@ -131,7 +138,7 @@ def _form(path, item, dataset):
 
 
 def _numbered_axes(dataset):
-    """How many axes behind time, from the first, count things: bodies, joints, nodes."""
+    """Return how many axes behind time, from the first, count things: bodies, joints, nodes."""
     scales = [scale_of(dataset, axis) for axis in range(1, dataset.ndim)]
     kinds = [scale is not None and is_number(scale) for scale in scales]
     return kinds.index(False) if False in kinds else len(kinds)
@@ -181,6 +188,9 @@ class _Labels:
         kind = path.rpartition("/")[2]
         if kind == "node":
             return [(f"node{number}", number, f"node {number}") for number in numbers]
+        if kind == "element":
+            # The number alone is a node's.
+            return [(f"element{number}", f"element {number}") for number in numbers]
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
     def _names(self, scale):

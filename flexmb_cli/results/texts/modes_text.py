@@ -11,7 +11,7 @@ NAMED = 0.1  # of the largest part
 
 
 def modes_text(report) -> str:
-    """What `flexmb modes` found (`run.modes.ModesReport`): flexible bodies, then the mechanism."""
+    """Return what `flexmb modes` found (`run.modes.ModesReport`): flexible bodies, then the mechanism."""
     dialect = report.deck.dialect.upper()
     lines = [f"{visible(report.outcome.deck)}: {dialect} deck, flexible bodies {len(report.bodies)}"]
     for body in report.bodies:

@@ -60,7 +60,7 @@ def _parts(mechanism):
 
 
 def _body(body):
-    """What is reported of a body; frequencies in Hz."""
+    """Return what is reported of a body; frequencies in Hz."""
     record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
     if body.flexible is None:
         return record | {"kind": "rigid"}

@@ -3,12 +3,11 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import replace
 from ..context import Run
 from .check import CheckReport, LabelledJacobian
 from .parts import FARTHEST_STEPS, before_and_after, gaps_of, parts_of

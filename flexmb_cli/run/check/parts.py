@@ -8,7 +8,7 @@ FARTHEST_STEPS = 100_000
 
 
 def parts_of(mechanism) -> dict:
-    """How many of each thing a mechanism has."""
+    """Return how many of each thing a mechanism has."""
     joints: dict[str, int] = {}
     for joint in mechanism.joints:
         joints[joint.kind] = joints.get(joint.kind, 0) + 1
@@ -25,7 +25,7 @@ def parts_of(mechanism) -> dict:
 
 
 def report_times(grid) -> dict:
-    """How many report times there are, and the last where it is not the end that the deck gives."""
+    """Return how many report times there are, and the last where it is not the end that the deck gives."""
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 

@@ -3,14 +3,13 @@
 Small trees are evaluated by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from ...errors import AnalysisError
 from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_doubts
+from ...quick_dataclass import dataclass, replace
 from ..context import Run
 from .check import CheckReport
 from .parts import refuse_jacobian

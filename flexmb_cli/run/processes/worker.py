@@ -61,7 +61,7 @@ class Worker:
 
 
 def _served(serve, line, *given):
-    """What a process does."""
+    """Return what a process does."""
     try:
         serve(line, *given)
     except (EOFError, OSError, MemoryError):

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from ...errors import Fault, ModelError
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
@@ -20,6 +21,9 @@ TOO_COARSE = (
 
 def solution(model: DynamicModel, run: Run) -> Solution:
     """Return the dynamics of `model`, ready to be solved."""
+    if run.options.as_printed:
+        told = "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
+        raise ModelError([Fault("error", told, id="RUN-025")])
     forward = model.analysis == "forward"
     analysis = (_forward if forward else _inverse)(model, run)
     count = StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)) if forward else StepCount()

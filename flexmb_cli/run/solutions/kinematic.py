@@ -11,8 +11,14 @@ from ..solution import NoCount, Solution
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
     """Return the kinematics of `mechanism`, ready to be solved."""
+    if run.options.as_printed:
+        return _as_printed(mechanism, run)
     tell_of_compiling(run.listener, "kinematics.continuation.march")
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
+    return _solution(mechanism, analysis, run, not analysis.one_block)
+
+
+def _solution(mechanism, analysis, run, resumable):
     return Solution(
         analysis,
         mechanism.time.rows,
@@ -22,8 +28,16 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
         warnings=analysis.warnings,
         finer=nothing_to_refine,
         identity=dict(run.options.solver),
-        resumable=not analysis.one_block,
+        resumable=resumable,
     )
+
+
+def _as_printed(mechanism, run):
+    """The numbers of the program of 1996, errors included; each row takes moments."""
+    from ...solvers.as_printed.analysis import AsPrinted
+
+    run.outcome.as_printed = True
+    return _solution(mechanism, AsPrinted(mechanism, run.options.solver), run, False)
 
 
 class NewtonCount(NoCount):

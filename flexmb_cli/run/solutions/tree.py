@@ -1,11 +1,11 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
-from dataclasses import replace
 from functools import partial
 
 from ...errors import Fault
 from ...model.tree import Tree
 from ...model.unit_checks import unit_doubts
+from ...quick_dataclass import replace
 from ...results.hdf5.tree import tree_layout, tree_values
 from ...solvers.compilation import tell_of_compiling
 from ...solvers.tree.points import point_motion, point_names

@@ -1,8 +1,8 @@
 """How far two motions of one deck lie apart, quantity by quantity."""
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

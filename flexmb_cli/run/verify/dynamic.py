@@ -3,13 +3,12 @@
 Both begin at the position that flexmb assembles.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...deck.record import Deck
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
 from .difference import Difference, largest_difference

@@ -3,8 +3,6 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
-from dataclasses import fields, replace
-
 import numpy as np
 
 from ...deck.record import Deck
@@ -12,6 +10,7 @@ from ...dialects.recognise import dialect_named
 from ...errors import Fault, ModelError
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
+from ...quick_dataclass import fields, replace
 from ..context import Run
 from ..model import folder_of
 from ..outcome import Stop
@@ -61,7 +60,7 @@ def _rows(mechanism):
     for block in analysis.rows():
         blocks.append(block)
         Stop.heed()
-    names = [each.name for each in fields(blocks[0]) if each.name != "amplitude"]
+    names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
     return rows, not analysis.found.redundant
 

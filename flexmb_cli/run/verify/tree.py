@@ -1,11 +1,10 @@
 """A tree by two formulations: Kane's equations and absolute coordinates."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...deck.record import Deck
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
+from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of

@@ -4,11 +4,10 @@ Trees: Kane's equations and absolute coordinates.  Mechanisms: Euler parameters 
 Flexible bodies: two floating frames.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import ANALYSIS_FAILED
+from ...quick_dataclass import dataclass
 from ...results.texts.echo import echo
 from ..context import Run
 from ..exit_status import ending_recorded

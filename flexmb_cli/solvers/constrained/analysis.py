@@ -205,7 +205,7 @@ class ConstrainedMotion:
         return angles
 
     def _failure(self, answer, due: float = np.inf) -> AnalysisError:
-        """Why no step, or no row that was `due` at that time, could be made."""
+        """Return why no step, or no row that was `due` at that time, could be made."""
         clock = self.clock[0]
         t, step = float(clock["t"]), float(clock["step"])
         norms = {"reached": t, "step": step}

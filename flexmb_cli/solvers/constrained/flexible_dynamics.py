@@ -55,7 +55,7 @@ class FlexibleDynamics(ConstrainedMotion):
         return q
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
-        """Which of the speeds are given, and their values: those of the deck, and no rate of deformation."""
+        """Return the given speeds and their values: those of the deck, and no rate of deformation."""
         bodies = self.arrays.bodies
         given, wanted = given_speeds(self.velocities, bodies, q)
         modes = self.arrays.speeds - 6 * bodies

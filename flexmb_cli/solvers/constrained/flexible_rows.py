@@ -1,13 +1,12 @@
 """Report rows of a mechanism of rigid and flexible bodies."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.node_joints import reaction_point
 from ...model.arrays.system import SystemArrays
 from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
+from ...quick_dataclass import dataclass
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
 
 
@@ -29,6 +28,7 @@ class FlexibleRows:
     angular_velocity: np.ndarray  # (T, b, 3)
     angular_acceleration: np.ndarray  # (T, b, 3)
     amplitude: tuple[np.ndarray, ...]  # (T, N) of every flexible body
+    amplitude_rate: tuple[np.ndarray, ...]  # (T, N) of every flexible body
     point_position: np.ndarray  # (T, outputs, 3)
     point_velocity: np.ndarray  # (T, outputs, 3)
     point_acceleration: np.ndarray  # (T, outputs, 3)
@@ -100,7 +100,8 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
         euler_parameter_accelerations=seconds[..., 3:],
         angular_velocity=global_axes(q[..., 3:], u[..., 3:]),
         angular_acceleration=global_axes(q[..., 3:], ud[..., 3:]),
-        amplitude=_amplitudes(mechanism, motion),
+        amplitude=_by_body(mechanism, motion, motion.modal[0]),
+        amplitude_rate=_by_body(mechanism, motion, motion.modal[1]),
         point_position=points[0],
         point_velocity=points[1],
         point_acceleration=points[2],
@@ -132,9 +133,10 @@ def _stacked(items, times):
     return np.stack(items, axis=1) if items else np.zeros((times, 0, 3))
 
 
-def _amplitudes(mechanism, motion):
+def _by_body(mechanism, motion, modal):
+    """Modal coordinates, or their rates, of every flexible body."""
     return tuple(
-        motion.modal[0][:, motion.first[k] : motion.first[k + 1]].copy()
+        modal[:, motion.first[k] : motion.first[k + 1]].copy()
         for k, body in enumerate(mechanism.bodies)
         if body.modes
     )

@@ -26,7 +26,7 @@ class ExplicitSteps:
         return constrained_dop853.new_march(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, turns)
 
     def doubts(self, clock) -> list[Fault]:
-        """What is doubtful about the steps taken."""
+        """Return what is doubtful about the steps taken."""
         return []
 
 
@@ -62,7 +62,7 @@ class GeneralisedAlpha:
         return march
 
     def doubts(self, clock) -> list[Fault]:
-        """What is doubtful about the steps taken: some of given length had to be divided."""
+        """Return what is doubtful about the steps taken: some of given length had to be divided."""
         if not self.length or not clock["rejections"]:
             return []
         message = (
@@ -92,5 +92,5 @@ class RadauSteps:
         return radau5.new_march(work, turns)
 
     def doubts(self, clock) -> list[Fault]:
-        """What is doubtful about the steps taken."""
+        """Return what is doubtful about the steps taken."""
         return []

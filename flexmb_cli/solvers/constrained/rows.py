@@ -1,12 +1,11 @@
 """Report rows of a dynamic analysis: the motion, and the forces and energies that go with it."""
 
-from dataclasses import dataclass, fields
-
 import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.loads import holders
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import dataclass, fields
 from ..kinematics.rows import Rows
 from ..kinematics.system import rotated, rows_of
 

@@ -81,7 +81,7 @@ def order_of_elimination(analysis, q, t: float) -> Mobility:
 
 
 def _of_one_attitude(group):
-    """Whether a dependency is that of the four Euler parameters of one body, which is no redundancy."""
+    """Return whether a dependency is that of one body's Euler parameters, which is no redundancy."""
     parts = {equation.part for equation in group}
     return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
 

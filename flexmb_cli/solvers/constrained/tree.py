@@ -4,8 +4,6 @@ The other formulation of the same model: floating frames with nodal displacement
 Euler parameters and Lagrange multipliers.  Nothing of the recursion along the tree is used.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
@@ -22,6 +20,7 @@ from ...model.tree_as_mechanism.limits import refuse_foreign
 from ...model.tree_as_mechanism.loads import tree_loads
 from ...model.tree_as_mechanism.loop_assembly import closed_tree
 from ...model.tree_as_mechanism.poses import elastic_start, first_poses
+from ...quick_dataclass import replace
 from ..tree.rows import TreeRows
 from .analysis import ConstrainedMotion
 from .tree_rows import absolute_rows

@@ -39,7 +39,7 @@ class ForwardDynamics(ConstrainedMotion):
         return assembled(self, t)
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
-        """Which of the speeds the deck gives, and their values."""
+        """Return which of the speeds the deck gives, and their values."""
         return given_speeds(self.velocities, self.arrays.bodies, q)
 
     @property

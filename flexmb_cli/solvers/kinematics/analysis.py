@@ -152,7 +152,7 @@ class KinematicAnalysis:
         return found
 
     def _at_once(self, most):
-        """How many steps or rows the kernel is given at a time: an interrupt waits for them."""
+        """Return how many steps or rows the kernel is given at a time: an interrupt waits for them."""
         return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
 
     @property

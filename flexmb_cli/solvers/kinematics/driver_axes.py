@@ -6,13 +6,12 @@ joints tilt the body against its driver's axis: |p| is not 1 or does not stay 1,
 position, or the rates are no motion.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
 from ...model.arrays.kinematic import kinematic_arrays
 from ...model.mechanism import Driver, Mechanism
+from ...quick_dataclass import replace
 from ..singular.mobility import CLOSED, mobility
 from .assembly import assemble_by_search
 from .position import Evaluator

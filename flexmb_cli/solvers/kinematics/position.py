@@ -1,12 +1,11 @@
 """One position of a mechanism: residuals and Jacobian as matrices, with the names of their rows."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.newton import A, System, Work, evaluate_position
 from ...model.arrays.kinematic import KinematicArrays
+from ...quick_dataclass import dataclass
 
 DENSE_LIMIT = 350  # equations; above, matrices are sparse
 

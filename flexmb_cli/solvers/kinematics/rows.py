@@ -1,8 +1,8 @@
 """Report rows: what an analysis of a mechanism delivers, block by block, to the writers."""
 
-from dataclasses import dataclass, fields
-
 import numpy as np
+
+from ...quick_dataclass import dataclass, fields
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Solver settings of a kinematic analysis that a user may override."""
 
-from dataclasses import dataclass
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

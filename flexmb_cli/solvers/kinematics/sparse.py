@@ -80,7 +80,7 @@ class SparseFactors:
 
 
 def odd(permutation) -> bool:
-    """Whether a permutation is made of an odd number of exchanges: n less its cycles."""
+    """Return whether a permutation is made of an odd number of exchanges: n less its cycles."""
     cycles = connected_components(
         csc_matrix((np.ones(permutation.size), (range(permutation.size), permutation)))
     )[0]

@@ -1,7 +1,5 @@
 """Eigenfrequencies and damping of the linearised motion of a mechanism, and its absolute formulation."""
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -10,6 +8,7 @@ from ...kernels.constrained.angle_unwrapping import NEAR
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
+from ...quick_dataclass import dataclass, replace
 from ..constrained.analysis import ConstrainedMotion
 from ..constrained.start import SINGULAR_VALUE, inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates

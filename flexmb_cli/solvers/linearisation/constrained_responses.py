@@ -99,7 +99,7 @@ class ConstrainedResponses(Responses):
         return np.concatenate([across @ block[:3], across @ block[3:]])
 
     def _carried(self, q, point: NodePoint, place):
-        """Where a point is, and the displacement (6, n) of its body there, or at `place`, by all bodies."""
+        """Return the position of a point and the displacement (6, n) of its body there or at `place`."""
         arrays, block = self.analysis.arrays, np.zeros((6, self.motion.scale.size))
         if point.body < 0:
             return point.r0, block

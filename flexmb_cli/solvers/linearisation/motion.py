@@ -146,7 +146,7 @@ class LinearisedMotion(ABC):
         return self.Z @ (self.units * shift), self.Z @ (self.units * left) * self.duration
 
     def _agrees(self, A, other, pace):
-        """Whether entries, row by row, and eigenvalues of two matrices are the same."""
+        """Return whether entries, row by row, and eigenvalues of two matrices are the same."""
         f, change = self.freedoms, np.abs(other - A)
         for rows, columns, power in ((0, 0, 1), (1, 0, 2), (1, 1, 1)):
             block = slice(rows * f, (rows + 1) * f), slice(columns * f, (columns + 1) * f)
@@ -177,7 +177,7 @@ class LinearisedMotion(ABC):
         return 1.0 / max(*rates, 1.0 / self.duration)
 
     def _destination(self, A):
-        """How far (f,) the accelerations push against the stiffness, and those (f,) that nothing opposes."""
+        """Return the displacements (f,) by the accelerations, and accelerations (f,) that nothing opposes."""
         f = self.freedoms
         pushed = self.speed_rates(self.u, self.rate) / self.units
         # Accelerations of turning that cancel leave round-off.

@@ -6,10 +6,10 @@ drivers and loads, the outputs those of points, joints and drivers.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...quick_dataclass import dataclass
 from .motion import CONSTANT, STEP, LinearisedMotion, differentiated
 
 SPEED_OF = {"rad": "rad/s", "m": "m/s", "m or 1": "m/s or 1/s"}

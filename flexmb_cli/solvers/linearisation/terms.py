@@ -1,8 +1,7 @@
 """What inputs and outputs of a linearised mechanism are called in the terms of its dialect."""
 
-from dataclasses import dataclass
-
 from ...model.flexible_mechanism import NodePoint
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,11 @@ coordinates.  Points and vectors are linear in them, and all equations are linea
 The second formulation of `verify`: it shares no equation with the kernels.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Driver, Mechanism
+from ...quick_dataclass import dataclass, field
 
 SIZE = 12
 LINES = {"revolute", "universal", "spherical", "cylindrical", "translational"}

@@ -4,14 +4,13 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...model.arrays.dynamic import inertia_matrix
 from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
+from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
 
 MET = 1e-13

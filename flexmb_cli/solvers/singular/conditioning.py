@@ -1,10 +1,9 @@
 """How near a position is to a singular one: its condition, and what is weakest there, by name."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...model.by_size import by_size
+from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 

@@ -50,7 +50,7 @@ def _weakest(analysis, jacobian):
 
 
 def is_singular(analysis, q, start) -> bool:
-    """Whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
+    """Return whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
 
     So near to it in time a mere lock is further from losing a rank, by the square root.
     """
@@ -60,7 +60,7 @@ def is_singular(analysis, q, start) -> bool:
 
 
 def has_gained_rank(analysis) -> bool:
-    """Whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
+    """Return whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
     evaluate_jacobian(
         analysis.system, analysis.work, analysis.march.z[: analysis.arrays.coordinate_scale.size].copy()
     )

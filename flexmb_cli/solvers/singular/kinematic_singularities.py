@@ -32,7 +32,7 @@ class Passages:
         self.told = 0
 
     def memory(self):
-        """Where the march stands, to be walked again from."""
+        """Return where the march stands, to be walked again from."""
         analysis = self.analysis
         return analysis.state.copy(), analysis.motion.copy(), analysis.clock.copy()
 

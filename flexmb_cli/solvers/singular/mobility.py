@@ -1,13 +1,12 @@
 """Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...errors import Fault
 from ...model.by_size import by_size, first_of_largest
 from ...model.equations import Equation
 from ...model.joints import JOINT_TYPES
+from ...quick_dataclass import dataclass
 from ..kinematics.levenberg_marquardt import least_squares
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
@@ -113,7 +112,7 @@ def _sparse_least_squares(evaluator, residual, weights, x):
 
 
 def _of_joints(arrays):
-    """Which equations are those of joints (equations,)."""
+    """Return which equations are those of joints (equations,)."""
     constraints = arrays.constraints
     joints = np.isin(constraints["kind"], [kind.code for kind in JOINT_TYPES])
     rows = np.arange(len(arrays.equations))
@@ -193,7 +192,7 @@ def involved(vector) -> list[int]:
 
 
 def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
-    """Whether the mechanism can really move along a null vector, and not only to first order.
+    """Return whether the mechanism can really move along a null vector, and not only to first order.
 
     A step along `motion` is brought back to the constraints by the shortest way; a stiff mechanism
     comes back to where it was.

@@ -19,7 +19,8 @@ from .rows import TreeRows, tree_rows
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
-LARGEST_BLOCK = 256  # rows
+LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
+LARGEST_FRAMES = 8192  # frames of all rows of a block, as long as it has 256
 
 
 GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
@@ -170,7 +171,8 @@ class TreeAnalysis:
     def _advance(self):
         """One call of the kernel: its status, and the rows it filled (None for none)."""
         grid = self.tree.time
-        last = min(self.row + LARGEST_BLOCK, grid.rows)
+        most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
+        last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
         report = self._blank_report(np.array([grid.time(k) for k in range(self.row, last)]))
         status = self.call(tree_dop853.MARCH, report)
         filled = int(self.clock["row"][0])
@@ -179,7 +181,7 @@ class TreeAnalysis:
         return status, self._rows_of(tree_dop853.Report(*(part[:filled] for part in report)))
 
     def failure(self) -> AnalysisError:
-        """What the clock says went wrong."""
+        """Return what the clock says went wrong."""
         clock = self.clock[0]
         t = float(clock["t"])
         norms = {"step": float(clock["step"]), "evaluations": int(clock["evaluations"])}

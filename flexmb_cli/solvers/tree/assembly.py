@@ -33,7 +33,7 @@ def assemble_tree(analysis) -> None:
 
 
 def _close(analysis, kept):
-    """Whether the loops close while the coordinates marked in `kept` (NS,) stay."""
+    """Return whether the loops close while the coordinates marked in `kept` (NS,) stay."""
     analysis.coordinates["held"] = kept
     gap = np.inf
     for _ in range(MOST_ITERATIONS):
@@ -90,7 +90,7 @@ def pivot_shares(arrays: TreeArrays) -> np.ndarray:
 
 
 def stray(tree: Tree, shares: np.ndarray, repeated: np.ndarray, t: float, worst: int) -> Fault:
-    """What to say of steps that closing the loops moves away, however short they are.
+    """Return what to say of steps that closing the loops moves away, however short they are.
 
     `shares` (R,) are those of `pivot_shares`, `repeated` (R,) tells the rows that depend on others
     wherever the tree stands, `worst` is the place in the state of what moves most.

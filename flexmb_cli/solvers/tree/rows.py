@@ -1,12 +1,11 @@
 """Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...kernels.integrators.tree_dop853 import Report
 from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.tree import ELASTIC, Tree
+from ...quick_dataclass import dataclass
 
 
 @dataclass(frozen=True, eq=False)

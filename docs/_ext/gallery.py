@@ -1,0 +1,135 @@
+"""Write docs/gallery.md: a picture, curves and key numbers of every supplied deck."""
+
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+from deck_picture import draw
+from results import DOCS, TOP, checked, solved
+
+PICTURES = DOCS / "pictures" / "gallery"
+DRAWING = Path(__file__).with_name("deck_picture.py")
+FOLDERS = {
+    "YOUNG": ("young", "*.dat"),
+    "YOUNG with dynamics": ("young/dynamics", "*.dat"),
+    "DAFMS": ("dafms", "*.DAT"),
+    "VSDF": ("vsdf", "*.vsdf"),
+}
+HEAD = """# Gallery
+
+Every supplied deck: the mechanism at some instants (faint: earlier), the curves that `flexmb plot` draws by
+default, and key numbers. `flexmb examples NAME` copies a deck with its files, `flexmb report` shows its
+motion. `scripts/docs` makes this page and its pictures.
+"""
+
+
+def gallery() -> None:
+    """Solve all decks that are not kept, draw those whose pictures are older, and write the page."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    groups = {
+        title: sorted((TOP / "decks" / where).glob(pattern)) for title, (where, pattern) in FOLDERS.items()
+    }
+    decks = [deck for group in groups.values() for deck in group]
+    results, records = solved(decks), checked(decks)
+    text = [HEAD]
+    for title, group in groups.items():
+        text.append(f"## {title}\n")
+        for deck in group:
+            text.append(_entry(deck, results[deck], records[deck]))
+    (DOCS / "gallery.md").write_text("\n".join(text), encoding="utf-8")
+
+
+def _entry(deck, result, record):
+    picture = PICTURES / f"{deck.stem}{deck.suffix.lower()}.png"
+    if not picture.exists() or picture.stat().st_mtime < max(map(_changed, (result, DRAWING))):
+        draw(result, picture)
+    with h5py.File(result) as file:
+        numbers = key_numbers(file, record)
+    rows = "\n".join(f"| {name} | {value} |" for name, value in numbers)
+    return (
+        f"### {deck.name}\n\n{purpose(deck)}\n\n```{{image}} pictures/gallery/{picture.name}\n"
+        f":alt: Mechanism and curves of {deck.name}\n```\n\n| key number | value |\n|---|---|\n{rows}\n"
+    )
+
+
+def purpose(deck: Path) -> str:
+    """What the page beside the decks says of one, as a sentence."""
+    for folder in (deck.parent, deck.parent.parent):
+        page = folder / "README.md"
+        for line in page.read_text(encoding="utf-8").splitlines() if page.exists() else ():
+            cells = [cell.strip() for cell in line.strip("|").split("|")]
+            named = re.findall(r"`([^`]*)`", cells[0])
+            whole = [
+                name if not name.startswith("_") else named[0].rpartition("_")[0] + name for name in named
+            ]
+            if len(cells) > 1 and deck.stem in whole:
+                return f"{cells[1][:1].upper()}{cells[1][1:]}."
+    return ""
+
+
+def key_numbers(result: h5py.File, record: dict) -> list[tuple[str, str]]:
+    """Counts of the model, span of time, what moves fastest, and how well equations and energy are met."""
+    counts, time = record["counts"], result["time"][:]
+    found = [("bodies", _bodies(counts)), *_joints(counts)]
+    words = {key: key.replace("_", " ") for key in ("coordinates", "equations", "degrees_of_freedom")}
+    found += [(word, counts[key]) for key, word in words.items() if key in counts]
+    found.append(("rows, time", f"{len(time)}, {time[0]:g} … {time[-1]:g} s"))
+    found += [*_frequencies(record), *_motion(result)]
+    if "audit/constraint_residual" in result:
+        found.append(("largest constraint residual", f"{result['audit/constraint_residual'][:].max():.1e}"))
+    if "energy/total" in result:
+        total, kinetic = result["energy/total"][:], result["energy/kinetic"][:]
+        found.append(("change of total energy / largest kinetic", f"{_share(total, kinetic):.1e}"))
+    return found
+
+
+def _changed(path):
+    return path.stat().st_mtime
+
+
+def _bodies(counts):
+    flexible = counts.get("flexible", 0)
+    return f"{counts['bodies']}, {flexible} of them flexible" if flexible else f"{counts['bodies']}"
+
+
+def _joints(counts):
+    joints = ", ".join(f"{number} {kind}" for kind, number in counts.get("joints", {}).items())
+    closures = counts.get("closures", 0)
+    if joints or "joints" in counts:
+        yield "joints", joints or "none"
+    if closures:
+        yield "loop closures", closures
+
+
+def _frequencies(record):
+    for body in record.get("bodies", ()):
+        if body.get("frequencies"):
+            first, last = body["frequencies"][0], body["frequencies"][-1]
+            yield f"{body['name']}: {body['modes']} modes", f"{first:.4g} … {last:.4g} Hz"
+
+
+def _motion(result):
+    group = "point" if "point/velocity" in result and result["point/velocity"].shape[1] else "body"
+    speeds = np.linalg.norm(result[f"{group}/velocity"][:], axis=2)
+    if speeds.size:
+        row, k = np.unravel_index(int(speeds.argmax()), speeds.shape)
+        name = result[f"{group}/name"].asstr()[k]
+        yield "largest speed", f"{speeds.max():.4g} m/s, {name}, at {result['time'][row]:.4g} s"
+    deflections = {
+        name: _deflection(result[f"elastic/{name}"], result, name) for name in result.get("elastic", ())
+    }
+    for name, largest in deflections.items():
+        yield f"{name}: largest deflection", f"{largest:.3g} m"
+
+
+def _deflection(group, result, name):
+    if "displacement" in group:
+        moved = group["displacement"][:]
+    else:
+        moved = np.einsum("nkm,tm->tnk", group["shape"][:], result[f"modal/{name}/amplitude"][::10])
+    return float(np.linalg.norm(moved, axis=2).max())
+
+
+def _share(total, kinetic):
+    return float(np.abs(total - total[0]).max() / max(kinetic.max(), 1e-300))

@@ -1,0 +1,48 @@
+"""The commit of the checkout in which flexmb runs, read from git's own files: no other program is started."""
+
+from pathlib import Path
+
+SHOWN = 10  # digits
+CHECKOUT = Path(__file__).resolve().parents[3]
+
+
+def commit(checkout: Path = CHECKOUT) -> str:
+    """Return the first digits of the commit, "" outside a checkout of flexmb."""
+    if not (checkout / "pyproject.toml").is_file():
+        return ""
+    try:
+        found = _head(_git_folder(checkout))
+    except (OSError, UnicodeDecodeError):
+        return ""
+    is_hash = len(found) >= SHOWN and all(digit in "0123456789abcdef" for digit in found)
+    return found[:SHOWN] if is_hash else ""
+
+
+def _git_folder(checkout):
+    """The folder .git, or the one that a file .git of a further working tree names."""
+    git = checkout / ".git"
+    if git.is_dir():
+        return git
+    return checkout / git.read_text(encoding="utf-8").removeprefix("gitdir:").strip()
+
+
+def _head(git):
+    head = (git / "HEAD").read_text(encoding="utf-8").strip()
+    if not head.startswith("ref:"):
+        return head
+    name = head.removeprefix("ref:").strip()
+    folders = [git]
+    if (git / "commondir").is_file():
+        folders.append(git / (git / "commondir").read_text(encoding="utf-8").strip())
+    for folder in folders:
+        if (folder / name).is_file():
+            return (folder / name).read_text(encoding="utf-8").strip()
+    return _packed(folders[-1], name)
+
+
+def _packed(folder, name):
+    for line in (folder / "packed-refs").read_text(encoding="utf-8").splitlines():
+        found, _, ref = line.partition(" ")
+        if ref == name:
+            return found
+    return ""

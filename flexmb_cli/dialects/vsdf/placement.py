@@ -1,0 +1,93 @@
+"""The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
+
+import numpy as np
+
+from ...deck.record import Record
+from ...deck.records import DeckValues
+from ...fe.build_mechanism import euler_parameters
+from ...model.diagnostics import Findings
+from ...model.fe_model import VsdfBody
+from ...quick_dataclass import replace
+
+# Of the distance between two nodes: a point farther beside the second one was meant for another node.
+BESIDE = 1e-3
+# Sine of the least angle between the directions to the second and the third node, and to their points.
+SMALLEST_ANGLE = 1e-6
+
+
+def placed_bodies(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], findings: Findings
+) -> tuple[VsdfBody, ...]:
+    """Return the bodies where PLAC puts them; those without the card stay."""
+    given: dict[int, list[Record]] = {}
+    for record in values.section("placement"):
+        number = record.at("body")
+        if 1 <= number.value <= len(bodies):
+            given.setdefault(number.value, []).append(record)
+        else:
+            message = f"body number {number.value} is outside 1..{len(bodies)}"
+            findings.error(record.subject, message, number.place, id="VSDF-094")
+    return tuple(
+        _placed(values, k, body, given[k], findings) if k in given else body
+        for k, body in enumerate(bodies, start=1)
+    )
+
+
+def _placed(values, k, body: VsdfBody, records, findings) -> VsdfBody:
+    if len(records) not in (1, 3):
+        message = f"{len(records)} cards place {body.name}; one node places it, three place and turn it"
+        findings.error(records[-1].subject, message, records[-1].place, id="VSDF-095")
+        return body
+    replaced = [("position", "POSI")] + [("attitude", "EULP")] * (len(records) == 3)
+    for section, word in replaced:
+        record = values.record(section, k)
+        if record:
+            findings.error(
+                record.subject, f"{word} is not read beside PLAC of {body.name}", record.place, id="VSDF-096"
+            )
+    if len([record for record in records if _has_node(body, record, findings)]) < len(records):
+        return body
+    nodes = np.array([body.position(record["node"]) for record in records])
+    points = np.array([record.vector("p") for record in records], float)
+    A = body.A if len(records) == 1 else _attitude(body, records, nodes, points, findings)
+    if A is None:
+        return body
+    turned = {} if len(records) == 1 else {"p": tuple(map(float, euler_parameters(A)))}
+    return replace(body, r=tuple(map(float, points[0] - A @ nodes[0])), **turned)
+
+
+def _has_node(body, record, findings):
+    number = record.at("node")
+    if body.nodes and not body.members(number.value):
+        findings.error(record.subject, f"{body.name} has no node {number.value}", number.place, id="VSDF-097")
+    return bool(body.members(number.value))
+
+
+def _attitude(body, records, nodes, points, findings):
+    """Rotation matrix that takes the triad of the nodes to that of the points; None with a fault found."""
+    own, wanted = _triad(nodes), _triad(points)
+    for triad, what, record in ((own, "nodes", records[2]), (wanted, "points", records[2])):
+        if triad is None:
+            message = f"the three {what} that turn {body.name} lie on one line, or two of them coincide"
+            findings.error(record.subject, message, record.place, id="VSDF-098")
+    if own is None or wanted is None:
+        return None
+    distance, given = (np.linalg.norm(places[1] - places[0]) for places in (nodes, points))
+    if abs(distance - given) > BESIDE * distance:
+        message = (
+            f"node {records[1]['node']} is {distance:.6g} m from node {records[0]['node']}, and its point "
+            f"{given:.6g} m from the first one: the node lies {abs(distance - given):.3g} m beside its point"
+        )
+        findings.warn(records[1].subject, message, records[1].place, id="VSDF-099")
+    return wanted @ own.T
+
+
+def _triad(places):
+    """Axes (3, 3) from the first place to the second, and across in their plane; None on one line."""
+    along, beside = places[1] - places[0], places[2] - places[0]
+    across = np.cross(along, beside)
+    size = np.linalg.norm(along)
+    if np.linalg.norm(across) <= SMALLEST_ANGLE * size * np.linalg.norm(beside):
+        return None
+    e1, e3 = along / size, across / np.linalg.norm(across)
+    return np.column_stack([e1, np.cross(e3, e1), e3])

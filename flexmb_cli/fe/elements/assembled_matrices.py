@@ -1,0 +1,98 @@
+"""Mass and stiffness of a body from its elements and material, where no program has written them.
+
+Masses are consistent, integrated exactly in elements with straight edges (Hughes, The Finite Element Method
+(1987), section 7.3).  Tetrahedra are integrated as collapsed cubes (Stroud, Approximate Calculation of
+Multiple Integrals (1971), section 2.5).
+"""
+
+import numpy as np
+
+from ...model.flexible_body import FlexibleInput
+from ..formats.connectivity import element_type
+from ..formats.matrix_file import FEFileFault, MatrixFile
+from ..linear_algebra import in_three_directions
+from . import tetrahedra
+from .body_elements import BodyTable
+from .element_stiffness import assembled, element_stiffness, parts
+from .solid_elements import (
+    CUBE,
+    FORMULATIONS,
+    Formulation,
+    elasticity,
+    gauss_points,
+    shape_slopes,
+    solid_elements,
+)
+
+# The form of a "file" that stands for the elements themselves.
+OF_ELEMENTS = "MESH"
+# Elements of Abaqus and CalculiX by their types; those of other formats have none, and these by their nodes.
+_OF_TYPE = {"C3D8": "full integration", "C3D20R": "reduced integration"}
+_OF_NODES = {4: "one point", 8: "incompatible modes", 10: "four points", 20: "full integration"}
+# Points a direction: products of two quadratic shape functions and a Jacobian of straight edges.
+_MASS_POINTS = {4: 3, 8: 2, 10: 4, 20: 3}
+
+
+def element_matrix(given: FlexibleInput, table: BodyTable, letter: str) -> MatrixFile:
+    """Return M or K (`letter`) of the elements, rows x y z node by node.  Raises FEFileFault."""
+    matrix = _mass(given, table) if letter == "M" else _stiffness(given, table)
+    if isinstance(matrix, np.ndarray):
+        rows, columns = np.nonzero(matrix)
+        return MatrixFile(len(matrix), rows, columns, matrix[rows, columns], False)
+    entries = matrix.tocoo()
+    return MatrixFile(matrix.shape[0], entries.row, entries.col, entries.data, False)
+
+
+def _stiffness(given, table):
+    material = given.material
+    name = element_type(material.file.path, material.file.form)
+    formulation = formulation_of(name, table.rows.shape[1])
+    made = solid_elements(given.positions, table.rows, formulation)
+    stiffness, _ = element_stiffness(made, elasticity(material.young, material.poisson))
+    return assembled(stiffness, table.rows, len(given.positions), 3)
+
+
+def formulation_of(name: str, nodes: int) -> Formulation:
+    """Return the formulation of the elements that a file calls `name`, "" where it has no such names."""
+    if name.startswith("C3D8R"):
+        raise FEFileFault(
+            "C3D8R needs forces against hourglasses, which no file tells; take C3D8I", id="FE-070"
+        )
+    wanted = _OF_TYPE.get(name, _OF_NODES[nodes])
+    return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
+
+
+def _mass(given, table):
+    rows, nodes = table.rows, table.rows.shape[1]
+    points, weights = _mass_rule(nodes)
+    shapes, slopes = shape_values(points, nodes), shape_slopes(points, nodes)
+    elements = np.empty((len(rows), nodes, nodes))
+    for part in parts(len(rows)):
+        volumes = np.linalg.det(np.einsum("mki,gkj->mgij", given.positions[rows[part]], slopes)) * weights
+        elements[part] = np.einsum("ga,gb,mg->mab", shapes, shapes, volumes, optimize=True)
+    scalar = assembled(given.material.density * elements, rows, len(given.positions), 1)
+    return in_three_directions(scalar)
+
+
+def _mass_rule(nodes):
+    points, weights = gauss_points(_MASS_POINTS[nodes])
+    if nodes not in tetrahedra.COUNTS:
+        return points, weights
+    a, b, c = ((1 + points) / 2).T
+    places = np.column_stack([a, b * (1 - a), c * (1 - a) * (1 - b)])
+    return places, weights / 8 * (1 - a) ** 2 * (1 - b)
+
+
+def shape_values(points: np.ndarray, nodes: int) -> np.ndarray:
+    """Shape functions at natural coordinates, (points, nodes)."""
+    if nodes in tetrahedra.COUNTS:
+        return tetrahedra.shape_values(points, nodes)
+    corners = np.prod(1 + points[:, None] * CUBE[:8], axis=-1) / 8
+    if nodes == 8:
+        return corners
+    values = np.empty((len(points), 20))
+    values[:, :8] = corners * ((points[:, None] * CUBE[:8]).sum(axis=-1) - 2)
+    for a in range(8, 20):
+        factors = np.where(CUBE[a] == 0, 1 - points**2, 1 + points * CUBE[a])
+        values[:, a] = np.prod(factors, axis=-1) / 4
+    return values

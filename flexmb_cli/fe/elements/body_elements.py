@@ -1,0 +1,70 @@
+"""The elements of a body: rows of their nodes in its node table, and faults of mesh and material."""
+
+import numpy as np
+
+from ...model.diagnostics import Findings
+from ...model.flexible_body import ElementMaterial, FEFile, FlexibleInput
+from ...quick_dataclass import dataclass
+from ..formats.connectivity import ElementTable, read_elements
+from ..formats.matrix_file import FEFileFault
+from .element_stiffness import BodyElements
+from .solid_elements import FORMULATIONS, solid_elements
+
+# The stiffness need only differ by this share of its largest entry for stresses to be off by several times.
+FOREIGN = 1e-4
+
+
+@dataclass(frozen=True)
+class BodyTable:
+    """Numbers (m,) of the elements and the rows (m, k) of their nodes in the node table."""
+
+    numbers: np.ndarray
+    rows: np.ndarray
+
+
+def element_table(
+    given: FlexibleInput, file: FEFile, positions: np.ndarray, findings: Findings
+) -> BodyTable | None:
+    """Return the elements in `file`; None with a fault found when they cannot be used.
+
+    `positions` (n, 3), m, are those of the body's nodes.
+    """
+    try:
+        found = read_elements(file.path, file.form)
+        rows = _rows(given, found)
+    except FEFileFault as fault:
+        findings.error(given.name, str(fault), file.place, id=fault.id)
+        return None
+    volumes = solid_elements(positions, rows, FORMULATIONS[rows.shape[1]][0]).volumes
+    if not (volumes > 0).all():
+        number = found.numbers[np.flatnonzero(~(volumes > 0).all(axis=1))[0]]
+        message = f"{file.path.name}: element {number} is turned inside out or folded"
+        findings.error(given.name, message, file.place, id="FE-010")
+        return None
+    return BodyTable(found.numbers, rows)
+
+
+def _rows(given, found: ElementTable):
+    order = np.argsort(given.numbers)
+    places = np.searchsorted(given.numbers[order], found.nodes)
+    rows = order[np.minimum(places, len(order) - 1)]
+    missing = given.numbers[rows] != found.nodes
+    if missing.any():
+        element, node = np.argwhere(missing)[0]
+        raise FEFileFault(
+            f"element {found.numbers[element]} has node {found.nodes[element, node]}, which no line of the "
+            "node table defines",
+            id="FE-011",
+        )
+    return rows
+
+
+def foreign_stiffness(body: BodyElements, material: ElementMaterial, remedy: str) -> str:
+    """Return the message on a stiffness matrix that the elements do not assemble to."""
+    values = f"E = {material.young:g} Pa, nu = {material.poisson:g}"
+    return (
+        f"the stiffness matrix differs by {body.deviation:.1e} of its largest entry from that of its "
+        f"{len(body.elements.rows)} elements with {values}, the nearest being "
+        f"{body.elements.formulation.name}: check E and nu, or, if the program's elements are others, "
+        f"{remedy}"
+    )

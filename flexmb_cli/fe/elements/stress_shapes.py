@@ -1,0 +1,141 @@
+"""Stresses of a body's modes: at points of integration, and extrapolated to nodes and averaged there.
+
+Barlow, Int. J. Num. Meth. Eng. 10 (1976), 243-251: the points of reduced integration are those where
+stresses of quadratic elements are best.  Inside an element a polynomial is fitted to its points (trilinear in
+hexahedra, linear in tetrahedra of four points, constant for one point) and evaluated at its nodes; a node has
+the mean of its elements.
+"""
+
+import numpy as np
+
+from ...model.diagnostics import Findings
+from ...model.flexible_body import BodyStress, FlexibleBody, FlexibleInput
+from ..reference_frame import Frame
+from . import tetrahedra
+from .body_elements import FOREIGN, BodyTable, element_table, foreign_stiffness
+from .element_stiffness import (
+    BodyElements,
+    element_stiffness,
+    matching_elements,
+    parts,
+    stresses,
+    uniform_strain_deviation,
+)
+from .solid_elements import CUBE, FORMULATIONS, elasticity, integration_points, solid_elements
+
+# A mass that differs by more of itself is that of another density; meshes and digits make less.
+DIFFERENT_MASS = 1e-3
+
+
+def body_stress(
+    given: FlexibleInput, K, mass: float, frame: Frame, Phi, findings: Findings
+) -> BodyStress | None:
+    """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
+
+    `K` (3 n, 3 n), body axes; `mass`, kg, that of the mass matrix; `Phi` (3 n, N).
+    """
+    material = given.material
+    table = element_table(given, material.file, frame.r0, findings)
+    if table is None:
+        return None
+    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
+    if body.deviation > FOREIGN:
+        body = _at_best_points(given, frame.r0, table, body, K, findings)
+    _check_density(given, mass, body, findings)
+    return BodyStress(
+        table.numbers,
+        table.rows,
+        body.elements.formulation.name,
+        material.young,
+        material.poisson,
+        body.deviation,
+        nodal_stresses(body, Phi),
+    )
+
+
+def _at_best_points(given, positions, table: BodyTable, nearest: BodyElements, K, findings):
+    """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
+
+    A stiffness that answers uniform strains as the elements do is of their mesh and material; else E or nu
+    is wrong, which is an error.
+    """
+    material = given.material
+    reduced = FORMULATIONS[table.rows.shape[1]]
+    names = [formulation.name for formulation in reduced]
+    formulation = reduced[names.index("reduced integration") if "reduced integration" in names else 0]
+    made = solid_elements(positions, table.rows, formulation)
+    D = elasticity(material.young, material.poisson)
+    stiffness, internal = element_stiffness(made, D)
+    body = BodyElements(made, D, internal, nearest.deviation)
+    if uniform_strain_deviation(made, stiffness, positions, K) > FOREIGN:
+        remedy = "leave MATL out"
+        findings.error(given.name, foreign_stiffness(nearest, material, remedy), material.place, id="FE-072")
+    else:
+        message = (
+            f"the stiffness matrix is that of no known formulation of its elements (the nearest, "
+            f"{nearest.elements.formulation.name}, differs by {nearest.deviation:.1e} of the largest entry); "
+            "stresses are taken at the points of reduced integration, and element energies do not add up to "
+            "the body's"
+        )
+        findings.warn(given.name, message, material.place, id="FE-073")
+    return body
+
+
+def _check_density(given, mass, body: BodyElements, findings):
+    material, volume = given.material, body.elements.volumes.sum()
+    if abs(material.density * volume - mass) > DIFFERENT_MASS * mass:
+        message = (
+            f"the mass matrix has {mass:.6g} kg, and {volume:.6g} m^3 of elements at "
+            f"{material.density:g} kg/m^3 have {material.density * volume:.6g} kg; check the density, or the "
+            "units of the files"
+        )
+        findings.warn(given.name, message, material.place, id="FE-074")
+
+
+def nodal_stresses(body: BodyElements, Phi: np.ndarray) -> np.ndarray:
+    """Stresses (n, 6, N), Pa, at the nodes for displacements `Phi` (3 n, N): means over the elements."""
+    made = body.elements
+    fitted = extrapolation(made.nodes, made.formulation)
+    n = len(Phi) // 3
+    sums, counts = np.zeros((n, 6, Phi.shape[1])), np.bincount(made.rows.ravel(), minlength=n)
+    for part in parts(len(made.rows)):
+        at_nodes = np.einsum("kg,mgac->mkac", fitted, stresses(body, Phi, part))
+        np.add.at(sums, made.rows[part], at_nodes)
+    return sums / np.maximum(counts, 1)[:, None, None]
+
+
+def extrapolation(nodes: int, formulation) -> np.ndarray:
+    """Matrix (k, g) from values at the points of integration to those at the nodes of an element."""
+    points, _ = integration_points(nodes, formulation)
+    places = tetrahedra.NODES[:nodes] if nodes in tetrahedra.COUNTS else CUBE[:nodes]
+    terms = _terms_of(nodes, len(points))
+    return terms(places) @ np.linalg.pinv(terms(points))
+
+
+def _terms_of(nodes, count):
+    """The polynomial that so many points determine."""
+    if count == 1:
+        return lambda x: np.ones((len(x), 1))
+    if nodes in tetrahedra.COUNTS:
+        return lambda x: np.column_stack([np.ones(len(x)), x])
+    powers = [(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+    return lambda x: np.column_stack([np.prod(x**power, axis=1) for power in powers])
+
+
+def elements_of(body: FlexibleBody, chosen: np.ndarray) -> BodyElements:
+    """Return the elements at the places `chosen` of the body's table, with their strains."""
+    stress = body.stress
+    formulations = FORMULATIONS[stress.rows.shape[1]]
+    formulation = next(one for one in formulations if one.name == stress.formulation)
+    made = solid_elements(body.r0, stress.rows[chosen], formulation)
+    D = elasticity(stress.young, stress.poisson)
+    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)
+
+
+def point_stresses(body: FlexibleBody, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses (e, g, 6, N), Pa, per mode at the points of chosen elements, and their volumes (e, g), m³."""
+    found = elements_of(body, chosen)
+    points = np.empty((*found.elements.volumes.shape, 6, body.modes))
+    for part in parts(len(chosen)):
+        points[part] = stresses(found, body.Phi, part)
+    return points, found.elements.volumes

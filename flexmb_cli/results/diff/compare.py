@@ -1,0 +1,71 @@
+"""Compare two results, whatever their form: listings, HDF5 results, and what was exported from these."""
+
+from ...deck.listing import TableError
+from ...errors import Fault
+from .forms import CSV, HDF5, LISTING, MATLAB, UNREADABLE, form_of
+from .listings import compare_listings, read_listing
+from .report import Report
+from .tolerances import ToleranceError, Tolerances
+
+
+def compare(
+    path_a,
+    path_b,
+    tolerances: Tolerances | None = None,
+    same_attitude: bool = False,
+    explain: bool = False,
+    words: bool = False,
+    deck: str | None = None,
+) -> Report:
+    """Compare two results of the same form, or an HDF5 result with a CSV or MATLAB file exported from one.
+
+    `same_attitude`: Euler parameters p and -p (with their rates) count as equal.  `explain`: differences
+    that are known errors of the historic programs are counted as such.  Raises `TableError` when a file
+    cannot be read, or when the two are of different kinds.  `words`: lines of text that differ count, too.
+    `deck`: that of two listings of YOUNG, run with the errors of the program of 1996 to explain differences.
+    """
+    tolerances = tolerances or Tolerances()
+    forms = form_of(path_a), form_of(path_b)
+    if UNREADABLE in forms or set(forms) == {LISTING}:
+        report = _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, deck)
+    elif tolerances.last_digit:
+        message = "--last-digit: HDF5 results have no printed digits; --atol and --rtol are for them"
+        raise ToleranceError(message, id="DIFF-007")
+    else:
+        report = _compare_stored(path_a, path_b, forms, tolerances, same_attitude)
+    report.words_count = words
+    return report
+
+
+def _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, deck):
+    if set(forms) - {LISTING, UNREADABLE}:
+        read_listing(path_a if forms[0] == UNREADABLE else path_b)  # it words why the file cannot be opened
+    a, b = (read_listing(path) for path in (path_a, path_b))
+    if a.form.name != b.form.name:
+        message = f"it is of another kind ({b.form.name}) than {a.name} ({a.form.name})"
+        raise TableError(b.name, [Fault("error", message, id="DIFF-009")])
+    emulation = None
+    if deck is not None and a.form.emulated:
+        from .emulated import Emulation
+
+        emulation = Emulation(deck)
+    return compare_listings(a, b, tolerances, same_attitude, explain, emulation)
+
+
+def _compare_stored(path_a, path_b, forms, tolerances, same_attitude):
+    if set(forms) == {HDF5}:
+        from .hdf5 import compare_hdf5
+
+        return compare_hdf5(str(path_a), str(path_b), tolerances, same_attitude)
+    if CSV in forms and set(forms) <= {HDF5, CSV}:
+        from .csv_columns import compare_csv
+
+        return compare_csv(str(path_a), str(path_b), forms, tolerances)
+    if MATLAB in forms and set(forms) <= {HDF5, MATLAB}:
+        from .matlab_fields import compare_matlab
+
+        return compare_matlab(str(path_a), str(path_b), forms, tolerances)
+    other = path_b if forms[0] == HDF5 else path_a
+    form = "this is no HDF5 result, the other file is" if HDF5 in forms else "the two are of different forms"
+    message = f"{form}; compare two tables, two HDF5 results, or an export with its HDF5 result"
+    raise TableError(str(other), [Fault("error", message, id="DIFF-008")])

@@ -1,0 +1,158 @@
+"""Compare CSV and TSV tables of quantities with each other and with HDF5 results, column by column."""
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...deck.listing import TableError, plain_text, read_bytes
+from ...errors import Fault
+from ...quick_dataclass import dataclass
+from ..quantities.quantities import names, read
+from .forms import CSV
+from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound
+from .report import Found, Report
+from .tolerances import Tolerances
+
+TIME_HEAD = "time [s]"
+# Rows belong together when their times agree to this part of the longest time.
+SAME_TIME = 1e-9
+KIND_OF_NAME = (
+    (r"body\..*\.e\d", "euler"),
+    (r"body\..*\.de\d", "euler_rate"),
+    (r"body\..*\.dde\d", "euler_acceleration"),
+    (r"body\..*\.velocity\.\w", "velocity"),
+    (r"body\..*\.omega\.\w", "omega"),
+    (r"body\..*\.acceleration\.\w", "acceleration"),
+    (r"body\..*\.alpha\.\w", "alpha"),
+    (r"body\..*\.[xyz]", "position"),
+    (r"point\..*\.velocity\.\w", "point_velocity"),
+    (r"point\..*\.acceleration\.\w", "point_acceleration"),
+    (r"point\..*", "point_position"),
+    (r"coordinate\..*\.u", "speed"),
+    (r"coordinate\..*", "coordinate"),
+    (r"(reaction|held)\..*\.force\.\w", "force"),
+    (r"(reaction|held)\..*\.torque\.\w", "torque"),
+    (r"driver\..*\.effort", "effort"),
+    (r"(energy|audit|elastic|modal)\..*", r"\1"),
+)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns by their heads, the time first; `whole`: there are no others in the result."""
+
+    name: str
+    heads: tuple[str, ...]
+    kinds: dict[str, str]
+    values: np.ndarray  # (rows, columns)
+    whole: bool = False
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the rows, s."""
+        return self.values[:, 0]
+
+
+def compare_csv(path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances) -> Report:
+    """Compare two tables, or a table with an HDF5 result, of which the table may hold a selection."""
+    tolerances = tolerances.with_defaults(DEFAULT_ATOL, DEFAULT_RTOL)
+    report = Report(path_a, path_b)
+    a, b = (
+        read_csv(path) if form == CSV else _read_result(path)
+        for path, form in zip((path_a, path_b), forms, strict=True)
+    )
+    rows = _common_rows(report, a, b)
+    for head in dict.fromkeys((*a.heads, *b.heads)):
+        if head in a.heads and head in b.heads:
+            _compare_column(report, head, (a, b), rows, tolerances)
+        else:
+            _report_missing(report, head, *((a, b) if head in a.heads else (b, a)), tolerances)
+    return report
+
+
+def read_csv(path: str) -> Columns:
+    """Return the columns of a CSV or TSV table.  Raises TableError with the line that cannot be read."""
+    text = plain_text(read_bytes(path)).removeprefix("\ufeff")
+    first = text.partition("\n")[0]
+    separator = "\t" if first.startswith(f"{TIME_HEAD}\t") else ","
+    rows = csv.reader(io.StringIO(text), delimiter=separator)
+    heads = tuple(next(rows))
+    if len(set(heads)) < len(heads):
+        raise TableError(path, [Fault("error", "two columns have the same heading", id="DIFF-014")])
+    values = [_numbers(path, rows.line_num, row, len(heads)) for row in rows if row]
+    kinds = {head: kind_of_name(head.partition(" [")[0]) for head in heads}
+    return Columns(path, heads, kinds, np.array(values, dtype=float).reshape(-1, len(heads)))
+
+
+def kind_of_name(name: str) -> str:
+    """Return the kind of a quantity, as tolerances name it, from the name in a heading."""
+    if name == "time":
+        return "time"
+    for pattern, kind in KIND_OF_NAME:
+        match = re.fullmatch(pattern, name)
+        if match:
+            return match.expand(kind)
+    return "other"
+
+
+def _numbers(path, line, row, count):
+    if len(row) != count:
+        raise TableError(
+            path, [Fault("error", f"line {line} has {len(row)} columns, the heading {count}", id="DIFF-015")]
+        )
+    try:
+        return [float(cell) for cell in row]
+    except ValueError as error:
+        raise TableError(path, [Fault("error", f"line {line}: {error}", id="DIFF-016")]) from error
+
+
+def _read_result(path):
+    with open_sound(path) as file:
+        if "time" not in file:
+            message = "it has no times: a CSV table is compared with the result of a run"
+            raise TableError(path, [Fault("error", message, id="DIFF-017")])
+        quantities = names(file)
+        kinds = {quantity.header: kind_of(quantity.dataset) for quantity in quantities}
+        return Columns(path, tuple(kinds), kinds, read(file, quantities), whole=True)
+
+
+def _common_rows(report, a, b):
+    """Row numbers of both tables that belong together: by time, unless there are as many in both."""
+    if len(a.time) == len(b.time):
+        rows = np.arange(len(a.time))
+        return rows, rows
+    longest = max((abs(float(x.time[-1])) for x in (a, b) if len(x.time)), default=0.0)
+    near = np.abs(a.time[:, None] - b.time[None, :]) <= SAME_TIME * longest
+    rows = np.nonzero(near)
+    for one, other, found in ((a, b, rows[0]), (b, a, rows[1])):
+        alone = np.setdiff1d(np.arange(len(one.time)), found)
+        if alone.size:
+            first = f"the first at t = {one.time[alone[0]]:.10g}"
+            report.missing.append(f"{alone.size} rows of {one.name} are not in {other.name}, {first}")
+    return rows
+
+
+def _compare_column(report, head, tables, rows, tolerances):
+    name = head.partition(" [")[0]
+    kind = tables[1 if tables[1].whole else 0].kinds[head]
+    a, b = (table.values[chosen, table.heads.index(head)] for table, chosen in zip(tables, rows, strict=True))
+    time = tables[0].time[rows[0]]
+
+    def describe(position, distance):
+        row = position[0]
+        return Found(head, "", "", float(time[row]), float(a[row]), float(b[row]), distance)
+
+    report.compare(kind, a, b, tolerances.named(name) or tolerances.of(kind), describe)
+
+
+def _report_missing(report, head, having, lacking, tolerances):
+    special = tolerances.named(head.partition(" [")[0]) or tolerances.of(having.kinds[head])
+    if special.ignores:
+        return
+    if having.whole:
+        report.words.append(f"{head} is not among the columns of {lacking.name}")
+    else:
+        report.missing.append(f"{head}: not in {lacking.name}")

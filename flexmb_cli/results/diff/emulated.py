@@ -1,0 +1,91 @@
+"""Which error of the program of 1996 stands behind a number of an archived listing of any YOUNG deck.
+
+The deck is run with all known errors, and with all but one of them.  A number of the listing that the
+first run gives, to a unit of its last digit, is explained; the errors behind it are those without which
+it is not given.
+"""
+
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from ...deck.text import read_text
+from ...dialects.recognise import dialect_named, read_deck
+from ...errors import AnalysisError, DeckError, Fault
+from ...model.mechanism import Mechanism
+from ...solvers.as_printed.analysis import AsPrinted
+from ...solvers.as_printed.errors import ALL_ERRORS, AS_PRINTED
+from ...solvers.kinematics.rows import Rows
+
+ITERATION = "the program's iteration, which ends where no coordinate changes by more than 1e-4"
+DATASETS = {
+    "position": ("position", "euler_parameters"),
+    "velocity": ("velocity", "euler_parameter_rates", "angular_velocity"),
+    "acceleration": ("acceleration", "euler_parameter_accelerations", "angular_acceleration"),
+    "point": ("point_position", "point_velocity", "point_acceleration"),
+}
+
+
+class Emulation:
+    """What the program of 1996 would print of a deck, with all errors and without each of them."""
+
+    def __init__(self, path: str):
+        deck = read_deck(read_text(path))
+        dialect, mechanism = dialect_named(deck.dialect), None
+        if AS_PRINTED in dialect.options:
+            mechanism, _ = dialect.build(deck, Path())
+        if not isinstance(mechanism, Mechanism):
+            raise DeckError([Fault("error", "--deck needs a YOUNG deck without dynamics", id="DIFF-029")])
+        self.blocks = _rows(mechanism, ALL_ERRORS)
+        self.without = {error: _rows(mechanism, ALL_ERRORS - {error}) for error in sorted(ALL_ERRORS)}
+
+    def causes(self, section: str, step, index, columns, printed, unit) -> list[tuple[str, np.ndarray]]:
+        """Causes with masks (lines, columns): `printed` (lines, columns) to `unit` is what the errors give.
+
+        `step` and `index` (lines,) count from 0 and from 1, `columns` from 0.
+        """
+        places = section, np.asarray(step), np.asarray(index) - 1, np.asarray(columns)
+        explained = _agrees(self._values(self.blocks, *places), printed, unit)
+        behind = {
+            error: explained & ~_agrees(self._values(blocks, *places), printed, unit)
+            for error, blocks in self.without.items()
+        }
+        return _grouped(explained, behind)
+
+    @staticmethod
+    def _values(blocks, section, step, index, columns):
+        """Numbers of the lines; nan beyond the last row that could be computed."""
+        table = np.concatenate([_gathered(blocks, name) for name in DATASETS[section]], axis=2)
+        known = (step < len(table)) & (index < table.shape[1])
+        found = table[np.where(known, step, 0), np.where(known, index, 0)]
+        return np.where(known[:, None], found, np.nan)[:, columns]
+
+
+def _rows(mechanism, errors) -> list[Rows]:
+    """The rows up to the first that cannot be computed."""
+    blocks = []
+    with suppress(AnalysisError):
+        blocks.extend(AsPrinted(mechanism, errors=errors, block=1).rows())
+    return blocks
+
+
+def _gathered(blocks, name):
+    return np.concatenate([getattr(block, name) for block in blocks])
+
+
+def _agrees(values, printed, unit):
+    with np.errstate(invalid="ignore"):
+        return np.abs(values - printed) <= (1.0 + 1e-9) * unit
+
+
+def _grouped(explained, behind):
+    """One cause for every set of errors that occurs."""
+    code = np.zeros(explained.shape, dtype=int)
+    for k, mask in enumerate(behind.values()):
+        code |= mask.astype(int) << k
+    found = []
+    for number in np.unique(code[explained]).tolist():
+        errors = [error for k, error in enumerate(behind) if number >> k & 1]
+        found.append(("; ".join(errors) or ITERATION, explained & (code == number)))
+    return found

@@ -1,0 +1,193 @@
+"""Compare the results of two folders, or of two patterns of names: files of one name belong together."""
+
+import glob
+import os
+import re
+from collections.abc import Callable, Iterator
+from pathlib import PurePath
+
+from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
+from ...quick_dataclass import dataclass, field
+from .forms import CSV, HDF5, LISTING, MATLAB, form_of
+from .report import Report
+
+WILD = re.compile(r"[*?[]")
+# A table for print is known by its name or by its content; these are the names that runs give.
+RESULT_NAME = re.compile(r"OUT.*|.*\.(OUT|T2|T3|h5|csv|tsv|mat)")
+EXPORTS = (".csv", ".tsv", ".mat")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Files of one name; `a` or `b` is None where there is none."""
+
+    name: str
+    a: str | None
+    b: str | None
+
+
+@dataclass
+class Compared:
+    """What became of one pair: its report, the file that is missing, or why it cannot be read."""
+
+    pair: Pair
+    report: Report | None = None
+    missing: str = ""
+    failure: FlexmbError | None = None
+    updated: bool = False
+    new: bool = False  # there was no reference
+
+    @property
+    def equal(self) -> bool:
+        """Whether the results are there and do not differ."""
+        return self.report is not None and self.report.equal
+
+    @property
+    def exit_code(self) -> int:
+        """0: no difference; 1: they differ, or one is missing; 2: one cannot be read."""
+        if self.failure is not None:
+            return self.failure.exit_code
+        return 0 if self.equal or self.updated else 1
+
+    @property
+    def sentence(self) -> str:
+        """How it ended, in one or several lines."""
+        if self.failure is not None:
+            lines = getattr(self.failure, "lines", ())
+            return compiler_style(self.failure.file or self.pair.name, self.failure.faults, lines) + "\n"
+        return self.report.text() if self.report else f"{visible(self.missing)}\n"
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`."""
+        record = {"name": self.pair.name, "a": self.pair.a, "b": self.pair.b, "equal": self.equal}
+        if self.failure is not None:
+            record["faults"] = [fault.as_dict() for fault in self.failure.faults]
+        if self.missing:
+            record["missing"] = [self.missing]
+        return (self.report.as_dict() if self.report else {}) | record | {"updated": self.updated}
+
+
+@dataclass
+class Summary:
+    """All pairs of two folders, in the order of their names; `passed_over`: names of other files."""
+
+    a: str
+    b: str
+    compared: list[Compared] = field(default_factory=list)
+    passed_over: list[str] = field(default_factory=list)
+
+    @property
+    def exit_code(self) -> int:
+        """The largest of the pairs; 2 where there is nothing to compare."""
+        return max((pair.exit_code for pair in self.compared), default=BAD_INPUT)
+
+    @property
+    def verdict(self) -> str:
+        """One line: how many files were compared, differ, are missing or cannot be read."""
+        if not self.compared:
+            return f"{visible(self.a)}, {visible(self.b)}: error: no results to compare\n"
+        missing = sum(bool(pair.missing) for pair in self.compared)
+        failed = sum(pair.failure is not None for pair in self.compared)
+        differ = sum(pair.report is not None and not pair.equal for pair in self.compared)
+        updated = sum(pair.updated for pair in self.compared)
+        counts = [f"{len(self.compared) - missing - failed} files compared", f"{differ} differ"]
+        counts += [f"{missing} missing"]
+        counts += [f"{failed} cannot be read"] * bool(failed)
+        counts += [f"{updated} references updated"] * bool(updated)
+        counts += [f"{len(self.passed_over)} other files passed over"] * bool(self.passed_over)
+        return f"{visible(self.a)}, {visible(self.b)}: {', '.join(counts)}\n"
+
+    def as_dict(self) -> dict:
+        """Plain record for `--json`."""
+        return {
+            "a": self.a,
+            "b": self.b,
+            "equal": all(pair.equal for pair in self.compared) and bool(self.compared),
+            "exit_code": self.exit_code,
+            "files": [pair.as_dict() for pair in self.compared],
+            "passed_over": self.passed_over,
+        }
+
+
+def is_many(path: str) -> bool:
+    """Whether `path` is a folder, or a pattern that is no name of a file."""
+    return os.path.isdir(path) or (bool(WILD.search(path)) and not os.path.lexists(path))
+
+
+def pairs(a: str, b: str) -> Iterator[Pair]:
+    """Yield the files of `a` and `b` by name, in order; an export belongs to the HDF5 result of its stem.
+
+    The name of a file is its path behind the folder, or behind the last folder without a wildcard.
+    """
+    files_a, files_b = (dict(_files(path)) for path in (a, b))
+    partners = {name: _result_of(name) for name in files_a if _result_of(name) in files_b}
+    for name in sorted(files_a.keys() | files_b.keys()):
+        partner = name if name in files_b else partners.get(name, name)
+        if name in files_a or name not in partners.values():
+            yield Pair(name, files_a.get(name), files_b.get(partner))
+
+
+def _result_of(name):
+    """Name of the HDF5 result from which an export comes; None for other files."""
+    path = PurePath(name)
+    return path.with_suffix(".h5").as_posix() if path.suffix in EXPORTS else None
+
+
+def _files(path):
+    """Pairs (name, path) of the files of a folder or of a pattern; hidden ones are left out."""
+    folder, pattern = (path, "**") if os.path.isdir(path) else _parted(path)
+    for found in glob.glob(pattern, root_dir=folder or None, recursive=True):
+        whole = os.path.join(folder, found)
+        if os.path.isfile(whole):
+            yield PurePath(found).as_posix(), whole
+
+
+def _parted(pattern):
+    """The folder before the first wildcard, and the rest."""
+    parts = PurePath(pattern).parts
+    first = next(k for k, part in enumerate(parts) if WILD.search(part))
+    return os.path.join("", *parts[:first]), os.path.join(*parts[first:])
+
+
+def compare_many(a: str, b: str, compare_pair: Callable[[Pair], Report]) -> Summary:
+    """Compare all results of `a` and `b`; a file that cannot be read stops no other."""
+    summary = Summary(a, b)
+    for pair in pairs(a, b):
+        if _is_result(pair):
+            summary.compared.append(_compared(pair, compare_pair, summary))
+        else:
+            summary.passed_over.append(pair.name)
+    return summary
+
+
+def _compared(pair, compare_pair, summary):
+    if pair.a is None or pair.b is None:
+        lacking = summary.a if pair.a is None else summary.b
+        return Compared(pair, missing=f"{pair.name}: not in {lacking}")
+    try:
+        return Compared(pair, compare_pair(pair))
+    except FlexmbError as failure:
+        if failure.of_the_call:
+            raise
+        return Compared(pair, failure=failure)
+
+
+def _is_result(pair):
+    """Whether a pair is to be compared: by its name, or by the content of one of its files."""
+    if RESULT_NAME.fullmatch(PurePath(pair.name).name):
+        return True
+    return any(path is not None and _reads_as_result(path) for path in (pair.a, pair.b))
+
+
+def _reads_as_result(path):
+    from .listings import read_listing
+
+    form = form_of(path)
+    if form in (CSV, MATLAB):
+        return True
+    if form == HDF5:
+        return False  # files of ParaView and of other programs; results of runs have names of their own
+    try:
+        return form == LISTING and read_listing(path) is not None
+    except FlexmbError:
+        return False

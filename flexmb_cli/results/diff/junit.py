@@ -1,0 +1,38 @@
+"""A comparison as a JUnit file, which Jenkins, GitLab and GitHub show as a table of tests."""
+
+import re
+from collections.abc import Sequence
+from xml.etree import ElementTree
+
+from .folders import Compared
+
+# XML 1.0 knows no other characters below the blank.
+FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
+    """Return the file's bytes: a test for every pair of files, failed where they differ or one is missing."""
+    failed = sum(pair.failure is None and not pair.equal for pair in compared)
+    errors = sum(pair.failure is not None for pair in compared)
+    counts = {"tests": str(len(compared)), "failures": str(failed), "errors": str(errors), "skipped": "0"}
+    top = ElementTree.Element("testsuites", counts)
+    suite = ElementTree.SubElement(top, "testsuite", {"name": _text(title), **counts})
+    for pair in compared:
+        case = ElementTree.SubElement(
+            suite, "testcase", {"name": _text(pair.pair.name), "classname": "flexmb.diff"}
+        )
+        if pair.failure is not None or not pair.equal:
+            _add_failure(case, pair)
+    ElementTree.indent(top)
+    return ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
+
+
+def _add_failure(case, pair):
+    told = _text(pair.sentence).rstrip("\n")
+    what = "error" if pair.failure is not None else "failure"
+    last = told.splitlines()[0 if pair.failure is not None else -1] if told else ""
+    ElementTree.SubElement(case, what, {"message": last, "type": what}).text = told
+
+
+def _text(text):
+    return FORBIDDEN.sub("\ufffd", text)

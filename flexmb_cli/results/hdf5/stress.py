@@ -1,0 +1,157 @@
+"""Stresses, strains and element energies of flexible bodies in a result, and the elements of those bodies.
+
+Everything is in the axes of the body.  Strains follow from stresses by Hooke's law; an element's stress is
+the mean over its volume; von Mises and principal stresses are those of the averaged tensors.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
+from .result_file import Axis, Constant, Series, Values
+
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+# Rows at a time: the stresses of all nodes of a large body are many numbers.
+_MOST_NUMBERS = 2**22
+
+
+def element_axis(body: FloatingBody) -> list[Axis]:
+    """The elements of a body of known material, their nodes, and components of stress."""
+    stress, group = body.flexible.stress, f"elastic/{body.name}"
+    if stress is None:
+        return []
+    corners = tuple(range(1, stress.rows.shape[1] + 1))
+    return [
+        Axis(f"{group}/element", tuple(map(int, stress.numbers)), f"element of {body.name}, its number"),
+        Axis(f"{group}/corner", corners, "node of an element, as Abaqus counts them"),
+        Axis(f"{group}/component", COMPONENTS, "component of stress"),
+    ]
+
+
+def element_constants(body: FloatingBody) -> Iterator[Constant]:
+    """Nodes of the elements, and the stresses of the modes."""
+    stress, group = body.flexible.stress, f"elastic/{body.name}"
+    if stress is None:
+        return
+    numbers = body.flexible.numbers[stress.rows]
+    meaning = f"numbers of the nodes of every element of {body.name}; {stress.formulation}"
+    yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
+    axes = (f"{group}/node", f"{group}/component", f"modal/{body.name}/mode")
+    meaning = f"stress at the nodes of {body.name} per unit of each mode, axes of the body"
+    yield Constant(f"{group}/stress_shape", axes, stress.nodal, "Pa or Pa/m", meaning)
+
+
+def stress_axes(mechanism: FlexibleMechanism) -> list[Axis]:
+    """Nodes and elements whose stresses are reported, and components."""
+    axes = []
+    for output in mechanism.stresses:
+        group = _group(mechanism, output)
+        axes.append(Axis(f"{group}/component", COMPONENTS, "component"))
+        axes.append(Axis(f"{group}/principal", (1, 2, 3), "principal stress, the largest first"))
+        for kind, numbers in (("node", output.nodes), ("element", output.elements)):
+            if len(numbers):
+                axes.append(Axis(f"{group}/{kind}", tuple(map(int, numbers)), f"number of the {kind}"))
+    return axes
+
+
+def stress_series(mechanism: FlexibleMechanism) -> list[Series]:
+    """What is reported of every body."""
+    return [series for output in mechanism.stresses for series in _series(mechanism, output)]
+
+
+def _series(mechanism, output) -> Iterator[Series]:
+    group, strain = _group(mechanism, output), _group(mechanism, output, "strain")
+    name = mechanism.bodies[output.body].name
+    for kind, numbers, where in (
+        ("node", output.nodes, "mean over the elements at the node"),
+        ("element", output.elements, "mean over the element"),
+    ):
+        if not len(numbers):
+            continue
+        axis = f"{group}/{kind}"
+        tensor, principal = (axis, f"{group}/component"), (axis, f"{group}/principal")
+        yield Series(f"{group}/{kind}_tensor", tensor, "Pa", f"stress, {where}, axes of {name}")
+        yield Series(f"{group}/{kind}_von_mises", (axis,), "Pa", f"von Mises stress, {where}")
+        yield Series(f"{group}/{kind}_principal", principal, "Pa", f"principal stresses, {where}")
+        yield Series(
+            f"{strain}/{kind}_tensor", tensor, "1", f"strain, {where}, axes of {name}; xy is half the angle"
+        )
+    if len(output.elements):
+        yield Series(f"{strain}/element_energy", (f"{group}/element",), "J", "strain energy of the element")
+    if output.largest:
+        yield Series(f"{group}/max_von_mises", (), "Pa", f"largest von Mises stress at a node of {name}")
+        yield Series(f"{group}/max_node", (), "1", "number of that node")
+
+
+def _group(mechanism, output, quantity="stress"):
+    return f"{quantity}/{mechanism.bodies[output.body].name}"
+
+
+def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.ndarray]:
+    """Return the series for report rows whose modal coordinates are among `values`."""
+    found: dict[str, np.ndarray] = {}
+    for output in mechanism.stresses:
+        body = mechanism.bodies[output.body]
+        eta = values[f"modal/{body.name}/amplitude"]
+        group, strain = _group(mechanism, output), _group(mechanism, output, "strain")
+        means = np.einsum("egan,eg->ean", output.points, output.volumes)
+        means /= output.volumes.sum(axis=1)[:, None, None]
+        for kind, shapes in (("node", output.nodal), ("element", means)):
+            if len(shapes):
+                tensor = np.einsum("san,tn->tsa", shapes, eta)
+                found[f"{group}/{kind}_tensor"] = tensor
+                found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
+                found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
+                found[f"{strain}/{kind}_tensor"] = strains(tensor, body.flexible.stress)
+        if len(output.elements):
+            found[f"{strain}/element_energy"] = element_energies(output, body, eta)
+        if output.largest:
+            largest = largest_von_mises(body, eta)
+            found[f"{group}/max_von_mises"], found[f"{group}/max_node"] = largest
+    return found
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Equivalent stress (...) of tensors (..., 6)."""
+    xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)
+    direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(direct / 2 + 3 * (xy**2 + yz**2 + zx**2))
+
+
+def principal_stresses(stress: np.ndarray) -> np.ndarray:
+    """Principal values (..., 3), the largest first, of tensors (..., 6)."""
+    full = stress[..., [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(*stress.shape[:-1], 3, 3)
+    return np.linalg.eigvalsh(full)[..., ::-1]
+
+
+def strains(stress: np.ndarray, material) -> np.ndarray:
+    """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
+    young, poisson = material.young, material.poisson
+    strain = stress * ((1 + poisson) / young)
+    strain[..., :3] -= poisson / young * stress[..., :3].sum(axis=-1, keepdims=True)
+    return strain
+
+
+def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) -> np.ndarray:
+    """Strain energies (T, e), J, of the reported elements: the integral of sigma : epsilon / 2."""
+    shapes, volumes = output.points, output.volumes
+    strain = strains(np.moveaxis(shapes, 2, -1).copy(), body.flexible.stress)
+    doubled = np.moveaxis(strain, -1, 2) * np.array([1, 1, 1, 2, 2, 2])[:, None]
+    energies = np.einsum("egam,egan,eg->emn", shapes, doubled, volumes, optimize=True) / 2
+    return np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)
+
+
+def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest equivalent stress (T,) at any node, and the number of that node (T,)."""
+    shapes = body.flexible.stress.nodal
+    largest, node = np.empty(len(eta)), np.empty(len(eta))
+    rows = max(1, _MOST_NUMBERS // math.prod(shapes.shape[:2]))
+    for first in range(0, len(eta), rows):
+        part = slice(first, first + rows)
+        equivalent = von_mises(np.einsum("san,tn->tsa", shapes, eta[part], optimize=True))
+        place = equivalent.argmax(axis=1)
+        largest[part] = equivalent[np.arange(len(place)), place]
+        node[part] = body.flexible.numbers[place]
+    return largest, node

@@ -1,0 +1,57 @@
+"""`flexmb examples` lists every supplied deck and copies those named, complete; `flexmb` alone helps."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.processes
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+
+
+def flexmb(folder, *arguments):
+    command = [sys.executable, "-m", "flexmb_cli", *map(str, arguments)]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
+
+
+def test_every_supplied_deck_is_listed(tmp_path):
+    listed = [line.split()[0] for line in flexmb(tmp_path, "examples").stdout.splitlines()]
+    supplied = [path for path in DECKS.rglob("*") if path.suffix in (".dat", ".DAT", ".vsdf", ".toml")]
+    assert len(listed) == len(set(listed)) == len(supplied)
+    assert {name.partition(".")[0] for name in listed} == {path.stem for path in supplied}
+
+
+@pytest.mark.parametrize("name", ["IN-ANDREWS", "pendulum.DAT", "pendulum_ccx", "pendulum_op4", "spinup"])
+def test_a_copied_deck_can_be_checked_where_it_lies(name, tmp_path):
+    done = flexmb(tmp_path, "examples", name, "-q")
+    assert done.returncode == 0 and not done.stdout
+    (deck,) = [path for path in tmp_path.iterdir() if path.is_file()]
+    assert flexmb(tmp_path, "check", "-q", deck.name).returncode == 0
+
+
+def test_a_copied_study_finds_its_deck(tmp_path):
+    flexmb(tmp_path, "examples", "rssr")
+    assert {path.name for path in tmp_path.iterdir()} == {"rssr.toml", "IN-RSSR.dat"}
+    assert 'deck = "IN-RSSR.dat"' in (tmp_path / "rssr.toml").read_text()
+
+
+def test_nothing_of_the_user_is_replaced(tmp_path):
+    (tmp_path / "IN4-BAR.dat").write_text("mine")
+    done = flexmb(tmp_path, "examples", "IN4-BAR")
+    assert done.returncode == 2 and "--force replaces it" in done.stderr
+    assert (tmp_path / "IN4-BAR.dat").read_text() == "mine"
+    assert flexmb(tmp_path, "examples", "IN4-BAR", "--force").returncode == 0
+    assert (tmp_path / "IN4-BAR.dat").read_bytes() == (DECKS / "young/IN4-BAR.dat").read_bytes()
+
+
+def test_an_unknown_name_is_refused(tmp_path):
+    done = flexmb(tmp_path, "examples", "IN9-9-9")
+    assert done.returncode == 2 and "`flexmb examples` lists them" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_flexmb_alone_helps(tmp_path):
+    done = flexmb(tmp_path)
+    assert done.returncode == 0 and "flexmb examples IN4-BAR" in done.stdout and not done.stderr

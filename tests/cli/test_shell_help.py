@@ -1,0 +1,162 @@
+"""What helps at the keyboard: completion, manual pages, exit codes in the help, colours of decks."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli import COMMANDS, cli
+
+TOP = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TOP / "docs/_ext"), str(TOP / "tests/write")]
+import deck_grammar  # noqa: E402
+import man_pages  # noqa: E402
+
+from tests.results.results import write_result  # noqa: E402
+
+SHIM = f'#!/bin/sh\nexec "{sys.executable}" -m flexmb_cli "$@"\n'
+# What bash does at TAB: it calls the function that `complete` registered, with the words so far.
+COMPLETE = """
+eval "$(_FLEXMB_COMPLETE=bash_source flexmb)"
+COMP_WORDS=({words}); COMP_CWORD={last}; COMP_LINE="{words}"
+_flexmb_completion flexmb 2>/dev/null
+printf '%s\\n' "${{COMPREPLY[@]}}"
+"""
+NODE_MODULES = os.environ.get("NODE_PATH", "")
+
+
+@pytest.fixture
+def shell(tmp_path):
+    """A folder with a deck and a result, and the words that bash offers there behind TAB."""
+    bash = shutil.which("bash")
+    if bash is None:
+        pytest.skip("bash is not installed")
+    (tmp_path / "bin").mkdir()
+    shim = tmp_path / "bin/flexmb"
+    shim.write_text(SHIM)
+    shim.chmod(0o755)
+    (tmp_path / "INdeck.dat").touch()
+    write_result(tmp_path / "r.h5", 3)
+
+    def offered(*words):
+        code = COMPLETE.format(words=" ".join(words), last=len(words) - 1)
+        done = subprocess.run(
+            [bash, "--norc", "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60,
+            env=os.environ | {"PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return done.stdout.split()
+
+    return offered
+
+
+@pytest.mark.processes
+def test_bash_completes_commands_options_and_choices(shell):
+    assert shell("flexmb", "e") == ["export", "examples"]
+    assert shell("flexmb", "run", "--est") == ["--estimate-error"]
+    assert shell("flexmb", "run", "--layout", "h") == ["historic"]
+    assert shell("flexmb", "new", "d") == ["dafms"]
+
+
+@pytest.mark.processes
+def test_bash_completes_examples_and_the_quantities_of_a_result(shell):
+    assert "IN4-BAR" in shell("flexmb", "examples", "IN4")
+    assert shell("flexmb", "table", "r.h5", "body.1.vel") == [f"body.1.velocity.{axis}" for axis in "xyz"]
+    assert shell("flexmb", "table", "none.h5", "body") == []
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize(
+    "words", [["run", "IN"], ["diff", "IN"], ["sweep", "IN"], ["run", "x.dat", "--out", "IN"], ["plot", "IN"]]
+)
+def test_where_a_file_is_wanted_the_shell_is_asked_for_files(words):
+    """click's script for bash, zsh and fish completes names of files where the answer is of this type."""
+    environment = os.environ | {
+        "_FLEXMB_COMPLETE": "bash_complete", "COMP_WORDS": f"flexmb {' '.join(words)}",
+        "COMP_CWORD": str(len(words)),
+    }  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-m", "flexmb_cli"], capture_output=True, text=True, env=environment, timeout=60
+    )
+    assert done.stdout.splitlines() == ["file,IN"]
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize("shell_name", ["zsh", "fish"])
+def test_zsh_and_fish_accept_the_script(shell_name, tmp_path):
+    script = subprocess.run(
+        [sys.executable, "-m", "flexmb_cli"], capture_output=True, text=True, timeout=60,
+        env=os.environ | {"_FLEXMB_COMPLETE": f"{shell_name}_source"},
+    ).stdout  # fmt: skip
+    assert "_FLEXMB_COMPLETE" in script and "flexmb" in script
+    if shutil.which(shell_name) is None:
+        pytest.skip(f"{shell_name} is not installed: its script is made, not run")
+    (tmp_path / "script").write_text(script)
+    done = subprocess.run([shell_name, "-n", str(tmp_path / "script")], capture_output=True, timeout=60)
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("command", [None, *COMMANDS])
+def test_every_help_states_the_exit_codes(command):
+    shown = CliRunner().invoke(cli, [*([command] if command else []), "--help"]).output
+    part = shown.partition("Exit codes:\n")[2]
+    assert [line.split()[0] for line in part.splitlines()] == ["0", "1", "2", "3", "130,"]
+
+
+def test_the_manual_pages_are_those_of_the_program():
+    written = {path.name: path.read_text(encoding="utf-8") for path in man_pages.FOLDER.glob("*.1")}
+    assert written == man_pages.pages(), "run `python docs/_ext/man_pages.py`"
+
+
+@pytest.mark.processes
+def test_man_shows_every_page_without_a_warning():
+    if shutil.which("groff") is None:
+        pytest.skip("groff is not installed")
+    for page in man_pages.FOLDER.glob("*.1"):
+        done = subprocess.run(
+            ["groff", "-man", "-Tutf8", "-ww", str(page)], capture_output=True, text=True, timeout=60
+        )
+        assert done.stderr == ""
+        assert "EXIT STATUS" in re.sub(".\b|\x1b\\[\\d*m", "", done.stdout)
+
+
+def test_the_grammar_is_made_of_the_words_of_the_readers():
+    assert deck_grammar.FILE.read_text(encoding="utf-8") == deck_grammar.text(), (
+        "run `python docs/_ext/deck_grammar.py`"
+    )
+    package = json.loads((TOP / "docs/editors/vscode/package.json").read_text())
+    for part in package["contributes"]["grammars"]:
+        assert (TOP / "docs/editors/vscode" / part["path"]).is_file()
+
+
+@pytest.mark.processes
+def test_the_grammar_colours_the_decks():
+    """Tokens of decks of the three dialects by the engine of VS Code (npm install vscode-textmate)."""
+    if not (shutil.which("node") and Path(NODE_MODULES, "vscode-textmate").is_dir()):
+        pytest.skip("vscode-textmate and vscode-oniguruma are not found on NODE_PATH")
+    card, number = "keyword.control.card.flexmb", "constant.numeric.flexmb"
+    model, comment = "keyword.control.model.flexmb", "comment.block.flexmb"
+    wanted = {
+        "young/IN4-BAR.dat": {("4", number), ("0.00016", number), ("-0.00027", number), ("{", comment)},
+        "young/dynamics/IN4-BAR-MASS.dat": {("MASS", card), ("GRAVITY", card)},
+        "dafms/pendulum.DAT": {("DFMB", model), ("CONN", card), ("Q(k)", card), (".9999875", number)},
+        "vsdf/slider_crank_flex.vsdf": {
+            ("VSDF", model), ("RIGI", card), ("1.0E-3", number), ("RK45", "support.constant.method.flexmb"),
+            ("fe/rod/rod.inp", "string.unquoted.file.flexmb"), ("REVO", "entity.name.type.flexmb"),
+        },
+    }  # fmt: skip
+    for deck, pairs in wanted.items():
+        done = subprocess.run(
+            ["node", str(TOP / "tests/cli/tokens.cjs"), str(deck_grammar.FILE), str(TOP / "decks" / deck)],
+            capture_output=True, text=True, timeout=60, check=True,
+        )  # fmt: skip
+        tokens = [json.loads(line) for line in done.stdout.splitlines()]
+        assert not pairs - {(text.strip(), scope) for _, text, scope in tokens}, deck
+        bare = [token for token in tokens if token[2] == "source.flexmb"]
+        assert len(bare) < 0.02 * len(tokens) + 3, bare

@@ -1,0 +1,163 @@
+"""Wrong commands: exit 2, one form of error on standard error, and with --json one object on the other."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flexmb_cli import cli as package
+from flexmb_cli.cli import cli, main
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+FOUR_BAR = str(DECKS / "young" / "IN4-BAR.dat")
+WITH_JSON = [name for name, one in cli.commands.items() if any("--json" in p.opts for p in one.params)]
+
+
+@pytest.fixture
+def flexmb(monkeypatch, capsys, tmp_path):
+    """Run the program here: exit code, standard output and standard error."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(package.signal, "signal", lambda number, action: None)
+    monkeypatch.setattr(package.os, "environ", dict(os.environ))
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flexmb", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code, *capsys.readouterr()
+
+    return run
+
+
+def test_the_commands_with_json_are_those_of_the_readme():
+    assert set(WITH_JSON) == {"run", "check", "verify", "modes", "diff", "sweep"}
+
+
+@pytest.mark.parametrize("name", WITH_JSON)
+@pytest.mark.parametrize("wrong", [["--nope"], [], ["a", "b", "c", "--jobs", "x", "--tol", "x", "--at", "x"]])
+def test_a_wrong_call_is_one_json_object(flexmb, name, wrong):
+    code, printed, told = flexmb(name, "--json", *wrong)
+    record = json.loads(printed)
+    assert (code, record["status"], record["exit_code"]) == (2, "bad input", 2)
+    (fault,) = record["faults"]
+    assert (fault["severity"], fault["file"], fault["line"]) == ("error", None, None)
+    assert told.splitlines()[-1] == f"flexmb: error: {fault['message']}"
+    assert told.startswith(f"Usage: flexmb {name} ")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "--json", FOUR_BAR, "--nrmax", "abc"],
+        ["run", FOUR_BAR, FOUR_BAR, "--json"],
+        ["run", FOUR_BAR, "--json", "--out", "-"],
+        ["check", FOUR_BAR, "--json", "--jacobian", "now"],
+        ["diff", "--json", "a", "b", "--tol", "nothing=1"],
+        ["sweep", "study.toml", "--json", "-o", "table.txt"],
+        ["sweep", "study.toml", "--json"],
+        ["sweep", ".", "--json"],
+    ],
+)
+def test_what_a_command_refuses_is_one_json_object(flexmb, arguments):
+    code, printed, told = flexmb(*arguments)
+    record = json.loads(printed)
+    assert (code, record["status"], record["exit_code"]) == (2, "bad input", 2)
+    assert all(fault["message"] in told for fault in record["faults"])
+
+
+def test_a_wrong_tolerance_blames_no_file(flexmb):
+    _, printed, _ = flexmb("diff", "--json", FOUR_BAR, FOUR_BAR, "--tol", "nothing=1")
+    (fault,) = json.loads(printed)["faults"]
+    assert fault["file"] is None
+
+
+def test_a_name_behind_two_dashes_asks_for_no_json(flexmb):
+    code, printed, _ = flexmb("diff", "--", "a", "--json")
+    assert (code, printed) == (2, "")
+
+
+def test_a_command_without_json_prints_none(flexmb):
+    assert flexmb("table", "--json")[:2] == (2, "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "where"),
+    [
+        (["run", "none.dat"], "none.dat"),
+        (["diff", "none", "none"], "none"),
+        (["table", "none.h5", "time"], "none.h5"),
+        (["plot", "none.h5"], "none.h5"),
+        (["report", "none.h5"], "none.h5"),
+        (["export", "none.h5", "--to", "csv"], "none.h5"),
+        (["sweep", "none.toml"], "none.toml"),
+        (["beam", "--length", "1", "--nodes", "1", "--ei", "1", "--rho", "1", "--into", "none.DAT",
+          "--body", "1"], "none.DAT"),
+    ],
+)  # fmt: skip
+def test_a_missing_file_is_named_in_front_by_every_command(flexmb, arguments, where):
+    code, _, told = flexmb(*arguments)
+    assert (code, told) == (2, f"{where}: error: no such file\n")
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [("run", "--out"), ("run", "--h5"), ("run", "-o"), ("sweep", "-o"), ("sweep", "--parts"), ("new", "-o")]
+    + [(command, "-o") for command in ("plot", "report", "export")],
+)
+def test_an_empty_name_of_a_result_is_no_place_to_write_to(flexmb, command, option):
+    code, _, told = flexmb(command, "young" if command == "new" else FOUR_BAR, option, "")
+    assert code == 2 and "an empty name; give a path" in told and f"'{option}'" in told
+
+
+def test_a_folder_in_place_of_a_study_is_what_is_complained_of(flexmb):
+    assert flexmb("sweep", ".")[2] == ".: error: is a directory, not a study\n"
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that takes no files")
+def test_a_folder_that_is_there_but_takes_no_files_is_not_called_missing(flexmb):
+    code, _, told = flexmb("run", FOUR_BAR, "-o", "/proc")
+    assert code == 2
+    assert "/proc/OUT4-BAR.dat: cannot be written: its folder takes no new files" in told
+
+
+def test_quiet_silences_the_statistics_too(flexmb):
+    assert flexmb("run", FOUR_BAR, "-q", "-v")[1:] == ("", "")
+    assert "Newton iterations" in flexmb("run", FOUR_BAR, "-v")[2]
+
+
+def test_too_few_iterations_are_named_as_what_may_be_the_reason(flexmb):
+    """With 250 the deck assembles."""
+    code, _, told = flexmb("run", FOUR_BAR, "--nrmax", "1")
+    assert code == 1
+    assert "--nrmax lets Newton try 1 iteration: allow more (250 if not given)" in told
+    assert "--nrmax" not in flexmb("run", FOUR_BAR, "--set", "universal.1.P_j.y=50")[2]
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize(("given", "unit"), [("universal.1.P_j.y=5.4", "m"), ("universal.1.P_j.y=50", "m")])
+def test_the_gap_in_json_is_the_first_of_the_message(flexmb, given, unit):
+    """A lock at t = 0.499 s, and a rod that fits nowhere."""
+    _, printed, _ = flexmb("run", FOUR_BAR, "--set", given, "--json", "-q")
+    record = json.loads(printed)
+    norms, message = record["norms"], record["faults"][0]["message"]
+    assert norms["unit"] == norms["units"][0] == unit
+    assert norms["gap"] == norms["gaps"][0]
+    assert len(norms["worst"]) == len(norms["gaps"]) == len(norms["units"]) == 3
+    for name, size, of in zip(norms["worst"], norms["gaps"], norms["units"], strict=True):
+        joint, part = name.split(", ", 1)
+        told = message.partition(f"{joint} ({part}, line ")[2].partition("): ")[2].partition(";")[0]
+        assert told == f"{size:.1e}" + " m" * (of == "m")
+
+
+@pytest.mark.processes
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_wrong_call_with_a_full_standard_output_ends_without_traceback(tmp_path):
+    command = [sys.executable, "-m", "flexmb_cli", "run", "--json", "--nope"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "flexmb: error: standard input or output: No space left on device" in done.stderr
+    assert "Traceback" not in done.stderr

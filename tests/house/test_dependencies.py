@@ -1,0 +1,42 @@
+"""What may be installed beside flexmb: bounded where untested, locked with hashes on request."""
+
+import re
+import tomllib
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+PROJECT = tomllib.loads((TOP / "pyproject.toml").read_text())["project"]
+LOCK = (TOP / "requirements.lock").read_text()
+PINNED = re.findall(r"^([\w.-]+)==([\w.]+)", LOCK, re.MULTILINE)
+
+
+def minor(version):
+    return tuple(map(int, version.split(".")[:2]))
+
+
+def test_numba_stops_below_the_minor_version_behind_the_locked_one():
+    """Each minor version of numba compiles other code: none is allowed that no test has seen."""
+    bound = next(item for item in PROJECT["dependencies"] if item.startswith("numba"))
+    first, beyond = map(minor, re.fullmatch(r"numba>=([\d.]+),<([\d.]+)", bound).groups())
+    locked = minor(dict(PINNED)["numba"])
+    assert first <= locked and beyond == (locked[0], locked[1] + 1)
+
+
+def test_every_file_of_the_lock_has_a_hash_and_none_a_place():
+    entries = re.split(r"\n(?=\S)", LOCK.strip())
+    assert len(entries) == len(PINNED) > 40
+    assert all("--hash=sha256:" in entry for entry in entries)
+    assert not re.search(r"https?:|file:|index|find-links", LOCK)
+
+
+def test_the_lock_holds_all_that_flexmb_and_its_tests_need():
+    wanted = [*PROJECT["dependencies"], *(item for extra in ("cluster", "parquet", "plot", "report", "test")
+              for item in PROJECT["optional-dependencies"][extra])]  # fmt: skip
+    names = {re.match(r"[\w-]+", item)[0].lower() for item in wanted} - {"flexmb"}
+    assert names <= {name.lower() for name, _ in PINNED}
+
+
+def test_every_h5py_allowed_leaves_out_the_time_stamps_of_groups():
+    """h5py 3.15 is the first whose `track_times` of files and groups is off; stamps began at byte 54."""
+    bound = next(item for item in PROJECT["dependencies"] if item.startswith("h5py"))
+    assert minor(bound.removeprefix("h5py>=")) >= (3, 15)

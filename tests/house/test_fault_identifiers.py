@@ -1,0 +1,55 @@
+"""Every fault has a stable identifier, no two the same, and the page of messages lists them all."""
+
+import json
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+TOP = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TOP / "docs" / "_ext"))
+import fault_messages  # noqa: E402
+
+FORM = re.compile(r"(CLI|DECK|DAFMS|DIFF|FE|FLEXMB|MODEL|RESULT|RUN|SOLVE|STUDY|VSDF|YOUNG)-\d{3}")
+# Calls that pass on what another fault says, or many sentences of one kind.
+CARRIERS = ("errors.py", "diagnostics.py", "quantities.py", "cluster.py")
+
+
+def test_every_fault_has_an_identifier():
+    without = [
+        f"{path.relative_to(TOP)}:{call.lineno}"
+        for path, call, _ in fault_messages.makers()
+        if fault_messages.identifier(call) is None and path.name not in CARRIERS
+    ]
+    assert not without
+
+
+def test_no_two_faults_share_an_identifier():
+    given = [fault_messages.identifier(call) for _, call, _ in fault_messages.makers()]
+    assert not [name for name, count in Counter(filter(None, given)).items() if count > 1]
+    assert all(FORM.fullmatch(name) for name in filter(None, given))
+
+
+def test_the_page_of_messages_is_that_of_the_program():
+    assert fault_messages.PAGE.read_text(encoding="utf-8") == fault_messages.page(), (
+        "run `python docs/_ext/fault_messages.py`"
+    )
+
+
+def test_an_identifier_that_was_given_stays_with_its_fault():
+    """Scripts rely on these: an identifier may go, but its number is not given to another fault."""
+    given = {fault_messages.identifier(call) for _, call, _ in fault_messages.makers()} - {None, ""}
+    assert len(given) > 400
+
+
+@pytest.mark.processes
+def test_json_records_carry_the_identifiers(tmp_path):
+    """The misplaced body number of the README."""
+    text = (TOP / "decks/young/IN4-BAR.dat").read_text().replace("1 2 0 0 2 0 6.10", "1 9 0 0 2 0 6.10")
+    command = [sys.executable, "-m", "flexmb_cli", "check", "--json", "-"]
+    done = subprocess.run(command, input=text, capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    (fault,) = json.loads(done.stdout)["faults"]
+    assert FORM.fullmatch(fault["id"]) and fault["message"] == "body number 9 is outside 1..4"

@@ -1,0 +1,160 @@
+"""What a command imports: its own dialect and analysis, and no module that it could do without.
+
+numpy, h5py and click take half of the time of a run; each heavy module more shows in every run.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flexmb_cli.kernels import _jit, _objects
+from tests.results.results import write_result
+
+pytestmark = pytest.mark.processes
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+CHILD = """
+import sys
+{before}
+before = set(sys.modules)
+from flexmb_cli.__main__ import main
+sys.argv = ["flexmb", *{arguments!r}]
+try:
+    main()
+except SystemExit as ending:
+    assert not ending.code, ending.code
+print(*sorted(set(sys.modules) - before), file=sys.stderr)
+"""
+# Modules of the standard library that cost a millisecond or more, and that Python and click do without.
+HEAVY = {
+    "asyncio", "bz2", "concurrent", "csv", "ctypes", "datetime", "difflib", "email",
+    "hashlib", "http", "json", "logging", "lzma", "multiprocessing", "pickle", "platform",
+    "random", "secrets", "shutil", "socket", "ssl", "statistics", "subprocess", "tempfile",
+    "tokenize", "tomllib", "unittest", "urllib", "xml", "zipfile",
+}  # fmt: skip
+# Beyond those that numpy and h5py import.  llvmlite, which x86-64 Linux does without, needs the second line.
+OF_RUNS = {"difflib", "hashlib", "json"}
+OF_LLVM = {"bz2", "lzma", "platform", "random", "shutil", "tempfile", "zipfile"}
+
+ALONE = _objects.target() == "x86_64-linux"
+
+
+def imported(tmp_path, *arguments, before="", **environment):
+    """Names of the modules that a command imports, in a process of its own."""
+    code = CHILD.format(before=before, arguments=tuple(map(str, arguments)))
+    given = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=600,
+        env=given | {"FLEXMB_CACHE_DIR": str(tmp_path), "OPENBLAS_NUM_THREADS": "1"} | environment,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return set(done.stderr.splitlines()[-1].split())
+
+
+def strangers(modules):
+    """What is neither flexmb's nor of the standard library."""
+    tops = {name.partition(".")[0] for name in modules} - set(sys.stdlib_module_names) - {"flexmb_cli"}
+    return {name for name in tops if not name.startswith(("_", "cython_runtime"))}
+
+
+def heavy(modules):
+    """The heavy ones of the standard library."""
+    return HEAVY & {name.partition(".")[0] for name in modules}
+
+
+def own(modules):
+    """flexmb's, without its name, and without those that only name commands."""
+    return {name.removeprefix("flexmb_cli.") for name in modules if name.startswith("flexmb_cli.")}
+
+
+TREES = {"tree", "kane", "dafms", "implicit"}
+CONSTRAINED = {"constrained", "mass_matrix", "multipliers"}
+FLEXIBLE = {"vsdf", "fe_files", "fe.", "flexible_dynamics", "build_mechanism"}
+MARCHES = {"alpha_march", "radau_march"}
+# A deck of each dialect and analysis, what is changed in it, and words that no module of its run may have.
+RUNS = {
+    "young": ("young/IN1-1-1.dat", (), TREES | CONSTRAINED | FLEXIBLE),
+    "young forward": ("young/dynamics/IN-ANDREWS.dat", ("time.end=0.0001",), TREES | FLEXIBLE | MARCHES),
+    "dafms": ("dafms/pendulum.DAT", ("time.IT=2",), CONSTRAINED | FLEXIBLE | {"implicit", "newton", "young"}),
+    "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau_march", "young"}),
+}
+
+
+@pytest.mark.parametrize("how", RUNS)
+def test_a_run_imports_its_own_dialect_and_analysis(tmp_path, how):
+    deck, changes, foreign = RUNS[how]
+    # What keeps a flexible body is a file of numpy.
+    archives = OF_LLVM - {"platform"} if how == "vsdf" else set()
+    options = [word for change in changes for word in ("--set", change)]
+    found = imported(
+        tmp_path, "run", "-q", *options, DECKS / deck, before="import numpy, h5py, click",
+        NUMBA_DISABLE_JIT="1",
+    )  # fmt: skip
+    assert not [name for name in own(found) for word in foreign if word in name]
+    assert strangers(found) <= {"h5py", "numpy"}
+    assert heavy(found) <= OF_RUNS | archives
+
+
+@pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled")
+@pytest.mark.parametrize("how", ["young", "young forward", "dafms"])
+def test_a_run_of_rigid_bodies_needs_neither_numba_nor_scipy(tmp_path, how):
+    deck, changes, _ = RUNS[how]
+    options = [word for change in changes for word in ("--set", change)]
+    for _ in ("compiled, perhaps", "loaded"):
+        found = imported(tmp_path, "run", "-q", *options, DECKS / deck, before="import numpy, h5py, click")
+    assert strangers(found) - {"h5py", "numpy"} == (set() if ALONE else {"llvmlite"})
+    assert heavy(found) <= (OF_RUNS if ALONE else OF_RUNS | OF_LLVM)
+
+
+COMMANDS = {
+    "--help": (["--help"], {"bz2", "lzma", "shutil"}, {"click"}),
+    "check": (
+        ["check", "-q", DECKS / "young/IN4-BAR.dat"],
+        {"difflib", "hashlib", "json"},
+        {"click", "numpy"},
+    ),
+    "diff": (["diff", DECKS / "README.md", DECKS / "README.md"], None, {"click", "numpy"}),
+    "table": (["table", "RESULT", "body.*.z"], None, {"click", "numpy", "h5py"}),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_what_commands_import(tmp_path, command):
+    arguments, heavy_ones, packages = COMMANDS[command]
+    if command == "diff":
+        arguments = ["diff", *2 * [tmp_path / "table.OUT"]]
+        (tmp_path / "table.OUT").write_text("TIME= 0.000\n  1.0 2.0\n")
+    result = write_result(tmp_path / "r.h5", 3) if "RESULT" in arguments else None
+    found = imported(tmp_path, *(result if word == "RESULT" else word for word in arguments))
+    assert strangers(found) <= packages
+    if heavy_ones is not None:
+        assert heavy(found - imported_with(tmp_path, packages)) <= heavy_ones
+    if command == "--help":
+        assert {name for name in own(found) if name.startswith("cli.")} <= {
+            "cli.options",
+            "cli.options.exit_codes",
+            "cli.terminal",
+            "cli.terminal.screen",
+            "cli.terminal.stops",
+        }
+
+
+def imported_with(tmp_path, packages):
+    """What Python, and those packages, import by themselves."""
+    code = f"import sys, {', '.join(sorted(packages))}; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    return set(done.stdout.split())
+
+
+def test_the_help_of_the_commands_is_their_own():
+    """`--help` shows it without importing them."""
+    from flexmb_cli.cli import COMMANDS as shown
+    from flexmb_cli.cli import cli
+
+    assert {name: one.get_short_help_str(65) for name, one in cli.commands.items()} == shown
+    assert [one.name for one in cli.commands.values()] == list(shown)

@@ -1,0 +1,285 @@
+"""`flexmb diff` of folders, patterns, exports and files of tolerances."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from xml.etree import ElementTree
+
+import h5py
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.diff import diff
+from flexmb_cli.cli.export import export
+from flexmb_cli.results.diff.csv_columns import kind_of_name
+from flexmb_cli.results.diff.hdf5 import kind_of
+from flexmb_cli.results.diff.tolerance_file import read_tolerances
+from flexmb_cli.results.diff.tolerances import Tolerances
+from flexmb_cli.results.quantities.quantities import names, open_result
+from tests.results.results import write_result
+
+
+def compared(*arguments):
+    return CliRunner().invoke(diff, [*map(str, arguments)])
+
+
+def exported(result, form):
+    output = result.with_suffix(f".{form}")
+    assert CliRunner().invoke(export, [str(result), "--to", form, "-o", str(output), "-q"]).exit_code == 0
+    return output
+
+
+def changed(path, dataset="body/position", place=(1, 2, 0), by=1e-3):
+    """Add to one number of a result."""
+    with h5py.File(path, "r+") as file:
+        file[dataset][place] += by
+    return path
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """Two folders with equal results `one.h5` and `inner/two.h5`, and a page that is no result."""
+    for name in ("old", "new"):
+        (tmp_path / name / "inner").mkdir(parents=True)
+        write_result(tmp_path / name / "one.h5", 3)
+        write_result(tmp_path / name / "inner" / "two.h5", 4)
+        (tmp_path / name / "README.md").write_text("# Decks\n")
+    return tmp_path / "old", tmp_path / "new"
+
+
+def test_equal_folders_have_no_difference(folders):
+    done = compared(*folders)
+    old, new = folders
+    assert done.stdout == (
+        f"{old}, {new}: 2 files compared, 0 differ, 0 missing, 1 other files passed over\n"
+    )
+    assert done.exit_code == 0
+
+
+def test_one_difference_in_one_file_is_told_with_its_place_and_ends_with_1(folders):
+    changed(folders[1] / "inner" / "two.h5")
+    done = compared(*folders)
+    assert done.exit_code == 1
+    assert "/body/position, body 3, x at t" in done.stdout
+    assert done.stdout.splitlines()[-1].endswith(
+        "2 files compared, 1 differ, 0 missing, 1 other files passed over"
+    )
+
+
+@pytest.mark.parametrize("lacking", [0, 1])
+def test_a_file_that_only_one_folder_has_is_a_difference(folders, lacking):
+    (folders[lacking] / "one.h5").unlink()
+    done = compared(*folders)
+    assert done.exit_code == 1
+    assert f"one.h5: not in {folders[lacking]}\n" in done.stdout
+    assert "1 files compared, 0 differ, 1 missing" in done.stdout
+
+
+def test_a_file_that_cannot_be_read_stops_no_other_and_ends_with_2(folders):
+    (folders[1] / "inner" / "two.h5").write_bytes(b"\x89HDF\r\n\x1a\nnothing")
+    changed(folders[1] / "one.h5")
+    done = compared(*folders)
+    assert done.exit_code == 2
+    assert "two.h5: error: damaged HDF5 file" in done.stderr
+    assert "1 files compared, 1 differ, 0 missing, 1 cannot be read" in done.stdout
+
+
+def test_folders_without_results_are_no_success(tmp_path):
+    (tmp_path / "old").mkdir()
+    (tmp_path / "new").mkdir()
+    done = compared(tmp_path / "old", tmp_path / "new")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert "no results to compare" in done.stderr
+
+
+def test_patterns_pair_the_files_behind_their_folders(folders):
+    old, new = folders
+    done = compared(old / "**/*.h5", new / "**/*.h5")
+    assert (done.exit_code, done.stdout) == (
+        0, f"{old}/**/*.h5, {new}/**/*.h5: 2 files compared, 0 differ, 0 missing\n",
+    )  # fmt: skip
+    assert compared(old / "o*.h5", new / "*.h5").exit_code == 0
+    assert compared(old / "*.h5", new / "inner/*.h5").exit_code == 1
+
+
+def test_a_folder_and_a_file_are_no_pair(folders):
+    done = compared(folders[0], folders[1] / "one.h5")
+    assert done.exit_code == 2
+    assert "is a folder or a pattern" in done.stderr
+
+
+def test_json_of_folders_has_a_record_for_every_file(folders):
+    changed(folders[1] / "one.h5")
+    record = json.loads(compared(*folders, "--json").stdout)
+    assert [(file["name"], file["equal"]) for file in record["files"]] == [
+        ("inner/two.h5", True), ("one.h5", False),
+    ]  # fmt: skip
+    assert record["files"][1]["kinds"]["position"]["differing"] == 1
+    assert (record["equal"], record["exit_code"], record["passed_over"]) == (False, 1, ["README.md"])
+
+
+def test_junit_has_a_test_for_every_file(folders, tmp_path):
+    changed(folders[1] / "one.h5")
+    (folders[1] / "inner" / "two.h5").unlink()
+    page = tmp_path / "diff.xml"
+    assert compared(*folders, "--junit", page, "-q").exit_code == 1
+    suite = ElementTree.parse(page).getroot().find("testsuite")
+    assert suite.attrib | {"name": ""} == {
+        "name": "", "tests": "2", "failures": "2", "errors": "0", "skipped": "0",
+    }  # fmt: skip
+    told = {case.get("name"): case.find("failure").get("message") for case in suite}
+    assert told["inner/two.h5"] == f"inner/two.h5: not in {folders[1]}"
+    assert "1 of " in told["one.h5"] and "numbers differ" in told["one.h5"]
+
+
+def test_junit_of_two_files_that_agree_has_one_test_that_passed(folders, tmp_path):
+    page = tmp_path / "diff.xml"
+    assert compared(folders[0] / "one.h5", folders[1] / "one.h5", "--junit", page).exit_code == 0
+    cases = ElementTree.parse(page).getroot().findall("testsuite/testcase")
+    assert [(case.get("name"), len(case)) for case in cases] == [(str(folders[0] / "one.h5"), 0)]
+
+
+def test_update_of_folders_takes_what_differs_and_what_is_new(folders):
+    old, new = folders
+    changed(new / "one.h5")
+    shutil.copy(new / "one.h5", new / "inner" / "three.h5")
+    before = (old / "inner" / "two.h5").stat().st_ino
+    done = compared(*folders, "--update")
+    assert done.exit_code == 0
+    assert "2 references updated" in done.stdout
+    assert (old / "inner" / "three.h5").read_bytes() == (old / "one.h5").read_bytes()
+    assert (old / "inner" / "two.h5").stat().st_ino == before
+    assert compared(*folders).exit_code == 0
+
+
+@pytest.mark.parametrize("form", ["csv", "mat"])
+def test_an_export_agrees_with_the_result_it_comes_from_and_with_no_other(form, tmp_path):
+    result = write_result(tmp_path / "a.h5", 3)
+    export_of_it = exported(result, form)
+    other = changed(shutil.copy(result, tmp_path / "b.h5"), "body/velocity", (2, 0, 1), 1e-3)
+    for a, b, code in (
+        (export_of_it, result, 0), (result, export_of_it, 0), (export_of_it, export_of_it, 0),
+        (export_of_it, other, 1), (other, export_of_it, 1),
+    ):  # fmt: skip
+        done = compared(a, b, "--json")
+        record = json.loads(done.stdout)
+        assert (done.exit_code, record["differing"]) == (code, code)
+        assert record["compared"] > 100
+    assert record["kinds"]["velocity"]["differing"] == 1
+    assert compared(export_of_it, other, "--tol", "velocity=2e-3").exit_code == 0
+
+
+def test_an_export_in_the_old_folder_is_compared_with_the_result_in_the_new_one(folders):
+    old, new = folders
+    exported(old / "one.h5", "csv")
+    (old / "one.h5").unlink()
+    assert compared(old, new).exit_code == 0
+    changed(new / "one.h5")
+    assert compared(old, new).exit_code == 1
+
+
+def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
+    result = write_result(tmp_path / "a.h5", 3)
+    lines = exported(result, "csv").read_text().splitlines()
+    chosen = tmp_path / "chosen.csv"
+    chosen.write_text("".join(",".join(line.split(",")[:4]) + "\n" for line in lines))
+    done = compared(chosen, result)
+    assert done.exit_code == 0
+    assert "is not among the columns of" in done.stdout
+    assert compared(chosen, result, "--words").exit_code == 1
+    assert compared(chosen, tmp_path / "a.csv").exit_code == 1  # two tables must have the same columns
+    chosen.write_text("\n".join(lines[:-1]))
+    shorter = compared(chosen, result)
+    assert shorter.exit_code == 1
+    assert "1 rows of" in shorter.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("time [s],body.1.x [m]\n0,1\n0.1\n", "line 3 has 1 columns, the heading 2"),
+        ("time [s],body.1.x [m]\n0,one\n", "line 2: could not convert string to float: 'one'"),
+        ("time [s],body.1.x [m],body.1.x [m]\n0,1,1\n", "two columns have the same heading"),
+    ],
+)
+def test_a_csv_table_that_cannot_be_read_is_refused_with_its_line(text, told, tmp_path):
+    (tmp_path / "a.csv").write_text(text)
+    done = compared(write_result(tmp_path / "a.h5", 3), tmp_path / "a.csv")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert told in done.stderr
+
+
+def test_names_in_headings_have_the_kinds_of_their_datasets(tmp_path):
+    with open_result(write_result(tmp_path / "a.h5", 3)) as file:
+        for quantity in names(file):
+            assert kind_of_name(quantity.name) == kind_of(quantity.dataset), quantity.name
+
+
+def tolerances(tmp_path, text):
+    path = tmp_path / "tolerances.toml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", 1),
+        ("atol = 2e-3", 0),
+        ("[kinds]\nposition = 2e-3", 0),
+        ("[kinds]\nvelocity = 2e-3", 1),
+        ('[quantities]\n"body.3.x" = 2e-3', 0),
+        ('[quantities]\n"body.*.x" = { atol = 2e-3, rtol = 1e-9 }', 0),
+        ('[quantities]\n"body.3.y" = 2e-3', 1),
+        ('[quantities]\n"body.3.position" = inf', 0),
+        ('[files."one.h5"]\nkinds.position = 2e-3', 0),
+        ('[files."one.h5".quantities]\n"body.3.x" = 2e-3', 0),
+        ('[files."inner/*"]\nkinds.position = 2e-3', 1),
+    ],
+)
+def test_tolerances_hold_for_their_files_and_quantities_only(text, code, folders, tmp_path):
+    changed(folders[1] / "one.h5")
+    changed(folders[1] / "inner/two.h5", by=0.0)
+    assert compared(*folders, "--tolerances", tolerances(tmp_path, text)).exit_code == code
+
+
+def test_a_tolerance_of_a_quantity_holds_for_tables_and_exports_too(tmp_path):
+    result = write_result(tmp_path / "a.h5", 3)
+    other = changed(shutil.copy(result, tmp_path / "b.h5"))
+    wide = tolerances(tmp_path, '[quantities]\n"body.3.x" = 2e-3')
+    (tmp_path / "narrow").mkdir()
+    narrow = tolerances(tmp_path / "narrow", '[quantities]\n"body.3.x" = 5e-4')
+    for form in ("csv", "mat"):
+        assert compared(exported(result, form), other, "--tolerances", wide).exit_code == 0
+        assert compared(exported(result, form), other, "--tolerances", narrow).exit_code == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("atol = -1", "atol = -1: write a number not below zero"),
+        ("last_digit = 1.5", "last_digit = 1.5: write a whole number not below zero"),
+        ("tol = 1", "tol: there is no such setting"),
+        ("[kinds]\nposotion = 1", "kinds.posotion: there is no such kind"),
+        ('[quantities]\n"body.1.x" = { abs = 1 }', "write atol, rtol or last_digit"),
+        ('[quantities]\n"body.9.x" = 1', 'quantities "body.9.x"'),
+        ('[files."tow.h5"]\natol = 1', 'files "tow.h5"'),
+        ("files = 3", 'write a table of tolerances for each, [files."PATTERN"]'),
+        ("atol =", "is no TOML file"),
+    ],
+)
+def test_a_tolerance_that_would_do_nothing_is_refused(text, told, folders, tmp_path):
+    done = compared(*folders, "--tolerances", tolerances(tmp_path, text))
+    assert done.exception.exit_code == 2
+    assert told in str(done.exception)
+
+
+def test_the_tolerances_shown_in_the_documentation_are_understood(folders, tmp_path):
+    page = Path(__file__).resolve().parents[3] / "docs/how-to/compare-in-ci.md"
+    shown = re.search(r"```toml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)[1]
+    read = read_tolerances(str(tolerances(tmp_path, shown)), Tolerances())
+    special = read.of_file("OUT4-BAR.dat")
+    assert (special.rtol, special.last_digit, special.of("acceleration").atol) == (1e-9, 1, 2e-3)
+    assert special.named("velocity.body 3.dX").atol == 1e-3
+    assert read.of_file("other.h5").last_digit == 0

@@ -1,0 +1,185 @@
+"""Curves as pictures: which are drawn by default, in which panels, and always by the same bytes."""
+
+import shutil
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.plot import plot
+from flexmb_cli.results.figures.curves import Source, default_quantities, panels
+from flexmb_cli.results.figures.plots import style
+from flexmb_cli.results.quantities.quantities import open_result, resolve
+from tests.results.figures.turning_bar import tip, write_bar
+from tests.results.results import write_result
+
+TIMES = np.arange(7.0)
+
+
+@pytest.fixture
+def bar(tmp_path, deck, mechanism, rows):
+    return write_bar(tmp_path / "r.h5", deck, mechanism, rows, TIMES)
+
+
+@pytest.fixture
+def draw(bar, tmp_path):
+    def run(*arguments):
+        return CliRunner().invoke(plot, [str(bar), *map(str, arguments)])
+
+    return run
+
+
+def test_by_default_the_coordinates_of_points_that_move_are_drawn(bar):
+    """The bar turns about y: its point keeps y = 0."""
+    with open_result(bar) as file:
+        assert [quantity.name for quantity in default_quantities(file)] == ["point.1.x", "point.1.z"]
+
+
+def test_every_unit_has_its_panel(bar):
+    with open_result(bar) as file:
+        wanted = resolve(file, ["point.1.x", "body.2.omega.y", "point.1.z"])
+        drawn = panels([Source("", file, slice(None), resolve(file, ["time"])[0], wanted)])
+    assert [(panel.unit, len(panel.curves)) for panel in drawn] == [("m", 2), ("rad/s", 1)]
+    assert [panel.y_label for panel in drawn] == ["[m]", "body.2.omega.y [rad/s]"]
+    assert drawn[0].curves[1].y == pytest.approx(tip(TIMES)[:, 2], abs=1e-14)
+
+
+def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_path):
+    """The potential's 1e6 J mean nothing; between two rows 3 J go from it to the motion, 1e-6 J are lost."""
+    energies = {"kinetic": [2.0, 5.0], "potential": [1e6, 1e6 - 3.0], "total": [1e6 + 2.0, 1e6 + 2.0 - 1e-6]}
+    with h5py.File(tmp_path / "r.h5", "w") as file:
+        file["time"] = [0.0, 1.0]
+        file["time"].make_scale("time")
+        for name, values in energies.items():
+            file[f"energy/{name}"] = values
+            file[f"energy/{name}"].attrs["units"] = "J"
+            file[f"energy/{name}"].dims[0].attach_scale(file["time"])
+    with open_result(tmp_path / "r.h5") as file:
+        wanted, time = default_quantities(file), resolve(file, ["time"])[0]
+        changes, drift = panels([Source("", file, slice(None), time, wanted, energies_change=True)])
+        (together,) = panels([Source("", file, slice(None), time, wanted)])
+    assert {curve.label: curve.y.tolist() for curve in changes.curves} == {
+        "energy.kinetic": [0.0, 3.0],
+        "energy.potential": [0.0, -3.0],
+    }
+    assert (changes.y_label, drift.y_label) == ("change [J]", "change of energy.total [J]")
+    assert drift.curves[0].y == pytest.approx([0.0, -1e-6], rel=1e-3)
+    assert [curve.y[0] for curve in together.curves] == [2.0, 1e6, 1e6 + 2.0]
+
+
+def test_energies_that_do_not_change_are_not_drawn_but_named(tmp_path):
+    pytest.importorskip("matplotlib")
+    path = write_result(tmp_path / "r.h5", 3)
+    with h5py.File(path, "r+") as file:
+        for name, values in (("kinetic", [0.0, 1.0, 2.0]), ("strain", [0.0, 0.0, 0.0])):
+            file[f"energy/{name}"] = values
+            file[f"energy/{name}"].attrs["units"] = "J"
+            file[f"energy/{name}"].dims[0].attach_scale(file["time"])
+    with open_result(path) as file:
+        drawn = {quantity.name for quantity in default_quantities(file)}
+    assert {"energy.kinetic", "energy.total"} <= drawn
+    assert "energy.strain" not in drawn
+    done = CliRunner().invoke(plot, [str(path), "-o", str(tmp_path / "p.png")])
+    assert f"{path}: note: not drawn, for they do not change: energy.strain\n" in done.output
+    named = CliRunner().invoke(plot, [str(path), "energy.strain", "-o", str(tmp_path / "p.png")])
+    assert "not drawn" not in named.output
+
+
+@pytest.mark.parametrize("results", [1, 2, 3])
+def test_no_two_of_many_curves_look_alike(results):
+    """Eight colours alone repeated from the ninth quantity on."""
+    looks = [str(style(quantity, result, results)) for quantity in range(64) for result in range(results)]
+    assert len(set(looks)) == len(looks)
+    assert len({style(0, result, results)["color"] for result in range(results)}) == 1
+
+
+def test_decks_of_results_laid_over_each_other_are_all_in_the_title(bar, tmp_path):
+    pytest.importorskip("matplotlib")
+    other = shutil.copy(bar, tmp_path / "o.h5")
+    with h5py.File(bar) as file:
+        name = file.attrs["deck_name"]
+    for changed, title in ((name, name), ("other.dat", f"{name}, other.dat")):
+        with h5py.File(other, "r+") as file:
+            file.attrs["deck_name"] = changed
+        target = tmp_path / "p.svg"
+        done = CliRunner().invoke(plot, [str(bar), "point.1.x", "--with", str(other), "-o", str(target)])
+        assert done.exit_code == 0, done.output
+        assert f"<!-- {title} -->" in target.read_text()
+
+
+def test_a_path_has_equal_axes(bar):
+    with open_result(bar) as file:
+        x, z = resolve(file, ["point.1.x", "point.1.z"])
+        (path,) = panels([Source("", file, slice(None), x, [z])])
+    assert path.same_unit
+    assert np.hypot(path.curves[0].x, path.curves[0].y) == pytest.approx(2.0)
+
+
+def test_results_laid_over_each_other_keep_the_colours_of_their_quantities(bar):
+    with open_result(bar) as one, open_result(bar) as other:
+        sources = [
+            Source(label, file, slice(None), resolve(file, ["time"])[0], resolve(file, ["point.1"]))
+            for label, file in (("a", one), ("b", other))
+        ]
+        (position, *_) = panels(sources)
+    told = [(curve.label, curve.quantity, curve.result) for curve in position.curves]
+    assert told[0] == ("a: point.1.x", 0, 0)
+    assert told[len(told) // 2] == ("b: point.1.x", 0, 1)
+
+
+@pytest.mark.parametrize(("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_pictures_are_of_the_form_and_the_same_every_time(draw, tmp_path, form, begins):
+    pytest.importorskip("matplotlib")
+    target = tmp_path / f"p.{form}"
+    done = draw("point.1.x", "body.2.velocity", "-o", target)
+    assert done.exit_code == 0, done.output
+    first = target.read_bytes()
+    assert first.startswith(begins)
+    time.sleep(1.1)
+    draw("point.1.x", "body.2.velocity", "-o", target)
+    assert target.read_bytes() == first
+
+
+def test_the_title_is_the_decks_name_and_no_mathematics(draw, tmp_path):
+    pytest.importorskip("matplotlib")
+    assert draw("point.1.x", "-o", tmp_path / "p.svg", "--title", r"costs $5 or $\frac$").exit_code == 0
+    assert "costs $5 or $\\frac$" in (tmp_path / "p.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["-o", "p.gif"], "written as .png, .svg or .pdf"),
+        (["point.1.nothing", "-o", "p.png"], "no such quantity"),
+        (["--x", "point.1.velocity", "-o", "p.png"], "means 3 quantities"),
+        (["--from", "100", "-o", "p.png"], "no rows in this window of time"),
+        (["point.1.x", "--x", "point.1.x", "-o", "p.png"], "nothing to draw over point.1.x: name another"),
+        (["point.1.nothing", "-o", "p.png"], "r.h5: point.1.nothing: the result has"),
+        (["point.1.x", "--x", "nothing", "-o", "p.png"], "r.h5: --x nothing: the result has"),
+    ],
+)
+def test_what_cannot_be_drawn_is_said_and_leaves_no_file(draw, tmp_path, monkeypatch, arguments, told):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    done = draw(*arguments)
+    assert done.exit_code != 0
+    assert told in done.output + str(done.exception)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.h5"]
+
+
+def test_a_missing_library_is_named_with_its_remedy(draw, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    done = draw("-o", "p.png")
+    assert done.exception.exit_code == 2
+    assert "flexmb plot needs matplotlib, which" in str(done.exception)
+
+
+@pytest.mark.parametrize("names", [[], ["time"]])
+def test_a_run_that_failed_before_its_first_row_is_told_as_the_reason(tmp_path, names):
+    pytest.importorskip("matplotlib")
+    path = write_result(tmp_path / "none.h5", 0, "failed", "locks at once")
+    done = CliRunner().invoke(plot, [str(path), *names, "-o", str(tmp_path / "p.png")])
+    assert "nothing to draw: the run is not complete, it has no rows: locks at once" in str(done.exception)

@@ -1,0 +1,234 @@
+"""Readable names of the quantities of a result, and what is read for them."""
+
+import errno
+import io
+
+import h5py
+import numpy as np
+import pytest
+
+from flexmb_cli.results.quantities.quantities import ResultError, names, open_result, read, resolve
+from tests.results.results import SERIES, value, write_result
+
+
+@pytest.fixture
+def result(tmp_path):
+    with open_result(write_result(tmp_path / "r.h5", 7)) as file:
+        yield file
+
+
+def test_a_series_that_somebody_made_text_is_not_passed_over(tmp_path):
+    path = write_result(tmp_path / "r.h5", 7)
+    with h5py.File(path, "a") as file:
+        scale = file["energy/total"].dims[0][0]
+        del file["energy/total"]
+        file["energy/total"] = ["a"] * 7
+        file["energy/total"].dims[0].attach_scale(scale)
+    with (
+        pytest.raises(ResultError, match="/energy/total has text in place of numbers"),
+        open_result(path) as f,
+    ):
+        names(f)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "headers"),
+    [
+        ("body.3.z", ["body.3.z [m]"]),
+        ("body.3.position.z", ["body.3.z [m]"]),
+        ("BODY.Body_3.Z", ["body.3.z [m]"]),
+        ("body.2.omega.x", ["body.2.omega.x [rad/s]"]),
+        ("body.2.angular_velocity.x", ["body.2.omega.x [rad/s]"]),
+        ("body.1.position", ["body.1.x [m]", "body.1.y [m]", "body.1.z [m]"]),
+        ("body.1.e0", ["body.1.e0 [1]"]),
+        ("body.*.z", ["body.1.z [m]", "body.2.z [m]", "body.3.z [m]"]),
+        ("body.[12].velocity.y", ["body.1.velocity.y [m/s]", "body.2.velocity.y [m/s]"]),
+        ("point.2.acceleration.x", ["point.2.acceleration.x [m/s2]"]),
+        ("point.body 2 node 1.acceleration.x", ["point.2.acceleration.x [m/s2]"]),
+        ("coordinate.theta2", ["coordinate.2 [rad]"]),
+        ("coordinate.body_2_node_1_axis_3", ["coordinate.5 [m]"]),
+        ("coordinate.5.u", ["coordinate.5.u [m/s]"]),
+        ("coordinate.theta*", ["coordinate.1 [rad]", "coordinate.2 [rad]"]),
+        ("reaction.4.force.z", ["reaction.4.force.z [N]"]),
+        ("reaction.closure 1_a.force.z", ["reaction.4.force.z [N]"]),
+        ("reaction.revolute 2.force.x", ["reaction.3.force.x [N]"]),
+        ("driver.1.effort", ["driver.1.effort [N or N m]"]),
+        ("energy.total", ["energy.total [J]"]),
+        ("elastic.2.node3.y", ["elastic.2.node3.y [m]"]),
+        ("elastic.body 2.3.y", ["elastic.2.node3.y [m]"]),
+        ("elastic.2.node3.rate.y", ["elastic.2.node3.rate.y [m/s]"]),
+        ("modal.2.amplitude.2", ["modal.2.amplitude.2 [m]"]),
+        ("audit", ["audit.newton_iterations [1]"]),
+        ("time", ["time [s]"]),
+    ],
+)
+def test_names_mean_what_they_say(result, pattern, headers):
+    assert [quantity.header for quantity in resolve(result, [pattern])] == headers
+
+
+@pytest.mark.parametrize(
+    ("pattern", "path", "place"),
+    [
+        ("body.3.z", "body/position", (2, 2)),
+        ("body.2.omega.x", "body/angular_velocity", (1, 0)),
+        ("body.3.e3", "body/euler_parameters", (2, 3)),
+        ("coordinate.theta2", "coordinate/q", (1,)),
+        ("reaction.4.force.y", "reaction/force", (3, 1)),
+        ("elastic.2.node3.y", "elastic/body 2/displacement", (1, 1)),
+        ("modal.2.amplitude.2", "modal/body 2/amplitude", (1,)),
+        ("energy.total", "energy/total", ()),
+    ],
+)
+def test_the_value_is_that_of_the_place(result, pattern, path, place):
+    read_values = read(result, resolve(result, [pattern]), slice(1, 6, 2))
+    assert read_values.tolist() == [[value(path, row, *place)] for row in (1, 3, 5)]
+
+
+def test_columns_come_in_the_order_asked_and_once(result):
+    quantities = resolve(result, ["energy.total", "body.3.z", "body.1", "body.*.z", "time"])
+    order = [quantity.name for quantity in quantities]
+    assert order[:2] == ["energy.total", "body.3.z"]
+    assert sorted(set(order)) == sorted(order)
+    values = read(result, quantities)
+    assert values.shape == (7, len(quantities))
+    assert values[:, 0].tolist() == [value("energy/total", row) for row in range(7)]
+    assert values[:, order.index("body.2.z")].tolist() == [
+        value("body/position", row, 1, 2) for row in range(7)
+    ]
+    assert values[:, -1].tolist() == (0.25 * np.arange(7)).tolist()
+
+
+def test_motion_is_listed_in_the_order_of_its_derivatives(result):
+    order = [quantity.name for quantity in resolve(result, ["body.1"])]
+    assert [name for name in order if name.endswith((".x", "0"))] == [
+        "body.1.x",
+        "body.1.e0",
+        "body.1.velocity.x",
+        "body.1.omega.x",
+    ]
+
+
+@pytest.mark.long_motion
+def test_every_listed_name_names_just_itself(result):
+    listed = names(result)
+    assert len(listed) == 1 + sum(result[series.path][0].size for series in SERIES)
+    for quantity in listed:
+        assert resolve(result, [quantity.name]) == [quantity]
+
+
+def test_meanings_carry_the_names_of_the_deck(result):
+    assert resolve(result, ["reaction.3.force.x"])[0].long_name == "revolute 2: force on body J"
+    assert resolve(result, ["coordinate.5"])[0].long_name == "body 2 node 1 axis 3: generalized coordinate"
+
+
+def test_a_body_with_two_rotations_has_no_single_angle(result):
+    with pytest.raises(ResultError, match=r"coordinate\.theta3: the result has no such quantity"):
+        resolve(result, ["coordinate.theta3"])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "near"),
+    [
+        ("body.2.omga.x", "body.2.omega.x"),
+        ("body.9.z", "body.1.z"),
+        ("energy.totl", "energy.total"),
+        ("coordinate.theta7", "coordinate.theta1"),
+        ("bdy.1.velocity", "body.1.velocity"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_near_ones(result, pattern, near):
+    with pytest.raises(ResultError) as caught:
+        resolve(result, [pattern])
+    assert caught.value.exit_code == 2
+    hint = str(caught.value).partition("near it are ")[2].partition(";")[0].split(", ")
+    assert near in hint
+
+
+def test_all_unknown_names_are_told_at_once(result):
+    with pytest.raises(ResultError) as caught:
+        resolve(result, ["body.7.z", "time", "qqq"])
+    assert [fault.message.split(":")[0] for fault in caught.value.faults] == ["body.7.z", "qqq"]
+
+
+@pytest.mark.parametrize("pattern", ["", ".", "body..z", "body.1.z.more", "*.*.*.*.*.*"])
+def test_patterns_that_fit_nothing_are_refused(result, pattern):
+    with pytest.raises(ResultError, match="no such quantity"):
+        resolve(result, [pattern])
+
+
+class CountingFile(io.FileIO):
+    """A file that counts the bytes read from it, or is on a disk that `fails`."""
+
+    count = 0
+    fails = False
+
+    def readinto(self, buffer):
+        if self.fails:
+            raise OSError(errno.EIO, "Input/output error")
+        got = super().readinto(buffer)
+        self.count += got
+        return got
+
+
+def test_only_what_is_asked_for_is_read(tmp_path):
+    path = write_result(tmp_path / "big.h5", 20000)
+    with CountingFile(path) as disk, h5py.File(disk, "r") as file:
+        quantities = resolve(file, ["energy.total"])
+        before = disk.count
+        read(file, quantities, slice(0, 2000))
+        asked = disk.count - before
+    # Rows come in chunks of 1024: two of them, and the index of the chunks.
+    assert 2000 * 8 <= asked <= 3 * 1024 * 8 + 16384
+    assert path.stat().st_size > 20000 * 8 * 60
+
+
+def test_files_of_other_kinds_are_refused(tmp_path):
+    (tmp_path / "letter").write_text("Dear Sir,\n")
+    h5py.File(tmp_path / "other.h5", "w").close()
+    for name, message in (
+        ("none.h5", "no such file"),
+        (".", "it is a folder"),
+        ("letter", "no HDF5 result that can be read"),
+        ("other.h5", "no result of flexmb: it has no dataset /time"),
+    ):
+        with pytest.raises(ResultError, match=message) as caught, open_result(tmp_path / name):
+            pass
+        assert caught.value.exit_code == 2
+
+
+def test_a_series_that_is_shorter_than_the_time_is_told(tmp_path):
+    path = write_result(tmp_path / "r.h5", 40)
+    with h5py.File(path, "a") as file:
+        file["energy/total"].resize(7, axis=0)
+    told = "r.h5: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
+    with open_result(path) as file, pytest.raises(ResultError, match=told):
+        read(file, resolve(file, ["energy.total"]), slice(0, 5))
+
+
+def test_a_star_is_everything_and_not_the_time_alone(result):
+    assert [q.name for q in resolve(result, ["*"])] == [q.name for q in names(result)][1:]
+    assert [q.name for q in resolve(result, ["ti*"])] == ["time"]
+
+
+def test_a_disk_that_fails_is_told(tmp_path):
+    with CountingFile(write_result(tmp_path / "r.h5", 5000)) as disk, h5py.File(disk, "r") as file:
+        quantities = resolve(file, ["energy.total"])
+        disk.fails = True
+        with pytest.raises(ResultError, match="/energy/total cannot be read"):
+            read(file, quantities)
+        disk.fails = False
+
+
+@pytest.mark.parametrize("times", [{3: float("nan")}, {39: float("inf")}, {20: 0.0}, {1: 0.0}])
+def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
+    """Rows are found by them; 16 are looked at together, so that 20 and 1 are in two blocks."""
+    monkeypatch.setattr("flexmb_cli.results.quantities.quantities.TIMES_AT_ONCE", 16)
+    path = write_result(tmp_path / "r.h5", 40)
+    with open_result(path):
+        pass
+    with h5py.File(path, "a") as file:
+        for row, time in times.items():
+            file["time"][row] = time
+    told = "r.h5: a damaged result: the times of its rows do not ascend, or are no numbers"
+    with pytest.raises(ResultError, match=told), open_result(path):
+        pass

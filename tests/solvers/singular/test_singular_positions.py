@@ -1,0 +1,145 @@
+"""Parallelograms that swing through the positions where their bars lie in line, and motions branch.
+
+Their coupler stays parallel to the ground; on the other branch it turns.  The crank turns as a pendulum with
+the moments of all bars does, which DOP853 of SciPy integrates with a tolerance of 1e-12.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from flexmb_cli.errors import AnalysisError
+from flexmb_cli.fe.build_mechanism import flexible_mechanism
+from flexmb_cli.model.fe_model import Integrator
+from flexmb_cli.model.mechanism import TimeGrid
+from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
+from tests.dialects.vsdf.vsdf_decks import build
+
+WEIGHT = 3.0  # m/s²
+ROWS = 100
+INERTIA = 0.1  # of each bar about its centre, kg m²
+
+
+@dataclass(frozen=True)
+class Parallelogram:
+    """Cranks on bearings `base` apart; masses of the first crank, the coupler and the second crank."""
+
+    angle: float  # rad, at the start
+    speed: float  # rad/s
+    base: float  # m
+    crank: float  # m
+    masses: tuple[float, float, float]  # kg
+    gravity: float = 0.0
+    longer: float = 0.0  # by how much the second crank is longer than the first, m
+
+    def mechanism(self, integrator, end=6.0):
+        """Four hinges about z on six bearings of the ground and the bars."""
+        c, s = self.crank * math.cos(self.angle), self.crank * math.sin(self.angle)
+        p = f"{math.cos(0.5 * self.angle):.17g},0,0,{math.sin(0.5 * self.angle):.17g}"
+        lengths = self.crank, self.base, self.crank + self.longer
+        nodes = [
+            f"{body},{node},{x:.17g},0,{z}"
+            for body, length in enumerate((self.base, *lengths))
+            for node, (x, z) in enumerate(((0, 0), (0, 1), (length, 0), (length, 1)), 1)
+        ]
+        bars = list(zip((1, 2, 3), self.masses, lengths, strict=True))
+        lines = ["VSDF parallelogram", "BODY", "1,RIGD", "2,RIGD", "3,RIGD", "RIGI"]
+        for k, mass, length in bars:
+            lines += [f"{k},{mass},{0.5 * length:.17g}", f"0.01,{INERTIA},{INERTIA}"]
+        lines += ["POSI", f"2,{c:.17g},{s:.17g},0", f"3,{self.base},0,0", "EULP", f"1,{p}", f"3,{p}"]
+        lines += ["VELO", f"1,0,0,0,0,0,{self.speed}", f"2,{-self.speed * s:.17g},{self.speed * c:.17g},0"]
+        lines += [f"3,0,0,0,0,0,{self.speed}", "NODE", *nodes, "JOIN", "1,REVO,0,1,2,1,1,2"]
+        lines += ["2,REVO,1,3,4,2,1,2", "3,REVO,2,3,4,3,3,4", "4,REVO,0,3,4,3,1,2"]
+        lines += ["TIME", "6,0.05", "INTG", "RAD5,1e-6", "END", "STAR", "STOP"]
+        # Data stand behind a blank.
+        text = "".join(f" {line}\n" if "," in line else f"{line}\n" for line in lines)
+        found, _ = flexible_mechanism(build(text), cached=False)
+        time = TimeGrid(0.0, end, end / ROWS)
+        return replace(found, integrator=integrator, gravity=(0.0, -self.gravity, 0.0), time=time)
+
+    def turn(self, times):
+        """The angle of the cranks, rad."""
+        first, coupler, second = self.masses
+        arm = self.crank * (0.5 * first + coupler + 0.5 * second)
+        moment = 2.0 * INERTIA + self.crank**2 * (0.25 * first + coupler + 0.25 * second)
+
+        def slope(_, y):
+            return [y[1], -self.gravity * arm * math.cos(y[0]) / moment]
+
+        start = (self.angle, self.speed)
+        return solve_ivp(slope, (0, times[-1]), start, "DOP853", times, rtol=1e-12, atol=1e-12).y[0]
+
+
+def turns(rows, body):
+    e = rows.euler_parameters[:, body]
+    return 2.0 * np.arctan2(e[:, 3], e[:, 0])
+
+
+def run(parallelogram, integrator, end=6.0):
+    """(times, angles of crank and coupler, what stopped it)."""
+    analysis, blocks, stopped = FlexibleDynamics(parallelogram.mechanism(integrator, end)), [], ""
+    try:
+        blocks.extend(analysis.rows())
+    except AnalysisError as error:
+        stopped = str(error)
+    found = [np.concatenate([of(rows) for rows in blocks]) for of in
+             (lambda rows: rows.time, lambda rows: turns(rows, 0), lambda rows: turns(rows, 1))]  # fmt: skip
+    return (*found, stopped)
+
+
+def parallelograms():
+    for angle in (0.3, 2.0):
+        for gravity in (0.0, WEIGHT):
+            yield Parallelogram(angle, 1.5, 2.0, 1.0, (1.0, 1.0, 1.0), gravity)
+            yield Parallelogram(angle, 3.0, 1.0, 2.0, (1.0, 5.0, 1.0), gravity)
+            yield Parallelogram(angle, -2.1, 3.0, 1.0, (0.5, 1.0, 4.0), gravity)
+
+
+def stops_of(parallelogram, integrator, error):
+    """What stopped a run, all rows of which are on the smooth branch."""
+    times, crank, coupler, stopped = run(parallelogram, integrator)
+    assert np.abs(np.sin(0.5 * coupler)).max() < error
+    assert np.abs(np.sin(0.5 * (crank - parallelogram.turn(times)))).max() < error
+    assert not stopped or "a singular position of joint 1" in stopped
+    return stopped
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize(("tolerance", "passes"), [(1e-4, 12), (1e-5, 12), (1e-6, 12), (1e-8, 9), (1e-10, 1)])
+def test_radaus_method_passes_smoothly_or_stops(tolerance, passes):
+    """Up to six passes each; 20 of 32 couplers once turned on the other branch at 1e-4, 7 at 1e-6.
+
+    The smaller the tolerance, the nearer to a position in line steps come, where round-off decides.
+    """
+    stops = [stops_of(one, Integrator("RAD5", 0.0, tolerance), 300.0 * tolerance) for one in parallelograms()]
+    assert len(stops) - sum(map(bool, stops)) >= passes
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("length", [0.0, 0.02])
+def test_generalised_alpha_passes_smoothly(length):
+    for parallelogram in parallelograms():
+        assert not stops_of(parallelogram, Integrator("GALF", length, 0.9), 0.02)
+
+
+@pytest.mark.long_motion
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_a_run_that_ends_in_line_stops_there_by_name(tolerance):
+    """Cranks that turn steadily at 1.5 rad/s from 0.5 rad lie in line at (π - 0.5)/1.5 s."""
+    end = (math.pi - 0.5) / 1.5
+    steady = Parallelogram(0.5, 1.5, 2.0, 1.0, (1.0, 1.0, 1.0))
+    times, _, coupler, stopped = run(steady, Integrator("RAD5", 0.0, tolerance), end)
+    assert np.abs(coupler).max() < 1e-7
+    assert times[-1] > 0.8 * end
+    assert "a singular position of joint 1" in stopped
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
+def test_a_row_in_line_is_told_as_such(tolerance):
+    """From 0.5 rad at -2 rad/s the row at 0.25 s stands in line; no load is to blame."""
+    steady = Parallelogram(0.5, -2.0, 3.0, 1.0, (0.5, 1.0, 4.0))
+    *_, stopped = run(steady, Integrator("RAD5", 0.0, tolerance), 0.5)
+    assert "at t = 0.25 s a row stands on a singular position of joint 1" in stopped
