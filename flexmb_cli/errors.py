@@ -49,6 +49,16 @@ class Fault:
         """Subject and message in one line."""
         return f"{self.subject}: {self.message}" if self.subject else self.message
 
+    def as_record(self) -> list:
+        """All of it in JSON's types."""
+        return [self.severity, self.message, self.place, self.subject, self.guide, self.about, self.id]
+
+    @classmethod
+    def of_record(cls, record: list) -> "Fault":
+        """The fault that `as_record` was made of, as JSON gives it back."""
+        severity, message, place, subject, guide, about, name = record
+        return cls(severity, message, place and Place(*place), subject, tuple(guide), about, name)
+
     def as_dict(self) -> dict:
         """Plain record for `--json`."""
         line, column = self.place[:2] if self.place else (None, None)

@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from deck_picture import draw
-from solved_decks import DOCS, TOP, checked, solved
+from deck_runs import DOCS, TOP, checked, solved
 
 PICTURES = DOCS / "pictures" / "gallery"
 DRAWING = Path(__file__).with_name("deck_picture.py")

@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 from gallery import gallery
-from solved_decks import DOCS, RESULTS, TOP, digest, flexmb, program, solved
+from deck_runs import DOCS, RESULTS, TOP, digest, flexmb, program, solved
 
 PICTURES = DOCS / "pictures"
 REPRODUCTION = TOP / "scripts" / "reproduction"

@@ -77,15 +77,15 @@ def _text(made, ndm, whole, title, into, body):
 def _deck_with(made, path, body):
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
     from ..deck.text import read_text
+    from ..dialects.dafms import DIALECT
     from ..dialects.dafms.beam_cards import with_beam
-    from ..dialects.recognise import read_deck
     from ..errors import FlexmbError, compiler_style
 
     lines = ()
     try:
         source = read_text(path)
         lines = source.lines
-        return with_beam(read_deck(source, "dafms"), body, made)
+        return with_beam(DIALECT.read(source), body, made)
     except FlexmbError as failure:
         click.echo(compiler_style(path, failure.faults, lines), err=True)
         sys.exit(failure.exit_code)

@@ -55,15 +55,15 @@ def _check_jacobian_option(jacobian):
 
 
 def _print_check(report, with_echo):
+    from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
     from ..results.texts.check_tree_text import check_tree_text
-    from ..results.texts.check_vsdf_text import check_vsdf_text
 
     if with_echo:
         _print_echo(report)
     if report.counts:
-        texts = {"dafms": check_tree_text, "vsdf": check_vsdf_text}
-        show(texts.get(report.deck.dialect, check_text)(report))
+        texts = {"tree": check_tree_text, "flexible": check_flexible_text}
+        show(texts.get(report.analysis, check_text)(report))
     if report.jacobian:
         show(jacobian_text(report.jacobian))
 

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import click
 
+from ..dialects.recognise import every_dialect
 from .options.completion import example_names
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
 PLACES = (PACKAGE / "decks", PACKAGE.parent / "decks")
-SUFFIXES = {".dat": "YOUNG", ".DAT": "DAFMS", ".vsdf": "VSDF", ".toml": "study"}
+SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_dialect()])} | {
+    ".toml": "study"
+}
 
 
 @click.command()

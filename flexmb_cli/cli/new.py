@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from ..dialects.recognise import dialect_named, every_dialect
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, DeckError, Fault, Place, compiler_style
 from ..managed_files import refuse_unsafe
 from ..quick_dataclass import replace
@@ -13,7 +14,9 @@ from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
 
-_NAMES = {"young": "IN-NEW.dat", "dafms": "NEW.DAT", "vsdf": "NEW.vsdf"}
+# The dialects that have a dialogue, and the decks that it writes.
+_NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
+*_FIRST, _LAST = _NAMES.values()
 _KEYS = """\
 Enter    take what stands in [ ]      ?       what is asked here
 <        the question before          < NAME  back to a record, such as: < driver.1
@@ -31,7 +34,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
     "--output",
     type=WrittenPlace(),
     metavar="PATH",
-    help="Deck to write, - for standard output; IN-NEW.dat, NEW.DAT or NEW.vsdf if not given.",
+    help=f"Deck to write, - for standard output; {', '.join(_FIRST)} or {_LAST} if not given.",
 )
 @click.option("--force", is_flag=True, help="Replace a deck that is there already.")
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
@@ -76,12 +79,9 @@ def _ask_to_replace(path, force):
         sys.exit(BAD_INPUT)
 
 
-def _form(dialect):
-    from ..dialects.dafms.form import DafmsForm
-    from ..dialects.vsdf.form import VsdfForm
-    from ..dialects.young.form import YoungForm
-
-    return {"young": YoungForm, "dafms": DafmsForm, "vsdf": VsdfForm}[dialect]()
+def _form(name):
+    dialect = dialect_named(name)
+    return dialect.part(dialect.form)()
 
 
 class _Talk:

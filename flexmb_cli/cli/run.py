@@ -51,7 +51,7 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
               "for YOUNG and VSDF, lsoda and sdirk4 for DAFMS.")  # fmt: skip
 @click.option("--formulation", type=click.Choice(["kane", "absolute"]), default="kane", show_default=True,
               help="DAFMS: Kane's equations of the tree, or bodies in absolute coordinates.")  # fmt: skip
-@click.option("--resume", is_flag=True, help="DAFMS: go on with a stopped run, to the same results.")
+@click.option("--resume", is_flag=True, help="Go on with a stopped run, to the same results.")
 @click.option("--as-printed", is_flag=True,
               help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,

@@ -1,6 +1,8 @@
 """A printed listing as numbers: what the readers of the dialects yield and `diff` compares."""
 
 import sys
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +15,26 @@ LARGEST_LISTING = 2**29
 # No deck has more bodies; a larger number at the start of a line is another slip.
 LARGEST_INDEX = 99999
 
-YOUNG_TABLE, DAFMS_ECHO, DAFMS_SERIES = "YOUNG OUT table", "echo of a DAFMS deck", "DAFMS time series"
-VSDF_LISTING = "listing of a VSDF deck"
+
+class ListingForm(NamedTuple):
+    """A kind of listing, as `diff` has to know it."""
+
+    name: str
+    mark_of_failure: str  # what ends the listing of a failed run, in words
+    has_rows: bool = True  # of times: one without any is empty
+    by_titles: bool = (
+        False  # numbers of its echo belong to their titles, over however many lines they are spread
+    )
+    fewer_decimals: bool = False  # in the echoes of older programs
+    emulated: bool = False  # whether its program's errors can be computed from a deck (`diff --deck`)
+    # Known errors of historic programs for `--explain`.  Of the rows: function of the names of two files, of
+    # items with section, deck, index, cause and holds(index, column, step).
+    known_errors: Callable[..., Sequence] = lambda *names: ()
+    # Of the echo: cause, and function of two arrays and the unit of their last digits: the cells it explains.
+    echo_error: tuple[str, Callable] | None = None
+
+
+NO_FORM = ListingForm("listing", "a mark of failure")
 
 
 @dataclass(frozen=True)
@@ -72,7 +92,7 @@ class Listing:
     time_unit: float
     sections: dict[str, Section]
     failed: bool = False
-    form: str = YOUNG_TABLE
+    form: ListingForm = NO_FORM
     words: tuple[tuple[int, str], ...] = ()
 
 

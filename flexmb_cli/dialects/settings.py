@@ -6,8 +6,7 @@ from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
-from .young.reader import DIALECT as YOUNG
-from .young.reader import labelled
+from .recognise import dialect_named
 
 COUNTS = "counts"
 _NEAREST = 3
@@ -98,15 +97,14 @@ class SettableDeck:
 
     def _with_changes(self, changes):
         """The records with new numbers; those left alone stay the same objects."""
-        changed_records, turned = {}, set()
+        changed_records, dialect = {}, dialect_named(self.deck.dialect)
         for name, changed in changes.items():
             index, key = self._place(name)
             record = changed_records.get(index, self.deck.records[index])
             changed_records[index] = record.with_number(record.positions[key], changed)
-            if changed.key == "direction" and self.deck.dialect == YOUNG:
-                turned.add(index)
-        for index in turned:
-            changed_records[index] = labelled(changed_records[index])
+        for name, changed in changes.items():
+            index, _ = self._place(name)
+            changed_records[index] = dialect.relabelled(changed_records[index], changed.key)
         if self._many:
             return self.deck.records.with_changed(changed_records)
         records = list(self.deck.records)

@@ -19,7 +19,7 @@ from ..model.flexible_body import BodyStress, Dropped, FlexibleBody, FlexibleInp
 from ..quick_dataclass import fields
 
 # To be raised when the arrays, or how they are computed, change.
-LAYOUT = 7
+LAYOUT = 8
 # Bytes behind the arrays: a damage anywhere makes the body anew, instead of another body.
 DIGEST = 32
 _VARIABLES = (("FLEXMB_CACHE_DIR", ""), ("XDG_CACHE_HOME", ""), ("LOCALAPPDATA", ""), ("HOME", ".cache"))

@@ -1,8 +1,9 @@
 """What a stopped run leaves to go on from: the rows so far and the state after them, in `<stem>.resume`.
 
-The file is a journal: one line that says of which run it is, then one entry for each block of rows
-with the checkpoint behind it, each with its length and checksum.  A kill tears at most the last
-entry, which then does not count.  Result files are written anew from the entries.
+The file is a journal: one line that says of which run it is, then one entry for each block of rows, each
+with its length and checksum.  A checkpoint stands behind the rows of an entry; one that is larger than the
+rows since the last is left out for a while.  A kill tears at most the last entry, which then does not count.
+Result files are written anew from the entries up to the last checkpoint.
 """
 
 import json
@@ -12,6 +13,7 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from time import monotonic
 
 import numpy as np
 from numpy.lib.format import descr_to_dtype, dtype_to_descr
@@ -25,6 +27,7 @@ _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
 _UNFINISHED = "unfinished"
 _LONGEST_HEAD = 2**20
+LONGEST_UNSAVED = 30.0  # s that a kill may cost where checkpoints are larger than rows
 _BEGINNING = b'{"'
 _DESCRIPTION = b"[["
 
@@ -33,15 +36,20 @@ class Journal:
     """The journal at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's types.
 
     `find` the journal of a stopped run if there may be one; then `begin`, take the `stored` entries,
-    and `append` further ones.  `doubts`: what could not be used of the one found.
+    and `append` further ones.  `doubts`: what could not be used of the one found, `last_checkpoint` where it
+    goes on.
     """
 
     def __init__(self, path: str | None, identity: dict):
         self.path = path
         self.identity = identity
         self.doubts: list[Fault] = []
+        self.last_checkpoint: dict | None = None
         self._file = None
         self._first = self._end = 0
+        self._unsaved = 0  # bytes of rows behind the last checkpoint in the file,
+        self._saved_at = monotonic()  # and when that was
+        self._pending: dict = {}  # the checkpoint behind them
 
     def find(self) -> None:
         """Look for the journal of a stopped run, and remove the files that it left unfinished.
@@ -57,12 +65,18 @@ class Journal:
                 return
             self._check_identity(head)
             self._first = self._end = file.tell()
+            last, whole = b"", self._end
             for entry in _entries(file):
-                self._end = file.tell()
-                _remove_unfinished(_arrays(entry, (_UNFINISHED,)), os.path.dirname(self.path))
-            lost = os.fstat(file.fileno()).st_size - self._end
+                whole, names = file.tell(), _names(entry)
+                if _UNFINISHED in names:
+                    _remove_unfinished(_arrays(entry, (_UNFINISHED,)), os.path.dirname(self.path))
+                if any(name.startswith(_STATE) for name in names):
+                    last, self._end = entry, whole
+            if last:
+                self.last_checkpoint = _parted(_arrays(last))[1]
+            lost = os.fstat(file.fileno()).st_size - whole
         if lost:
-            self._doubt("note", f"torn or damaged at byte {self._end}; the {lost} bytes there are not used")
+            self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
     def _doubt(self, severity, what):
         self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
@@ -88,8 +102,9 @@ class Journal:
             file.seek(self._first)
             for entry in _entries(file):
                 arrays = _arrays(entry)
-                if _UNFINISHED not in arrays:
-                    yield _parted(arrays)
+                values, state = _parted(arrays)
+                if "time" in values:
+                    yield values, state
                 if file.tell() >= self._end:
                     return
 
@@ -98,8 +113,15 @@ class Journal:
         if self.path is None:
             return
         named = {_STATE + name: array for name, array in checkpoint.items()}
+        self._unsaved += sum(np.asarray(array).nbytes for array in values.values())
+        size = sum(np.asarray(array).nbytes for array in named.values())
+        if size <= self._unsaved or monotonic() - self._saved_at > LONGEST_UNSAVED:
+            self._unsaved, self._saved_at, self._pending = 0, monotonic(), {}
+            values = {**values, **named}
+        else:
+            self._pending = {name: np.array(array) for name, array in named.items()}
         with located(self.path):
-            self._write({**values, **named})
+            self._write(values)
 
     @property
     def begun(self) -> bool:
@@ -109,6 +131,9 @@ class Journal:
     def close(self) -> None:
         """Leave the journal for `--resume`."""
         if self._file:
+            if self._pending:
+                with suppress(OSError, OutputError):
+                    self._write(self._pending)
             # The run ends for another reason, which is told; but for power cuts the file is whole anyway.
             with suppress(OSError):
                 sync(self._file.fileno())
@@ -207,13 +232,20 @@ def _packed(arrays):
     return json.dumps(told).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
 
 
+def _names(entry):
+    """The names of the arrays of an entry."""
+    return [name for name, *_ in json.loads(entry.partition(b"\n")[0])]
+
+
 def _arrays(entry, names=None):
     """The arrays of an entry, or those of them that are called `names`."""
     head, _, content = entry.partition(b"\n")
     found, start = {}, 0
     for name, described, shape in json.loads(head):
         kind = descr_to_dtype(_with_tuples(described))
-        array = np.frombuffer(content, kind, math.prod(shape), start).reshape(shape)
+        count = math.prod(shape)
+        array = np.frombuffer(content, kind, count, start) if count else np.empty(0, kind)
+        array = array.reshape(shape)
         start += array.nbytes
         if names is None or name in names:
             found[name] = array.copy()

@@ -2,11 +2,11 @@
 
 from pathlib import PurePath
 
-from ..errors import FlexmbError, ModelError
-from .deck import open_deck
+from ..errors import Fault, FlexmbError, ModelError
+from .context import Run
+from .model import analysis_of, model_of
+from .open_deck import open_deck
 from .outcome import Outcome, RunOptions
-
-TREES = "--to mjcf takes rigid trees, which DAFMS decks describe; this is a {} deck"
 
 
 def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
@@ -16,35 +16,30 @@ def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
     """
     options = RunOptions(changes=changes)
     try:
-        deck = open_deck(path, options, Outcome(path))
-        name = PurePath(deck.source.name).stem
-        return _mjcf(deck, name) if form == "mjcf" else _exudyn(deck, name, options)
+        run = Run(Outcome(path), options)
+        deck = open_deck(path, options, run.outcome)
+        write = _mjcf if form == "mjcf" else _exudyn
+        return write(model_of(deck, run), PurePath(deck.source.name).stem)
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
 
 
-def _mjcf(deck, name):
-    from ..dialects.dafms.build import build_dafms
-    from ..errors import Fault
+def _mjcf(model, name):
     from ..results.models.mjcf import mjcf
 
-    if deck.dialect != "dafms":
-        raise ModelError([Fault("error", TREES.format(deck.dialect.upper()), id="RUN-027")])
-    return mjcf(build_dafms(deck)[0], name)
+    if analysis_of(model) != "tree":
+        message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
+        raise ModelError([Fault("error", message, id="RUN-027")])
+    return mjcf(model, name)
 
 
-def _exudyn(deck, name, options):
-    from ..dialects.young.dynamic_cards import FORWARD, analysis_of
-    from ..errors import Fault
+def _exudyn(model, name):
     from ..results.models.exudyn import exudyn_script
 
-    if deck.dialect != "young" or analysis_of(deck) != FORWARD:
-        message = "--to exudyn takes rigid mechanisms in forward dynamics: YOUNG decks with DYNAMICS forward"
+    if analysis_of(model) != "dynamic" or model.analysis != "forward":
+        message = "--to exudyn takes rigid mechanisms under forces: decks with DYNAMICS forward"
         raise ModelError([Fault("error", message, id="RUN-028")])
-    from ..dialects.young.build_dynamics import build_young_dynamics
-
-    model, _ = build_young_dynamics(deck)
     return exudyn_script(model, start_of(model), name)
 
 

@@ -61,10 +61,11 @@ class ConstrainedDrift(EnergyDrift):
         self.reasons = reasons
         self.potential = None
 
-    def add_rows(self, rows):
-        """Take in a block of report rows (`FlexibleRows`, `DynamicRows`)."""
-        self.potential = rows.potential[0] if self.potential is None else self.potential
-        moved = rows.total + rows.applied_work - rows.potential  # kinetic and strain energy
-        gained = np.maximum(np.abs(rows.potential - self.potential), np.abs(rows.applied_work))
-        self.take(rows.total, np.maximum(moved, gained))
-        self.lost = max(self.lost, UNSEEN * float(np.max(np.abs(rows.potential))))
+    def add(self, values: dict) -> None:
+        """Take in a block of rows, by the paths of their datasets."""
+        total, work, potential = (values[f"energy/{name}"] for name in ("total", "applied_work", "potential"))
+        self.potential = potential[0] if self.potential is None else self.potential
+        moved = total + work - potential  # kinetic and strain energy
+        gained = np.maximum(np.abs(potential - self.potential), np.abs(work))
+        self.take(total, np.maximum(moved, gained))
+        self.lost = max(self.lost, UNSEEN * float(np.max(np.abs(potential))))

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
-from ..quick_dataclass import dataclass, replace
+from ..quick_dataclass import replace
+from .context import Run
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"
@@ -101,58 +102,21 @@ def estimate_text(largest: dict) -> str:
     return "\n".join(lines)
 
 
-@dataclass
-class EstimatingCount:
-    """Counts rows as `count` does, and keeps the errors of their values in the outcome."""
-
-    count: object
-    values: Callable
-    estimate: ErrorEstimate
-    outcome: object
-
-    def add(self, rows) -> None:
-        """Count report rows."""
-        self.values(rows)
-        self.count.add(rows)
-        self.outcome.errors = self.estimate.as_dict
-
-    @property
-    def doubts(self) -> tuple[Fault, ...]:
-        """Return what the rows make doubtful."""
-        return (*self.count.doubts, *self.estimate.doubts)
-
-    def __str__(self):
-        return str(self.count)
+def nothing_to_refine(run: Run, reason: str = NO_STEPS) -> None:
+    """Say that no errors can be estimated, by default where nothing is integrated."""
+    run.outcome.faults.append(Fault("warning", reason, id="RUN-024"))
 
 
-def with_estimate(solution, second, outcome):
-    """A Solution with its errors against the same one at a tighter tolerance, if that chooses its steps."""
-    stepper = getattr(second.analysis, "stepper", None)
-    if stepper is None or not stepper.chosen:
-        outcome.faults.append(Fault("warning", GIVEN_STEPS if stepper else NO_STEPS, id="RUN-024"))
-        return solution
-    clock = second.analysis.clock
+def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[dict] | None:
+    """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
+    second = analysis_of(run.unheard)
+    if not second.stepper.chosen:
+        return nothing_to_refine(run, GIVEN_STEPS)
+    clock = second.clock
     tolerance = float(clock["rtol"][0])
-    outcome.faults += why_no_estimate(tolerance)
+    run.outcome.faults += why_no_estimate(tolerance)
     clock["rtol"] = clock["atol"] = finer(tolerance)
-    return estimated(solution, second.analysis, outcome)
-
-
-def estimated(solution, second, outcome):
-    """A Solution whose values hold their errors against the analysis `second`."""
-    contents = solution.contents
-    estimate = ErrorEstimate(contents.values(rows) for rows in second.rows())
-    last: list = [None, None]
-
-    def values(rows):
-        # Asked for by the result file and, without one, by the count.
-        if last[0] is not rows:
-            last[:] = rows, estimate.of(contents.values(rows))
-        return last[1]
-
-    count = EstimatingCount(solution.count, values, estimate, outcome)
-    shown = replace(contents, layout=lambda: with_errors(contents.layout()), values=values)
-    return replace(solution, contents=shown, count=count)
+    return (values(rows) for rows in second.rows())
 
 
 def with_errors(layout):

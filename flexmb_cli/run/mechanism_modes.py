@@ -2,16 +2,14 @@
 
 import numpy as np
 
-from ..deck.record import Deck
-from ..dialects.young.build_dynamics import build_young_dynamics
 from ..errors import Fault, ModelError
 from ..model.flexible_mechanism import FlexibleMechanism
+from ..model.loads import DynamicModel
 from ..model.tree import Tree
-from ..model.unit_checks import unit_doubts
 from ..quick_dataclass import dataclass, replace
 from ..solvers.compilation import tell_of_compiling
-from .check.check import FARTHEST_STEPS
-from .outcome import Listener, Outcome, RunOptions, refuse_warnings
+from .check.parts import FARTHEST_STEPS
+from .context import Run
 
 # Speeds up to which uncompiled kernels answer before compiled ones would be ready.
 INTERPRETED_LIMIT = 30
@@ -88,28 +86,22 @@ def record_of(space) -> dict:
     return {**matrices, "states": states, **signals, "axes": space.axes, "constant": space.constant}
 
 
-def flexible_modes(
-    mechanism: FlexibleMechanism, wish: Wish, options: RunOptions, outcome: Outcome, listener: Listener
-) -> MechanismModes:
-    """Small motions of a VSDF deck's mechanism; raises AnalysisError where there are none."""
+def flexible_modes(mechanism: FlexibleMechanism, wish: Wish, run: Run) -> MechanismModes:
+    """Small motions of a mechanism of flexible bodies; raises AnalysisError where there are none."""
     speeds = sum(6 + body.modes for body in mechanism.bodies)
-    _prepare(speeds, wish, mechanism.time, listener)
+    _prepare(speeds, wish, mechanism.time, run.listener)
     from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
 
-    return _of_mechanism(FlexibleDynamics(mechanism), wish, options, outcome)
+    return _of_mechanism(FlexibleDynamics(mechanism), wish, run)
 
 
-def young_modes(
-    deck: Deck, wish: Wish, options: RunOptions, outcome: Outcome, listener: Listener
-) -> MechanismModes:
-    """Small motions of a YOUNG deck with forward dynamics; raises ModelError, AnalysisError."""
-    model, warnings = build_young_dynamics(deck)
-    outcome.faults += [*warnings, *unit_doubts(model)]
-    refuse_warnings(outcome, options)
-    _prepare(6 * len(model.mechanism.bodies), wish, model.mechanism.time, listener)
+def dynamic_modes(model: DynamicModel, wish: Wish, run: Run) -> MechanismModes:
+    """Small motions of a dynamic model; raises AnalysisError where there are none."""
+    run.warn(())
+    _prepare(6 * len(model.mechanism.bodies), wish, model.mechanism.time, run.listener)
     from ..solvers.constrained.young_dynamics import ForwardDynamics
 
-    return _of_mechanism(ForwardDynamics(model), wish, options, outcome)
+    return _of_mechanism(ForwardDynamics(model), wish, run)
 
 
 def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_dop853.march_rows"):
@@ -128,7 +120,7 @@ def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_
         tell_of_compiling(listener, entry)
 
 
-def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
+def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import settle
@@ -136,8 +128,8 @@ def _of_mechanism(analysis, wish: Wish, options, outcome) -> MechanismModes:
     try:
         bring_to(analysis, analysis.grid.start if wish.time is None else wish.time)
     finally:
-        outcome.faults += analysis.warnings
-    refuse_warnings(outcome, options)
+        run.outcome.faults += analysis.warnings
+    run.warn(())
     if wish.equilibrium:
         settle(analysis, ConstrainedLinearised)
     motion, A, constant = linearised(analysis)
@@ -162,10 +154,10 @@ def _space(wish, responses, motion, A, signals):
     return state_space(responses(motion), responses(motion.soon(A)), signals(motion))
 
 
-def tree_modes(tree: Tree, wish: Wish, listener: Listener) -> MechanismModes:
+def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
     grid = tree.time
-    _prepare(len(tree.coordinates), wish, grid, listener, "integrators.tree_dop853.call")
+    _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.call")
     from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import settle
     from ..solvers.linearisation.tree import TreeLinearised, start_tree

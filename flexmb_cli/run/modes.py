@@ -1,17 +1,16 @@
 """Eigenfrequencies of a deck: of its flexible bodies, each in its frame, and of its mechanism."""
 
 from ..deck.record import Deck
-from ..dialects.young.dynamic_cards import FORWARD, analysis_of
 from ..errors import Fault, ModelError
 from ..model.flexible_body import Dropped, FlexibleBody
 from ..model.unit_checks import unit_doubts
 from ..quick_dataclass import dataclass, field
-from .dafms_tree import tree_of
-from .deck import open_deck
+from .context import Run
 from .exit_status import ending_recorded
-from .mechanism_modes import MechanismModes, Wish, flexible_modes, tree_modes, young_modes
+from .mechanism_modes import MechanismModes, Wish, dynamic_modes, flexible_modes, tree_modes
+from .model import analysis_of, model_of
+from .open_deck import open_deck
 from .outcome import Listener, Outcome, RunOptions, Stop
-from .vsdf import mechanism_of
 
 
 @dataclass
@@ -37,36 +36,35 @@ class ModesReport:
 def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener) -> ModesReport:
     """Frequencies of the deck at `path`; failures become the outcome's faults.
 
-    The mechanism of a VSDF deck with flexible bodies is looked at only where a time or an equilibrium is
+    A mechanism with flexible bodies is looked at only where a time or an equilibrium is
     asked for.
     """
     report = ModesReport(Outcome(path))
     with ending_recorded(report.outcome, options), Stop.released():
-        _fill(report, wish, options, listener)
+        _fill(report, wish, Run(report.outcome, options, listener))
     return report
 
 
-def _fill(report: ModesReport, wish: Wish, options: RunOptions, listener: Listener):
-    outcome = report.outcome
-    deck = open_deck(outcome.deck, options, outcome)
-    if deck.dialect == "vsdf":
-        mechanism = mechanism_of(deck, options, outcome)
-        outcome.faults += unit_doubts(mechanism)
-        report.deck = deck
-        report.bodies = [body.flexible for body in mechanism.bodies if body.flexible is not None]
-        if wish.of_mechanism or not report.bodies:
-            report.mechanism = flexible_modes(mechanism, wish, options, outcome, listener)
-            _write(report.mechanism, wish)
-        return
-    if deck.dialect == "dafms":
-        tree = tree_of(deck, options, outcome)
-        outcome.faults += unit_doubts(tree)
-        report.mechanism = tree_modes(tree, wish, listener)
-    else:
-        _refuse_kinematics(deck)
-        report.mechanism = young_modes(deck, wish, options, outcome, listener)
+def _fill(report: ModesReport, wish: Wish, run: Run):
+    deck = open_deck(run.outcome.deck, run.options, run.outcome)
+    model = model_of(deck, run)
+    analysis = analysis_of(model)
+    if analysis == "kinematic" or (analysis == "dynamic" and model.analysis != "forward"):
+        message = (
+            "modes need masses and a free motion: cards behind the last number, from DYNAMICS forward on, "
+            "give them"
+        )
+        raise ModelError([Fault("error", message, id="RUN-018")])
+    run.outcome.faults += unit_doubts(model)
     report.deck = deck
-    _write(report.mechanism, wish)
+    if analysis == "flexible":
+        report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
+    if wish.of_mechanism or not report.bodies:
+        report.mechanism = MODES[analysis](model, wish, run)
+        _write(report.mechanism, wish)
+
+
+MODES = {"dynamic": dynamic_modes, "flexible": flexible_modes, "tree": tree_modes}
 
 
 def _write(mechanism: MechanismModes, wish: Wish):
@@ -74,15 +72,6 @@ def _write(mechanism: MechanismModes, wish: Wish):
         from .state_space_output import write_state_space
 
         write_state_space(wish.out, mechanism.state_space)
-
-
-def _refuse_kinematics(deck):
-    if analysis_of(deck) != FORWARD:
-        message = (
-            "modes need masses and a free motion: cards behind the last number, from DYNAMICS forward on, "
-            "give them"
-        )
-        raise ModelError([Fault("error", message, id="RUN-018")])
 
 
 def _as_dict(body: FlexibleBody) -> dict:

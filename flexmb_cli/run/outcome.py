@@ -100,6 +100,17 @@ class RunOptions:
     debug: bool = False
     only: tuple[str, ...] = ()
 
+    @property
+    def given_numbers(self) -> tuple[tuple[str, object], ...]:
+        """The options given on which numbers depend, as the command has them, and their values.
+
+        A flag has the value None.
+        """
+        solver = ((SOLVER_OPTIONS.get(key, key), value) for key, value in self.solver.items())
+        formulation = () if self.formulation == KANE else (("formulation", self.formulation),)
+        flags = (("as-printed", None),) if self.as_printed else ()
+        return (*solver, *flags, *self.integration.items(), *formulation)
+
 
 @dataclass
 class Outcome:

@@ -9,6 +9,8 @@ import tomllib
 from functools import cached_property
 
 from ..deck.record import DeckText
+from ..dialects import DIALECTS
+from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
 from .key_places import key_places
 from .study import GRID, LATIN, SAMPLINGS, TAKES, TOGETHER, Kept, Study, Varied
@@ -18,7 +20,6 @@ MOST_VALUES = 1_000_000  # of one parameter
 KEYS = ("deck", "dialect", "sampling", "count", "seed", "parameters", "results")
 RANGE_KEYS = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
-DIALECTS = ("auto", "young", "dafms", "vsdf")
 DEEPEST_NAME = 64  # parts
 _BETWEEN_NAMES = re.compile(r"[][,={}]")
 _SYNTAX = re.compile(r"(.*) \(at line (\d+), column (\d+)\)")
@@ -77,7 +78,7 @@ class _Reader:
             self._fault("count", f"belongs to sampling = {LATIN!r}; others take all values given")
         study = Study(
             self._text("deck"),
-            self._choice("dialect", DIALECTS, DIALECTS[0]),
+            self._choice("dialect", (AUTO, *reversed(DIALECTS)), AUTO),
             sampling,
             tuple(item for item in parameters if item),
             tuple(item for item in results if item),

@@ -2,7 +2,6 @@
 
 import os
 import tempfile
-from collections.abc import Callable
 
 import numpy as np
 
@@ -13,15 +12,13 @@ from ..memory import LACK_OF_MEMORY, lacks_memory
 from ..quick_dataclass import dataclass, field
 from ..results.hdf5.result_file import ResultFile
 from ..results.quantities.quantities import SHOWS_ALL, Quantity, ResultError, resolve
-from ..run.dafms_tree import dafms_solution
-from ..run.outcome import Listener, Outcome, RunOptions, Stop
-from ..run.vsdf import vsdf_solution
-from ..run.young import Solution
-from ..run.young_dynamics import young_solution
+from ..run.context import Run
+from ..run.model import model_of
+from ..run.outcome import Outcome, RunOptions, Stop
+from ..run.solution import Solution, solution_of
 from .cases import Cases
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
 
-SOLUTIONS: dict[str, Callable] = {"young": young_solution, "dafms": dafms_solution, "vsdf": vsdf_solution}
 MESSAGE_LENGTH = 2000
 _NO_SERIES = np.zeros((0, 0))
 
@@ -74,8 +71,8 @@ class CaseSolver:
             )
 
     def _solution(self, deck) -> Solution:
-        outcome = Outcome(os.path.join(self.folder, deck.source.name))
-        return SOLUTIONS[deck.dialect](deck, self.options, outcome, Listener())
+        run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options)
+        return solution_of(model_of(deck, run), run)
 
     def solve(self, case: int) -> CaseResult:
         """The result of a case; what fails is told in it."""
@@ -84,8 +81,7 @@ class CaseSolver:
             deck = self._settable.with_settings(self.cases.settings(case))
             solution = self._solution(deck)
             self._refuse_other_grid(solution)
-            for block in solution.analysis.rows():
-                values = solution.contents.values(block)
+            for values in solution.blocks():
                 rows += len(values["time"])
                 for quantity, part in zip(self.quantities, taken, strict=True):
                     part.add(values[quantity.dataset][(slice(None), *quantity.index)])
@@ -136,7 +132,7 @@ def _quantities(study, deck, solution) -> list[Quantity]:
     faults = []
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = os.path.join(folder, "empty.h5")
-        ResultFile(path, deck, solution.contents.layout()).close()
+        ResultFile(path, deck, solution.layout()).close()
         with h5py.File(path, "r") as result:
             found = [_one(result, item, faults) for item in study.results]
     if faults:

@@ -9,16 +9,16 @@ from flexmb_cli.cli.check import check
 from flexmb_cli.cli.run import run
 from flexmb_cli.deck.text import decode
 from flexmb_cli.dialects.recognise import read_deck
-from flexmb_cli.run.deck import warn_of_foreign_options
+from flexmb_cli.run.open_deck import warn_of_foreign_options
 from flexmb_cli.run.outcome import Outcome, RunOptions
 from tests.dialects.vsdf.vsdf_decks import RIGID
 
 FOUR_BAR = str(Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat")
 
 
-def test_a_vsdf_deck_takes_a_tolerance_and_is_not_resumed():
+def test_a_vsdf_deck_takes_a_tolerance_and_has_one_formulation():
     outcome = Outcome("links.vsdf")
-    options = RunOptions(integration={"rtol": 1e-4}, resume=True, formulation="absolute")
+    options = RunOptions(integration={"rtol": 1e-4}, formulation="absolute")
     warn_of_foreign_options(read_deck(decode("links.vsdf", RIGID.encode())), options, outcome)
     assert [(fault.severity, fault.message) for fault in outcome.faults] == [
         (
@@ -26,23 +26,18 @@ def test_a_vsdf_deck_takes_a_tolerance_and_is_not_resumed():
             "--formulation has no effect on this VSDF deck: there is one formulation; flexmb verify compares "
             "it with a second one",
         ),
-        (
-            "warning",
-            "--resume has no effect on this VSDF deck: a stopped run keeps its rows, marked as failed; the "
-            "run starts anew",
-        ),
     ]
 
 
 def test_only_the_options_given_are_named():
     outcome = Outcome("links.vsdf")
-    options = RunOptions(solver={"smallest_pivot": 1e-6}, resume=True)
+    options = RunOptions(solver={"smallest_pivot": 1e-6}, formulation="absolute")
     warn_of_foreign_options(read_deck(decode("links.vsdf", RIGID.encode())), options, outcome)
     assert [fault.message for fault in outcome.faults] == [
         "--epslu has no effect on this VSDF deck: forward dynamics solve to round-off; --rtol sets the "
         "tolerance of a step",
-        "--resume has no effect on this VSDF deck: a stopped run keeps its rows, marked as failed; the run "
-        "starts anew",
+        "--formulation has no effect on this VSDF deck: there is one formulation; flexmb verify compares it "
+        "with a second one",
     ]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from flexmb_cli.deck.text import decode
-from flexmb_cli.dialects.recognise import DIALECTS, read_deck, recognise
+from flexmb_cli.dialects.recognise import read_deck, recognise
 from flexmb_cli.errors import DeckError, Place
 from tests.dialects.young.young_decks import PENDULUM, pendulum
 
@@ -56,13 +56,6 @@ def test_an_empty_deck_is_of_no_dialect():
 
 def test_an_unknown_dialect_is_refused_with_those_that_exist():
     assert refused(b"", "fortran") == ("there is no dialect 'fortran', only vsdf, dafms, young", None)
-
-
-def test_a_dialect_whose_reader_is_missing_is_a_clear_fault(monkeypatch):
-    from dataclasses import replace
-
-    monkeypatch.setitem(DIALECTS, "vsdf", replace(DIALECTS["vsdf"], module="no_such_reader"))
-    assert refused(b"VSDF") == ("the deck is of dialect vsdf, which this version cannot read yet", None)
 
 
 def test_doubts_about_the_text_stand_before_those_of_the_reader():

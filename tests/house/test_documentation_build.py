@@ -13,7 +13,7 @@ sys.path.insert(0, str(DOCS / "_ext"))
 import gallery  # noqa: E402
 import links  # noqa: E402
 import pictures  # noqa: E402
-import solved_decks  # noqa: E402
+import deck_runs  # noqa: E402
 
 DECKS = [
     deck for where, pattern in gallery.FOLDERS.values() for deck in (TOP / "decks" / where).glob(pattern)
@@ -54,9 +54,9 @@ def test_the_gallery_has_every_supplied_deck():
 def test_a_changed_deck_or_finite_element_file_has_another_digest(tmp_path):
     file = tmp_path / "a"
     file.write_text("1")
-    first = solved_decks.digest([file], "x")
+    first = deck_runs.digest([file], "x")
     file.write_text("2")
-    assert len({first, solved_decks.digest([file], "x"), solved_decks.digest([file], "y")}) == 3
+    assert len({first, deck_runs.digest([file], "x"), deck_runs.digest([file], "y")}) == 3
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))

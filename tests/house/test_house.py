@@ -2,12 +2,15 @@
 
 import ast
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from flexmb_cli.dialects import DIALECTS
+from flexmb_cli.dialects.recognise import every_dialect
 from tests.results.results import write_result
 
 PACKAGE = Path(__file__).resolve().parents[2] / "flexmb_cli"
@@ -72,6 +75,51 @@ def test_what_starts_at_once_imports_neither_numba_nor_scipy():
         if full[0] in HEAVY
     ]
     assert not heavy
+
+
+def literals_of(path):
+    """Strings of a file that are no docstrings, with their lines."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    homes = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    heads = [node.body[0] for node in ast.walk(tree) if isinstance(node, homes) and node.body]
+    documented = {id(head.value) for head in heads if isinstance(head, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in documented:
+            yield node.lineno, node.value
+
+
+def test_nothing_outside_its_folder_names_a_dialect():
+    """What is to be known of a dialect stands in its DIALECT; sentences may call it YOUNG, DAFMS, VSDF."""
+    named = re.compile(rf"\b({'|'.join(DIALECTS)})\b")
+    found = [
+        f"{path.relative_to(PACKAGE)}:{line}"
+        for path in MODULES
+        if not path.relative_to(PACKAGE).as_posix().startswith("dialects/")
+        for line, text in literals_of(path)
+        if named.search(text)
+    ]
+    assert not found
+
+
+def test_nothing_outside_its_folder_imports_a_dialect():
+    """`flexmb beam` writes cards of one dialect."""
+    found = [
+        f"{path.relative_to(PACKAGE)} imports {'.'.join(full)}"
+        for path in MODULES
+        if path.relative_to(PACKAGE).as_posix() != "cli/beam.py"
+        for full in imports_of(path)
+        if full[1:2] == ("dialects",) and full[2:3] and full[2] in DIALECTS
+        and path.relative_to(PACKAGE).parts[:2] != ("dialects", full[2])
+    ]  # fmt: skip
+    assert not found
+
+
+def test_every_part_that_a_dialect_names_is_there():
+    for dialect in every_dialect():
+        single = (dialect.recogniser, dialect.reader, dialect.builder, dialect.writer, dialect.form)
+        more = (dialect.relabel, dialect.second_model)
+        for reference in (*single, *more, *dialect.listing_readers, *dialect.series_readers):
+            assert not reference or callable(dialect.part(reference))
 
 
 def test_only_the_command_line_prints_and_exits():

@@ -78,8 +78,8 @@ MARCHES = {"alpha_march", "radau_march"}
 RUNS = {
     "young": ("young/IN1-1-1.dat", (), TREES | CONSTRAINED | FLEXIBLE),
     "young forward": ("young/dynamics/IN-ANDREWS.dat", ("time.end=0.0001",), TREES | FLEXIBLE | MARCHES),
-    "dafms": ("dafms/pendulum.DAT", ("time.IT=2",), CONSTRAINED | FLEXIBLE | {"implicit", "newton"}),
-    "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau_march"}),
+    "dafms": ("dafms/pendulum.DAT", ("time.IT=2",), CONSTRAINED | FLEXIBLE | {"implicit", "newton", "young"}),
+    "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau_march", "young"}),
 }
 
 

@@ -1,7 +1,5 @@
 """The total energy of forward runs in absolute coordinates: steps that let it stray are told, others not."""
 
-from types import SimpleNamespace
-
 import h5py
 import numpy as np
 import pytest
@@ -59,20 +57,21 @@ def test_the_steps_of_a_vsdf_deck_are_doubted_alike(step, warned, tmp_path):
 
 def rows(kinetic, potential, work):
     kinetic, potential, work = (np.array(values, dtype=float) for values in (kinetic, potential, work))
-    return SimpleNamespace(total=kinetic + potential - work, potential=potential, applied_work=work)
+    total = kinetic + potential - work
+    return {"energy/total": total, "energy/potential": potential, "energy/applied_work": work}
 
 
 def test_what_a_driver_or_a_damper_moves_is_the_measure_where_little_is_in_motion():
     """100 J lifted by a driver at a crawl, 0.05 J of them missing: a two-thousandth."""
     drift = ConstrainedDrift("")
-    drift.add_rows(rows([1e-6, 1e-6], [0.0, 50.0], [0.0, 50.0]))
-    drift.add_rows(rows([1e-6], [100.0], [99.95]))
+    drift.add(rows([1e-6, 1e-6], [0.0, 50.0], [0.0, 50.0]))
+    drift.add(rows([1e-6], [100.0], [99.95]))
     assert (drift.largest, drift.scale) == pytest.approx((0.05, 100.0))
     assert drift.doubts == ()
 
 
 def test_a_mechanism_at_rest_is_not_doubted_for_round_off():
     drift = ConstrainedDrift("")
-    drift.add_rows(rows([0.0, 1e-30, 1e-28], [-1000.0, -1000.0 + 1e-13, -1000.0], [0.0, 0.0, 0.0]))
+    drift.add(rows([0.0, 1e-30, 1e-28], [-1000.0, -1000.0 + 1e-13, -1000.0], [0.0, 0.0, 0.0]))
     assert drift.largest > 0.0
     assert drift.doubts == ()

@@ -13,7 +13,6 @@ import h5py
 import numpy as np
 import pytest
 
-import flexmb_cli.run.dafms as dafms
 from flexmb_cli.errors import ModelError, OutputError
 from flexmb_cli.run.checkpoint import Journal
 from flexmb_cli.run.outcome import Listener
@@ -106,7 +105,7 @@ def test_a_run_of_another_deck_or_version_is_not_resumed(tmp_path, monkeypatch):
     assert outcome.exit_code == 2
     assert "text of the deck was " in outcome.faults[-1].message
     altered(tmp_path, "pendulum")
-    monkeypatch.setattr(dafms, "__version__", "9.9.9")
+    monkeypatch.setattr("flexmb_cli.run.solution.__version__", "9.9.9")
     outcome = run(deck, tmp_path, resume=True)
     assert outcome.exit_code == 2
     assert "is 9.9.9" in outcome.faults[-1].message

@@ -25,12 +25,12 @@ from flexmb_cli.memory import LACK_OF_MEMORY
 from flexmb_cli.results.diff.compare import compare
 from flexmb_cli.results.files.replaced_file import located
 from flexmb_cli.results.hdf5.result_file import ResultFile
-from flexmb_cli.run import dafms, deck, modes, young_dynamics
+from flexmb_cli.run import deck, modes
 from flexmb_cli.run.check import check
 from flexmb_cli.run.exit_status import StreamError
 from flexmb_cli.run.outcome import INTERRUPTED, TERMINATED, Listener, RunOptions, Stop, Terminated
+from flexmb_cli.run.solutions import kinematic
 from flexmb_cli.run.verify import verify
-from flexmb_cli.run.young import kinematic_solution
 from tests.run.dafms_runs import ENDINGS, run
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
@@ -47,7 +47,7 @@ def swallowing(*arguments):
 
 @pytest.mark.parametrize("asked, code", [(Terminated, TERMINATED), (KeyboardInterrupt, INTERRUPTED)])
 def test_a_stop_that_became_another_exception_is_still_a_stop(monkeypatch, asked, code):
-    monkeypatch.setitem(deck.RUNNERS, "young", swallowing)
+    monkeypatch.setattr(deck, "solve_deck", swallowing)
     monkeypatch.setattr(Stop, "asked", asked)
     assert deck.run_deck(DECK, RunOptions()).exit_code == code
 
@@ -88,7 +88,7 @@ def test_a_stop_behind_the_last_row_leaves_a_complete_run(tmp_path, monkeypatch,
 
 def test_who_stops_a_run_before_it_looks_at_its_journal_is_told_of_it(tmp_path, monkeypatch):
     (tmp_path / "pendulum.resume").write_text("{")
-    monkeypatch.setattr(dafms, "tree_of", partial(raised, KeyboardInterrupt()))
+    monkeypatch.setattr("flexmb_cli.run.solution.model_of", partial(raised, KeyboardInterrupt()))
     assert run("pendulum", tmp_path, resume=True).resumable
     assert not run("pendulum", tmp_path).resumable
 
@@ -172,7 +172,7 @@ def test_a_fault_before_the_first_row_leaves_standard_output_alone(monkeypatch, 
 
 
 def test_a_fault_without_a_stop_stays_a_fault(monkeypatch):
-    monkeypatch.setitem(deck.RUNNERS, "young", swallowing)
+    monkeypatch.setattr(deck, "solve_deck", swallowing)
     outcome = deck.run_deck(DECK, RunOptions())
     assert outcome.exit_code == 3
     assert outcome.faults[0].message.startswith("a fault of flexmb itself: SystemError: a callback")
@@ -309,17 +309,17 @@ def test_a_study_asks_for_memory_before_numpy_does(monkeypatch, capsys):
 
 def test_what_a_stopped_run_was_warned_of_is_told_and_kept(tmp_path, monkeypatch):
     note = Fault("note", "two motions cross")
-    warned = partial(with_warning, note)
-    monkeypatch.setattr(young_dynamics, "kinematic_solution", warned)
+    warned = partial(with_warning, note, kinematic.solution)
+    monkeypatch.setattr(kinematic, "solution", warned)
     outcome = deck.run_deck(DECK, RunOptions(folder=str(tmp_path)), raising(KeyboardInterrupt()))
     assert note in outcome.faults
     with h5py.File(tmp_path / "OUT1-1-1.h5") as result:
         assert result.attrs["notes"] == "two motions cross"
 
 
-def with_warning(note, *arguments):
-    solution = kinematic_solution(*arguments)
-    solution.analysis.warnings.append(note)
+def with_warning(note, make, *arguments):
+    solution = make(*arguments)
+    solution.warnings.append(note)
     return solution
 
 

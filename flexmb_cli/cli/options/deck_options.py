@@ -2,6 +2,7 @@
 
 import click
 
+from ...dialects import DIALECTS
 from ...errors import compiler_style
 from ..terminal.screen import tell
 from ..terminal.stops import stop_on_signals
@@ -13,7 +14,7 @@ DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True, shell
 def deck_options(command):
     """Options that `run` and `check` share."""
     options = [
-        click.option("--dialect", type=click.Choice(["auto", "young", "dafms", "vsdf"]), default="auto",
+        click.option("--dialect", type=click.Choice(["auto", *reversed(DIALECTS)]), default="auto",
                      show_default=True, help="Dialect of the decks."),
         click.option("--set", "changes", metavar="NAME=VALUE", multiple=True,
                      help="Give a number of the deck another value, by its readable name (see --echo)."),

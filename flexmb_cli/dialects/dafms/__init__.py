@@ -1,1 +1,22 @@
 """DAFMS decks (1992): trees of rigid and flexible bodies."""
+
+from ..dialect import Dialect
+
+DIALECT = Dialect(
+    name="dafms",
+    package=__name__,
+    begins="two integers, then a card DFMB, STAR or STOP",
+    recogniser="recognition:begins_dafms",
+    reader="reader:read_dafms",
+    builder="build:build_model",
+    writer="listing:Tables",
+    listing_readers=("listing_reader:parse_echo",),
+    series_readers=("listing_reader:parse_series",),
+    listing_signs="no echo of a DAFMS deck (==N==NDM==) and no time series of one",
+    series=(".T2", ".T3"),
+    options=("rtol", "atol", "method", "formulation"),
+    methods=("dop853", "radau", "lsoda", "sdirk4"),
+    curves=("coordinate/q",),
+    form="form:DafmsForm",
+    new_name="NEW.DAT",
+)

@@ -1,5 +1,7 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
+from pathlib import Path
+
 from ...deck.record import Deck
 from ...deck.records import DeckValues
 from ...errors import Fault, ModelError
@@ -15,6 +17,11 @@ GRAVITY = (0.0, 9.8, 0.0)
 
 # Products of four such numbers are still doubles.
 LARGEST = 1e50
+
+
+def build_model(deck: Deck, folder: Path) -> tuple[Tree, list[Fault]]:
+    """Return the tree, and the doubts about it; a deck names no files.  Raises ModelError."""
+    return build_dafms(deck)
 
 
 def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:

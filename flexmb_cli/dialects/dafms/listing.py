@@ -210,3 +210,34 @@ class Series:
     def _layout(self, values):
         edits = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
         return Layout(*edits[: values + 1], "\n", layout=self.layout)
+
+
+class Tables:
+    """Echo and time series of a run in `streams`: that of the echo, which may be None, and units 2 and 3.
+
+    `analysis` has the `tree`, and tells where it stopped (`stopped_at`), if it knows.
+    """
+
+    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis):
+        self.echo, *units = streams
+        self.deck, self.layout, self.analysis = deck, layout, analysis
+        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None
+
+    def begin(self) -> None:
+        """Write the echo."""
+        if self.echo is not None:
+            self.echo.write(echo_text(self.deck, self.layout))
+
+    def rows(self, values: dict) -> None:
+        """Write report rows, given by the paths of their datasets."""
+        if self.series:
+            self.series.rows(values["time"], values["coordinate/q"], values["coordinate/u"])
+
+    def stopped(self) -> None:
+        """Note that the run ended before the last time, and where it stands."""
+        if self.series is None:
+            return
+        stopped_at = getattr(self.analysis, "stopped_at", None)
+        self.series.failed(*stopped_at) if stopped_at else self.series.stopped()
+
+    failed = stopped

@@ -11,9 +11,19 @@ import numpy as np
 
 from ...deck.fortran_format import E, Edit, F, I
 from ...deck.fortran_words import split_fields, split_list, unit_of, value_of
-from ...deck.listing import DAFMS_ECHO, DAFMS_SERIES, EchoLine, Listing, Section, TableError
+from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass
+from .errata import SINGLE_PRECISION, single_precision
+
+ECHO = ListingForm(
+    "echo of a DAFMS deck",
+    "a note of failure",
+    has_rows=False,
+    by_titles=True,
+    echo_error=(SINGLE_PRECISION, single_precision),
+)
+SERIES = ListingForm("DAFMS time series", "the note of a stop")
 
 
 @dataclass(frozen=True)
@@ -89,7 +99,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     if faults:
         raise TableError(name, faults, lines)
     empty = np.empty(0)
-    return Listing(name, tuple(echo), empty, 1.0, {}, form=DAFMS_ECHO, words=tuple(words))
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))
 
 
 def _echo_line(number, line, match, faults):
@@ -151,7 +161,7 @@ def parse_series(name: str, text: str) -> Listing | None:
         _EDITS[1:width],
     )
     failed = len(rows) < sum(bool(line.strip()) for line in lines)
-    return Listing(name, (), table[:, 0], 1e-7, {"series": section}, failed, DAFMS_SERIES)
+    return Listing(name, (), table[:, 0], 1e-7, {"series": section}, failed, SERIES)
 
 
 def _unit_number(name):

@@ -1,1 +1,21 @@
 """VSDF decks: finite-element bodies in floating frames (VSDFlex, 2008)."""
+
+from ..dialect import Dialect
+
+DIALECT = Dialect(
+    name="vsdf",
+    package=__name__,
+    begins="the word VSDF",
+    recogniser="recognition:begins_vsdf",
+    reader="reader:read_vsdf",
+    builder="build_model:build_model",
+    writer="listing:VsdfTable",
+    listing_readers=("listing_reader:parse_vsdf",),
+    listing_signs="no listing of a VSDF deck",
+    options=("method", "rtol", "atol"),
+    methods=("dop853", "radau", "alpha"),
+    curves=("point/position", "body/position"),
+    form="form:VsdfForm",
+    new_name="NEW.vsdf",
+    second_model="exchanged_frames:exchanged_model",
+)

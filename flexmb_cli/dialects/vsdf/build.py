@@ -9,6 +9,7 @@ from ...model.diagnostics import Findings
 from ...model.fe_model import Integrator, VsdfModel
 from ...model.mechanism import TimeGrid
 from ...model.time_checks import unsteppable
+from ...solvers.constrained.integrators import METHODS
 from .bodies import build_bodies, build_ground
 from .joints import build_joints, build_motions, build_pins, build_tables
 from .loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
@@ -17,10 +18,6 @@ from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
 
 MOST_ROWS = 10_000_000
-SPECTRAL_RADIUS = 0.9
-# What a method takes where the card has none.  DOP853 at 1e-12 takes less than twice the time of 1e-8, and
-# every printed digit is right.
-DEFAULTS = {"GALF": SPECTRAL_RADIUS, "RAD5": 1e-8, "RK45": 1e-12}
 
 
 def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
@@ -93,19 +90,21 @@ def _integrator(values, findings):
             "TIME", f"a step must not be negative; read {step:g}", time.at("step").place, id="VSDF-017"
         )
     if record is None:
-        return Integrator("GALF", step, SPECTRAL_RADIUS)
-    given, method = record.at("rho"), record["method"]
-    parameter = float(given.value) if given.text else DEFAULTS[method]
-    if method == "GALF" and not 0 <= parameter <= 1:
+        word, method = next(iter(METHODS.items()))
+        return Integrator(word, step, method.default)
+    given, word = record.at("rho"), record["method"]
+    method = METHODS[word]
+    parameter = float(given.value) if given.text else method.default
+    if method.by_radius and not 0 <= parameter <= 1:
         message = f"the spectral radius lies between 0 and 1; read {given.text}"
         findings.error("INTG", message, given.place, id="VSDF-018")
-    if method != "GALF" and not 0 < parameter < 1:
+    if not method.by_radius and not 0 < parameter < 1:
         message = f"the tolerance lies between 0 and 1; read {given.text}"
         findings.error("INTG", message, given.place, id="VSDF-019")
-    if method != "GALF" and step > 0:
-        message = f"{method} chooses its steps by the tolerance; the step of {step:g} s is not used"
+    if not method.by_radius and step > 0:
+        message = f"{word} chooses its steps by the tolerance; the step of {step:g} s is not used"
         findings.warn("TIME", message, time.at("step").place, id="VSDF-020")
     if record["stabilise"]:
         message = "constraint stabilisation is not used: every step is projected onto the constraints"
         findings.warn("INTG", message, record.at("stabilise").place, id="VSDF-021")
-    return Integrator(method, step, parameter)
+    return Integrator(word, step, parameter)

@@ -5,14 +5,13 @@ whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
 from ...quick_dataclass import dataclass
+from ...solvers.constrained.integrators import METHODS
 
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
 
 END, STAR, STOP = "END", "STAR", "STOP"
 FINAL = (END, STAR, STOP)
-
-LARGEST_NODE = 10**9
 
 
 @dataclass(frozen=True)
@@ -332,8 +331,8 @@ CARDS = (
         (
             _word(
                 "method",
-                "GALF generalised alpha, RAD5 Radau, RK45 Runge-Kutta",
-                ("GALF", "RAD5", "RK45"),
+                ", ".join(f"{word} {method.meaning}" for word, method in METHODS.items()),
+                tuple(METHODS),
             ),
             Column("rho", "spectral radius at infinity, or tolerance", default=0.0),
             Column("stabilise", "constraint stabilisation", "1/s", default=0.0),

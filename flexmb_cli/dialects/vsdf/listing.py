@@ -5,23 +5,23 @@ import numpy as np
 from ...deck.body_text import body_lines
 from ...deck.fortran_format import SAFE, I, Layout, P
 from ...deck.record import Deck
-from ...model.flexible_mechanism import FlexibleMechanism
 
 _RULE = "*" * 78
 
 
 class VsdfTable:
-    """The listing in the making.
+    """The listing in the making, in the first of `streams`.
 
-    `constraints()` tells (equations, speeds, rank, smallest singular value), or None where the mechanism
-    could not be assembled.
+    `analysis` has the `mechanism` and, where that could be assembled, what was `found` of its equations.
     """
 
-    def __init__(self, stream, deck: Deck, layout: str, mechanism: FlexibleMechanism, constraints):
-        self.stream, self.deck, self.mechanism, self.constraints = stream, deck, mechanism, constraints
+    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis):
+        self.stream, self.deck, self.analysis = streams[0], deck, analysis
+        self.mechanism = analysis.mechanism
         time, energy = (" TIME =", P(13, 5), "\n"), (" ENERGY", *4 * (P(13, 5),), "\n")
         node = (I(10), I(8), *6 * (P(13, 5),), "\n")
-        self.row = Layout(*time, *len(mechanism.outputs) * node, *energy, layout=layout or SAFE)
+        outputs = len(self.mechanism.outputs)
+        self.row = Layout(*time, *outputs * node, *energy, layout=layout or SAFE)
 
     def begin(self) -> None:
         """Everything above the rows."""
@@ -39,22 +39,25 @@ class VsdfTable:
                 return
 
     def _constraint_lines(self):
-        found = self.constraints()
+        found = self.analysis.found
         if found is None:
             yield "  the mechanism could not be assembled"
             return
-        equations, speeds, rank, smallest = found
-        yield f"  constraint equations {equations}, independent {rank}, speeds {speeds}"
-        yield f"  degrees of freedom {speeds - rank}, smallest singular value {smallest:.3E}"
+        speeds, rank = found.coordinates, found.rank
+        yield f"  constraint equations {found.equations}, independent {rank}, speeds {speeds}"
+        yield f"  degrees of freedom {speeds - rank}, smallest singular value {found.smallest:.3E}"
 
-    def rows(self, rows) -> None:
+    def rows(self, values: dict) -> None:
         """Report rows: time, position and velocity of every output node, energies."""
         numbers = np.array([_numbers(point) for point in self.mechanism.outputs], float).reshape(-1, 2)
-        count = len(rows.time)
+        count = len(values["time"])
         numbers = np.broadcast_to(numbers, (count, *numbers.shape))
-        nodes = np.concatenate([numbers, rows.point_position, rows.point_velocity], axis=2)
-        energies = [rows.kinetic, rows.strain, rows.potential, rows.kinetic + rows.strain + rows.potential]
-        self.stream.write(self.row.lines(np.column_stack([rows.time, nodes.reshape(count, -1), *energies])))
+        nodes = np.concatenate([numbers, values["point/position"], values["point/velocity"]], axis=2)
+        kinetic, strain, potential = (values[f"energy/{name}"] for name in ("kinetic", "strain", "potential"))
+        energies = [kinetic, strain, potential, kinetic + strain + potential]
+        self.stream.write(
+            self.row.lines(np.column_stack([values["time"], nodes.reshape(count, -1), *energies]))
+        )
 
     def failed(self) -> None:
         """The last line of a run that did not come to its end."""

@@ -6,13 +6,14 @@ import numpy as np
 
 from ...deck.fortran_format import Edit, I, P
 from ...deck.fortran_words import split_fields, unit_of, value_of
-from ...deck.listing import VSDF_LISTING, EchoLine, Listing, Section, TableError
+from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass, field
 
 _RULE = "*" * 20
 _TIME, _ENERGY = re.compile(r"\s*TIME\s*="), re.compile(r"\s*ENERGY(?=[\s\d*+-])")
 _FAILED = "THE RUN ENDED BEFORE THE LAST TIME"
+FORM = ListingForm("listing of a VSDF deck", _FAILED)
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(\d+\.?\d*|\.\d+)([ED][-+]?\d{1,9})?(?![\w])", re.IGNORECASE)
 
 _PLACE = ("point_position", "X Y Z"), ("point_velocity", "VX VY VZ")
@@ -52,7 +53,7 @@ def parse_vsdf(name: str, text: str) -> Listing | None:
     unit = max(map(unit_of, scan.times), default=1.0)
     sections = {"node": _nodes(scan.nodes), "energy": _section(scan.energies, _ENERGIES, _ENERGY_EDITS)}
     present = {title: section for title, section in sections.items() if len(section.line)}
-    return Listing(name, tuple(scan.head), time, unit, present, scan.failed, VSDF_LISTING, tuple(scan.words))
+    return Listing(name, tuple(scan.head), time, unit, present, scan.failed, FORM, tuple(scan.words))
 
 
 class _Scan:

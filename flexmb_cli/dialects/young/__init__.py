@@ -1,1 +1,23 @@
 """YOUNG decks (1996): spatial mechanisms, kinematics and dynamics."""
+
+from ..dialect import Dialect
+
+DIALECT = Dialect(
+    name="young",
+    package=__name__,
+    begins="twelve integers",
+    recogniser="recognition:begins_young",
+    reader="dynamic_cards:read_young_deck",
+    builder="build_model:build_model",
+    writer="listing:OutTable",
+    listing_readers=("listing_reader:parse_listing",),
+    listing_signs="neither a line TIME= nor an echo of a YOUNG deck",
+    renamed=("IN", "OUT"),
+    options=("feps", "epslu", "nrmax", "as-printed", "method", "rtol", "atol"),
+    methods=("dop853", "radau", "alpha"),
+    stepping="dynamic_cards:takes_steps",
+    curves=("point/position", "body/position", "driver/effort"),
+    form="form:YoungForm",
+    new_name="IN-NEW.dat",
+    relabel="reader:relabelled",
+)

@@ -151,6 +151,11 @@ def analysis_of(deck: Deck) -> str | None:
     return opened[0]["analysis"] if opened else None
 
 
+def takes_steps(deck: Deck) -> bool:
+    """Return whether the motion is integrated; otherwise every row is solved for itself."""
+    return analysis_of(deck) == FORWARD
+
+
 def has_elements(deck: Deck) -> bool:
     """Whether there are cards of elements at joints or of what drives them."""
     return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)

@@ -1,8 +1,7 @@
-"""What the listings of the historic programs have wrong, and why: `diff --explain` marks these differences.
+"""What the listings of the historic program have wrong, and why: `diff --explain` marks these differences.
 
-YOUNG: Liang Yong, dissertation (1996), Appendix B; every cause was found by putting the slip into a
-re-computation, and everything not listed here is reproduced to the printed digit.
-DAFMS: Zhao, thesis (1992), appendix C.
+Liang Yong, dissertation (1996), Appendix B; every cause was found by putting the slip into a re-computation,
+and everything not listed here is reproduced to the printed digit.
 """
 
 import os
@@ -15,7 +14,6 @@ from ...solvers.as_printed.errors import OVERRUN, SCREW, TRANSPOSED, WRONG_INDEX
 EARLIER = "listing of an earlier program: dde without the term of (4.64)"
 DOUBLE_ROOT = "listing of an earlier program: e0 from the normalisation near its double root e0 = 0"
 LOOSE_STOP = "listing of an earlier program: the iteration ended a digit short"
-SINGLE_PRECISION = "the program of 1992 read its deck in single precision"
 
 
 @dataclass(frozen=True)
@@ -75,11 +73,3 @@ def young_errors(*listings: str) -> tuple[KnownError, ...]:
     stems = {os.path.basename(name).split(".")[0].upper() for name in listings}
     decks = {f"IN{stem[3:]}" for stem in stems if stem.startswith("OUT")}
     return tuple(error for error in YOUNG_ERRORS if error.deck in decks)
-
-
-def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Return whether a and b may be one number, printed by its nearest single and by its nearest double."""
-    size = np.maximum(np.abs(a), np.abs(b))
-    with np.errstate(invalid="ignore"):
-        # Each rounding to the printed digits takes half a unit.
-        return np.abs(a - b) <= np.finfo(np.float32).eps / 2 * size + (1 + 1e-9) * unit

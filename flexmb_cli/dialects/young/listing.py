@@ -9,8 +9,7 @@ import numpy as np
 
 from ...deck.fortran_format import HISTORIC, SAFE, Layout, fixed, integer
 from ...deck.record import Deck
-from ...solvers.kinematics.rows import Rows
-from .sections import AS_PRINTED
+from ...solvers.as_printed.errors import AS_PRINTED
 
 COUNT_TITLES = (
     "body : NBODY",
@@ -63,16 +62,23 @@ POSITION_FIELDS = 7 * (fixed(10, 3),)
 VELOCITY_FIELDS = 7 * (fixed(7, 3),) + (fixed(7, 2), fixed(7, 2), fixed(7, 3))
 ACCELERATION_FIELDS = 10 * (fixed(7, 3),)
 POINT_FIELDS = 9 * (fixed(8, 4),)
+# Datasets of the sections of a block.
+_SECTIONS = (
+    ("body/position", "body/euler_parameters"),
+    ("body/velocity", "body/euler_parameter_rates", "body/angular_velocity"),
+    ("body/acceleration", "body/euler_parameter_accelerations", "body/angular_acceleration"),
+    ("point/position", "point/velocity", "point/acceleration"),
+)
 
 
 class OutTable:
-    """Writes a YOUNG deck's OUT table to a text `stream`; lines end in LF.
+    """Writes a YOUNG deck's OUT table to the first of `streams`; lines end in LF.
 
     `layout`: "safe" or "historic" (see `fortran_format`).
     """
 
-    def __init__(self, stream, deck: Deck, layout: str = SAFE):
-        self._stream = stream
+    def __init__(self, streams: tuple, deck: Deck, layout: str = SAFE, analysis: object = None):
+        self._stream = streams[0]
         self._deck = deck
         self._layout = layout
         counts = deck.one("counts")
@@ -83,9 +89,9 @@ class OutTable:
         mark = AS_PRINTED_MARK if AS_PRINTED in self._deck.options else ""
         self._stream.write(mark + echo_of_input(self._deck, self._layout) + HEAD)
 
-    def rows(self, rows: Rows) -> None:
-        """Write the blocks of the given report times."""
-        self._stream.write(self._block.lines(block_values(rows)))
+    def rows(self, values: dict) -> None:
+        """Write the blocks of the given report times; `values` by the paths of their datasets."""
+        self._stream.write(self._block.lines(block_values(values)))
 
     def failed(self) -> None:
         """Write that the iterations did not converge; nothing follows."""
@@ -107,17 +113,13 @@ def report_block(bodies: int, points: int, layout: str = SAFE) -> Layout:
     return Layout(*parts, "*****\n", layout=layout)
 
 
-def block_values(rows: Rows) -> np.ndarray:
+def block_values(values: dict) -> np.ndarray:
     """Values of the blocks, shape (times, fields of `report_block`), in the order of the page."""
-    sections = (
-        (rows.position, rows.euler_parameters),
-        (rows.velocity, rows.euler_parameter_rates, rows.angular_velocity),
-        (rows.acceleration, rows.euler_parameter_accelerations, rows.angular_acceleration),
-        (rows.point_position, rows.point_velocity, rows.point_acceleration),
-    )
-    times = len(rows.time)
-    flat = [np.concatenate(arrays, axis=2).reshape(times, -1) for arrays in sections]
-    return np.concatenate([rows.time[:, None], *flat], axis=1)
+    times = len(values["time"])
+    flat = [
+        np.concatenate([values[path] for path in paths], axis=2).reshape(times, -1) for paths in _SECTIONS
+    ]
+    return np.concatenate([values["time"][:, None], *flat], axis=1)
 
 
 def echo_of_input(deck: Deck, layout: str = SAFE) -> str:

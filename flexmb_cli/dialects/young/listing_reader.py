@@ -11,10 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, Section, TableError, plain_text
+from ...deck.listing import LARGEST_INDEX, EchoLine, Listing, ListingForm, Section, TableError
 from ...deck.table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass, field
+from .errata import young_errors
 
 FAST_LINES = 4096
 
@@ -29,12 +30,21 @@ class _Gathered:
     line: list[int] = field(default_factory=list)
 
 
-def parse_listing(name: str, content: bytes) -> Listing | None:
-    """The OUT table in `content`; None when it has no block and no echo of a YOUNG table.
+FORM = ListingForm(
+    "YOUNG OUT table",
+    "CONVERGENCE FAILED or RUN STOPPED",
+    fewer_decimals=True,
+    emulated=True,
+    known_errors=young_errors,
+)
+
+
+def parse_listing(name: str, text: str) -> Listing | None:
+    """The OUT table in `text`; None when it has no block and no echo of a YOUNG table.
 
     Raises `TableError` with the place of every line that cannot be read.
     """
-    lines = plain_text(content).split("\n")
+    lines = text.split("\n")
     scan = _Scan()
     for number, line in enumerate(lines, 1):
         scan.take(number, line)
@@ -46,7 +56,7 @@ def parse_listing(name: str, content: bytes) -> Listing | None:
     if faults:
         raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)
     time, words = np.array(scan.time), tuple(scan.words)
-    return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, words=words)
+    return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, FORM, words)
 
 
 class _Scan:

@@ -189,6 +189,11 @@ def _blocks(reading, counts):
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
 
 
+def relabelled(record: Record, key: str) -> Record:
+    """Return `record` after a change of the number `key`: a direction gives the values behind it units."""
+    return labelled(record) if key == "direction" else record
+
+
 def labelled(record: Record) -> Record:
     """`record` with the meanings and units that its present direction gives the values behind it."""
     section = next((section for section in YOUNG_SECTIONS if section.name == record.section), None)

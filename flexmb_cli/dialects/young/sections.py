@@ -10,8 +10,6 @@ from functools import cached_property
 from ...deck import number
 from ...quick_dataclass import dataclass
 
-AS_PRINTED = "as-printed"  # among the options of a run: with the errors of the program of 1996
-
 
 @dataclass(frozen=True)
 class Column:

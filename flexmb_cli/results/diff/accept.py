@@ -3,7 +3,7 @@
 import os
 import shutil
 
-from ...deck.listing import DAFMS_ECHO, TableError
+from ...deck.listing import TableError
 from ...errors import Fault, FlexmbError
 from ..files.replaced_file import Replacement, located, make_folder
 from .folders import Compared
@@ -88,7 +88,7 @@ def _ending(path):
             return failed, "time" in file and len(file["time"]) > 0
     listing = read_listing(path)
     # The echo of a tree has no rows in any case; they are in its series.
-    return listing.failed, len(listing.time) > 0 or listing.form == DAFMS_ECHO
+    return listing.failed, len(listing.time) > 0 or not listing.form.has_rows
 
 
 def is_missing(reference) -> bool:

@@ -1,6 +1,6 @@
 """Compare two results, whatever their form: listings, HDF5 results, and what was exported from these."""
 
-from ...deck.listing import YOUNG_TABLE, TableError
+from ...deck.listing import TableError
 from ...errors import Fault
 from .forms import CSV, HDF5, LISTING, MATLAB, UNREADABLE, form_of
 from .listings import compare_listings, read_listing
@@ -41,11 +41,11 @@ def _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, d
     if set(forms) - {LISTING, UNREADABLE}:
         read_listing(path_a if forms[0] == UNREADABLE else path_b)  # it words why the file cannot be opened
     a, b = (read_listing(path) for path in (path_a, path_b))
-    if a.form != b.form:
-        message = f"it is of another kind ({b.form}) than {a.name} ({a.form})"
+    if a.form.name != b.form.name:
+        message = f"it is of another kind ({b.form.name}) than {a.name} ({a.form.name})"
         raise TableError(b.name, [Fault("error", message, id="DIFF-009")])
     emulation = None
-    if deck is not None and a.form == YOUNG_TABLE:
+    if deck is not None and a.form.emulated:
         from .emulated import Emulation
 
         emulation = Emulation(deck)

@@ -5,8 +5,7 @@ from itertools import groupby
 import numpy as np
 
 from ...deck.fortran_words import overflows
-from ...deck.listing import DAFMS_ECHO, YOUNG_TABLE, EchoLine, Listing
-from ...dialects.young.errata import SINGLE_PRECISION, single_precision
+from ...deck.listing import EchoLine, Listing, ListingForm
 from .report import Found, Report
 from .tolerances import Tolerances
 from .words import compare_words
@@ -16,7 +15,7 @@ def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances)
     """Compare what two listings of the same form print of their decks."""
     if not tolerances.of("echo").ignores:
         report.words += compare_words(a, b)
-    if a.form == DAFMS_ECHO:
+    if a.form.by_titles:
         _compare_tags(report, a, b, tolerances)
     else:
         for kind in dict.fromkeys(line.kind for line in (*a.echo, *b.echo)):
@@ -39,7 +38,7 @@ def _compare_head(report, kind, a, b, tolerances):
     lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
     counts = [[len(line.values) for line in part] for part in lines]
     if counts[0] == counts[1]:
-        _compare_lines(report, *lines, tolerances, a.form == YOUNG_TABLE)
+        _compare_lines(report, *lines, tolerances, a.form)
         return
     title = "echo of the input" if kind == "echo" else kind
     sums = [sum(part) for part in counts]
@@ -58,7 +57,7 @@ def _compare_tags(report, a, b, tolerances):
             continue
         counts = [sum(len(line.values) for line in part) for part in lines]
         if counts[0] == counts[1]:
-            _compare_lines(report, *lines, tolerances)
+            _compare_lines(report, *lines, tolerances, a.form)
         else:
             report.missing.append(f"{title}: {counts[0]} numbers in {a.name}, {counts[1]} in {b.name}")
 
@@ -70,12 +69,12 @@ def _by_title(echo):
     return tags
 
 
-def _compare_lines(report, lines_a, lines_b, tolerances, rounded=False):
-    """Lines with as many numbers, kind by kind; `rounded`: older programs chose fewer decimals."""
+def _compare_lines(report, lines_a, lines_b, tolerances, form: ListingForm):
+    """Lines with as many numbers, kind by kind."""
     flat = _flattened(lines_a), _flattened(lines_b)
     order = sorted(range(len(flat[0])), key=lambda k: flat[0][k][0].kind)
     for kind, group in groupby(order, key=lambda k: flat[0][k][0].kind):
-        _compare_kind(report, kind, list(group), flat, tolerances.of(kind), rounded)
+        _compare_kind(report, kind, list(group), flat, tolerances.of(kind), form)
 
 
 def _flattened(lines):
@@ -83,16 +82,17 @@ def _flattened(lines):
     return [(line, place) for line in lines for place in range(len(line.values))]
 
 
-def _compare_kind(report, kind, chosen, flat, tolerance, rounded):
+def _compare_kind(report, kind, chosen, flat, tolerance, form):
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
     units = [np.array([line.units[n] for line, n in part]) for part in (places, others)]
     unit = np.maximum(*units)
-    slack, known = np.where((units[0] != units[1]) & rounded, 0.5 * unit, 0.0), ()
+    slack, known = np.where((units[0] != units[1]) & form.fewer_decimals, 0.5 * unit, 0.0), ()
     if places[0][0].edits:
         a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
-        if report.explaining:
-            known = ((SINGLE_PRECISION, single_precision(a, b, unit)),)
+        if report.explaining and form.echo_error:
+            cause, explains = form.echo_error
+            known = ((cause, explains(a, b, unit)),)
 
     def describe(position, distance):
         line, number = places[position[0]]

@@ -6,16 +6,16 @@ it is not given.
 """
 
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 
 from ...deck.text import read_text
-from ...dialects.recognise import read_deck
-from ...dialects.young.build import build_young
-from ...dialects.young.dynamic_cards import analysis_of
+from ...dialects.recognise import dialect_named, read_deck
 from ...errors import AnalysisError, DeckError, Fault
+from ...model.mechanism import Mechanism
 from ...solvers.as_printed.analysis import AsPrinted
-from ...solvers.as_printed.errors import ALL_ERRORS
+from ...solvers.as_printed.errors import ALL_ERRORS, AS_PRINTED
 from ...solvers.kinematics.rows import Rows
 
 ITERATION = "the program's iteration, which ends where no coordinate changes by more than 1e-4"
@@ -32,9 +32,11 @@ class Emulation:
 
     def __init__(self, path: str):
         deck = read_deck(read_text(path))
-        if deck.dialect != "young" or analysis_of(deck) is not None:
+        dialect, mechanism = dialect_named(deck.dialect), None
+        if AS_PRINTED in dialect.options:
+            mechanism, _ = dialect.build(deck, Path())
+        if not isinstance(mechanism, Mechanism):
             raise DeckError([Fault("error", "--deck needs a YOUNG deck without dynamics", id="DIFF-029")])
-        mechanism = build_young(deck)[0]
         self.blocks = _rows(mechanism, ALL_ERRORS)
         self.without = {error: _rows(mechanism, ALL_ERRORS - {error}) for error in sorted(ALL_ERRORS)}
 

@@ -2,34 +2,14 @@
 
 import numpy as np
 
-from ...deck.listing import (
-    DAFMS_ECHO,
-    DAFMS_SERIES,
-    LARGEST_INDEX,
-    VSDF_LISTING,
-    YOUNG_TABLE,
-    Listing,
-    Section,
-    TableError,
-    plain_text,
-    read_bytes,
-)
+from ...deck.listing import LARGEST_INDEX, Listing, Section, TableError, plain_text, read_bytes
 from ...deck.table_columns import SECTIONS
-from ...dialects.dafms.listing_reader import parse_echo, parse_series
-from ...dialects.vsdf.listing_reader import parse_vsdf
-from ...dialects.young.errata import young_errors
-from ...dialects.young.listing_reader import parse_listing
+from ...dialects.recognise import every_dialect
 from ...errors import Fault
 from .echo import as_stars, compare_echo
 from .report import Found, Report
 from .tolerances import Tolerances
 
-MARK_OF_FAILURE = {
-    YOUNG_TABLE: "CONVERGENCE FAILED or RUN STOPPED",
-    DAFMS_ECHO: "a note of failure",
-    DAFMS_SERIES: "the note of a stop",
-    VSDF_LISTING: "THE RUN ENDED BEFORE THE LAST TIME",
-}
 # The parts of the sections that change sign with the Euler parameters.
 SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
 
@@ -56,24 +36,21 @@ def compare_listings(
                 f"{name}: there is no such section in {(b if name in a.sections else a).name}"
             )
     if a.failed != b.failed:
-        report.missing.append(f"only {(a if a.failed else b).name} ends with {MARK_OF_FAILURE[a.form]}")
+        report.missing.append(f"only {(a if a.failed else b).name} ends with {a.form.mark_of_failure}")
     return report
 
 
 def read_listing(path) -> Listing:
     """The listing or series at `path`; raises `TableError` when it is none."""
     name = str(path)
-    content = read_bytes(path)
-    text = plain_text(content)
-    listing = parse_echo(name, text) or parse_vsdf(name, text) or parse_listing(name, content)
-    listing = listing or parse_series(name, text)
-    if listing is None:
-        message = (
-            "no OUT table is found in it: there is neither a line TIME= nor an echo of a YOUNG deck, "
-            "no echo of a DAFMS deck (==N==NDM==) and no time series of one, no listing of a VSDF deck"
-        )
-        raise TableError(name, [Fault("error", message, id="DIFF-010")])
-    return listing
+    text, dialects = plain_text(read_bytes(path)), list(every_dialect())
+    for references in ("listing_readers", "series_readers"):
+        for dialect in dialects:
+            for listing in dialect.listings(name, text, getattr(dialect, references)):
+                return listing
+    signs = ", ".join(dialect.listing_signs for dialect in reversed(dialects) if dialect.listing_signs)
+    message = f"no OUT table is found in it: there is {signs}"
+    raise TableError(name, [Fault("error", message, id="DIFF-010")])
 
 
 def _matching_rows(report, a, b):
@@ -174,12 +151,12 @@ def _shared_block(section, pick, shared):
 
 def _known_errors(report, name, listing, pick, shared):
     """Causes, each with the mask (lines, columns) of the cells that it spoils."""
-    if not report.explaining or listing.form != YOUNG_TABLE:
+    if not report.explaining:
         return []
     section = listing.sections[name]
     columns = np.array([section.columns.index(column) + 1 for column in shared])
     index, step = section.index[pick, None], section.step[pick, None]
-    errors = [error for error in young_errors(report.a, report.b) if error.section == name]
+    errors = [error for error in listing.form.known_errors(report.a, report.b) if error.section == name]
     places = [f"{error.deck}, {name}, {section.item} {error.index}" for error in errors]
     return [
         (f"{place}: {error.cause}", error.holds(index, columns, step))

@@ -5,17 +5,15 @@ from collections.abc import Sequence
 import h5py
 import numpy as np
 
+from ...dialects import DIALECTS
+from ...dialects.recognise import dialect_named
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 from ..quantities.readable import Readable, readable
 
-# What tells most of a result, most telling first; the rest is asked for by name.
-TELLING = {
-    "young": ("point/position", "body/position", "driver/effort"),
-    "dafms": ("coordinate/q",),
-    "vsdf": ("point/position", "body/position"),
-}
+# What is drawn of a result of no dialect, such as a study's.
+OF_ANY = ("point/position", "body/position", "driver/effort")
 ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
 TOTAL = "energy/total"
 # More curves than these in a panel cannot be told apart.
@@ -94,7 +92,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     """
     known = names(result)
     chosen = []
-    for dataset in TELLING.get(attribute(result, "dialect"), TELLING["young"]):
+    for dataset in _datasets(attribute(result, "dialect")):
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
         # Bodies are drawn where there are no points that tell the motion.
@@ -103,6 +101,10 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     stresses = [one for one in known if one.dataset.startswith("stress/") and one.name.endswith("von_mises")]
     chosen += _crowd(_moving(result, stresses))
     return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
+
+
+def _datasets(dialect):
+    return dialect_named(dialect).curves if dialect in DIALECTS else OF_ANY
 
 
 def still_energies(result: h5py.File) -> list[str]:

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from ...quick_dataclass import dataclass, replace
-from ..hdf5.stored_result import Damaged, attribute, check_shapes, texts
+from ..hdf5.stored_result import Damaged, check_shapes, texts
 from ..quantities.quantities import ResultError
 from .gabriel_graph import different, gabriel_edges
 
@@ -131,7 +131,7 @@ class _Motion:
         self.rows = len(self.position)
         self.turn = rotations(result["body/euler_parameters"][rows])
         self.names = _names(result, "body")
-        self.relative = attribute(result, "dialect") == "dafms"
+        self.relative = "coordinate/q" in result  # of a tree
         self.nodes = dict(_nodes(result, self.names, rows))
         have_joints, have_points = "joint/point" in result, "point/body" in result
         self.joint_body = result["joint/body"][:] if have_joints else np.zeros((0, 2), int)

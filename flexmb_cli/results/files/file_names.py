@@ -2,6 +2,8 @@
 
 import os
 
+from ...dialects import DIALECTS
+from ...dialects.recognise import dialect_named
 from ...errors import OutputError
 from ...quick_dataclass import dataclass
 
@@ -12,7 +14,7 @@ STANDARD_INPUT = STANDARD_OUTPUT = "-"
 class ResultPaths:
     """Paths of one deck's results; None: not written; `out` "-": standard output.
 
-    `series` are the time series of DAFMS units 2 and 3.
+    `series` are further tables of the dialect.
     """
 
     out: str | None
@@ -28,19 +30,24 @@ class ResultPaths:
     @property
     def resume(self) -> str | None:
         """<stem>.resume beside the results, for what a stopped run leaves; None when no result is a file."""
-        beside = self.h5 or next(iter(self.series), None)
-        return None if beside is None else _stem(beside) + ".resume"
+        if beside := self.h5 or next(iter(self.series), None):
+            return _stem(beside) + ".resume"
+        if self.out in (None, STANDARD_OUTPUT) or not _is_plain(self.out):
+            return None
+        # Tables of several decks may differ in their suffix only.
+        return f"{self.out}.resume"
 
 
 def out_name(deck_name: str, dialect: str, model: int = 0) -> str:
-    """OUT<rest> for a YOUNG deck IN<rest>, else <stem>.OUT; `deck_name` has no folder.
+    """OUT<rest> for a deck IN<rest> of a dialect that has it so, else <stem>.OUT; `deck_name` has no folder.
 
     Of several models the k-th gets <stem>-k.OUT, `model` 0 is the only one.
     """
     if deck_name == STANDARD_INPUT:
         return "flexmb.OUT"
-    if dialect == "young" and deck_name.startswith("IN"):
-        return "OUT" + deck_name[2:]
+    old, new = dialect_named(dialect).renamed if dialect in DIALECTS else ("", "")
+    if old and deck_name.startswith(old):
+        return new + deck_name.removeprefix(old)
     return _stem(deck_name) + _suffix(model) + ".OUT"
 
 
@@ -53,17 +60,20 @@ def h5_name(deck_name: str, dialect: str, model: int = 0) -> str:
     return _stem(out_name(deck_name, dialect, model)) + ".h5"
 
 
-def series_names(deck_name: str, model: int = 0) -> tuple[str, str]:
-    """<stem>.T2 and <stem>.T3, the series of a DAFMS deck."""
+def series_names(deck_name: str, dialect: str, model: int = 0) -> tuple[str, ...]:
+    """Names of the further tables of a dialect, such as <stem>.T2 and <stem>.T3."""
     stem = "flexmb" if deck_name == STANDARD_INPUT else _stem(deck_name) + _suffix(model)
-    return stem + ".T2", stem + ".T3"
+    endings = dialect_named(dialect).series if dialect in DIALECTS else ()
+    return tuple(stem + ending for ending in endings)
 
 
 def result_paths(
     deck_name, dialect, folder=".", out=None, h5=None, no_out=False, no_h5=False, model: int = 0
 ) -> ResultPaths:
     """Paths of a deck's results from the options of `flexmb run`."""
-    series = series_names(deck_name, model) if dialect == "dafms" and not no_out else ()
+    series = () if no_out else series_names(deck_name, dialect, model)
+    if out is None and dialect in DIALECTS and not dialect_named(dialect).writer:
+        no_out = True
     return ResultPaths(
         out=None if no_out else out or _within(folder, out_name(deck_name, dialect, model)),
         h5=None if no_h5 else h5 or _within(folder, h5_name(deck_name, dialect, model)),

@@ -14,10 +14,9 @@ import numpy as np
 
 from ... import __version__
 from ...deck.record import Deck
-from ...dialects.young.sections import AS_PRINTED
 from ...errors import OutputError
 from ...quick_dataclass import dataclass
-from ...solvers.as_printed.errors import EMULATED
+from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.full_disk_guard import ForgivingDisk
 from ..files.replaced_file import Replacement, located, put_in_place
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts

@@ -1,4 +1,4 @@
-"""Text of what `flexmb check` found of a tree (`run.check_tree.TreeFindings`)."""
+"""Text of what `flexmb check` found of a tree (`run.check.tree.TreeFindings`)."""
 
 from ...errors import visible
 

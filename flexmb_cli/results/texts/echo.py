@@ -1,7 +1,7 @@
 """The echo of a deck: every number as it was understood, for `--echo`."""
 
 from ...deck.record import Deck
-from ...dialects.recognise import DIALECTS
+from ...dialects.recognise import dialect_named
 from ...errors import visible
 
 HEADINGS = ("line", "name", "value", "unit", "meaning")
@@ -20,8 +20,9 @@ def echo(deck: Deck) -> str:
 
 
 def _title(deck):
-    begins = DIALECTS[deck.dialect].begins
-    return f"{visible(deck.source.name)}: read as a {deck.dialect.upper()} deck, which begins with {begins}"
+    dialect = dialect_named(deck.dialect)
+    name = visible(deck.source.name)
+    return f"{name}: read as a {dialect.title} deck, which begins with {dialect.begins}"
 
 
 def _row(record, number):

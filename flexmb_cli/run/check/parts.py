@@ -1,4 +1,10 @@
-"""What the checks of mechanisms of all dialects share: parts counted, gaps before and after assembly."""
+"""What the checks of all models share: parts counted, gaps before and after assembly."""
+
+from ...errors import Fault, ModelError
+
+# Report steps to a time that a Jacobian or modes are asked for: seconds of computing for a four-bar, and
+# nothing tells how far it is.
+FARTHEST_STEPS = 100_000
 
 
 def parts_of(mechanism) -> dict:
@@ -36,3 +42,9 @@ def gaps_of(analysis, arrays, q, near) -> dict:
 def before_and_after(before, after) -> list:
     """Rows (owner, gap of the estimates, of the assembled position, unit)."""
     return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
+
+
+def refuse_jacobian(jacobian: str | None, reason: str) -> None:
+    """Raise ModelError where a Jacobian is asked for that the model does not have."""
+    if jacobian is not None:
+        raise ModelError([Fault("error", f"--jacobian: {reason}", id="RUN-001")])

@@ -10,8 +10,9 @@ from ...model.mechanism import TimeGrid
 from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_doubts
 from ...quick_dataclass import dataclass, replace
-from ..dafms_tree import tree_of
-from ..outcome import RunOptions
+from ..context import Run
+from .check import CheckReport
+from .parts import refuse_jacobian
 
 INTERPRETED_LIMIT = 400  # coordinates
 
@@ -45,14 +46,13 @@ class TreeFindings:
         }
 
 
-def check_tree(report, options: RunOptions) -> None:
-    """Fill `report` (`check.CheckReport`) for the tree of its deck.
+def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> None:
+    """Fill the report.
 
-    Raises FlexmbError: the faults of the model, a loop that cannot be closed, a mass matrix that is
-    not positive definite.
+    Raises FlexmbError: a loop that cannot be closed, a mass matrix that is not positive definite.
     """
-    tree = tree_of(report.deck, options, report.outcome)
-    report.outcome.faults += unit_doubts(tree)
+    refuse_jacobian(jacobian, "a tree has relative coordinates and no constraint Jacobian")
+    run.outcome.faults += unit_doubts(tree)
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)

@@ -11,4 +11,5 @@ WRONG_INDEX = "components M for N in the cylindrical and translational right-han
 SCREW = "the angle in the second quadrant, a factor 2 in the Jacobian, and eq. (4.50) where sin θ = 0"
 
 ALL_ERRORS = frozenset({TRANSPOSED, OVERRUN, WRONG_INDEX, SCREW})
+AS_PRINTED = "as-printed"  # the option of a run that asks for them
 EMULATED = "numbers of the program YOUNG of 1996 with its known errors (--as-printed), not of the mechanism"

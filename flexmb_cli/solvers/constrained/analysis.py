@@ -1,6 +1,6 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ...kernels.integrators import constrained_dop853
 from ...model.arrays.law_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
+from ..checkpoint import arrays_in, faults_told, fill_arrays, told
 from ..singular.dynamic_singularities import (
     SINGULAR,
     PassedPositions,
@@ -58,6 +59,7 @@ class ConstrainedMotion:
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
         self.found: Mobility | None = None
+        self.row, self.resumed, self.passed = 0, False, None  # see `rows`
         self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
         self.march = self.stepper.new_march(self.work, arrays.turns.size)
@@ -81,20 +83,48 @@ class ConstrainedMotion:
         cannot be assembled, reaches a singular position or has a motion without inertia; all rows
         before have been yielded.
         """
-        self.start()
+        behind = float(self.clock["stop"][0]) if self.resumed else -np.inf
+        if not self.resumed:
+            self.row, self.passed = 0, PassedPositions(self)
+            self.start()
+        self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
-        passed, end = PassedPositions(self), times[-1]
+        end = times[-1]
         stops = self._breakpoints(end)
-        parts = np.split(times, np.searchsorted(times, stops, "right"))
-        for stop, due in zip([*stops, end], parts, strict=True):
+        parts = np.split(np.arange(times.size), np.searchsorted(times, stops, "right"))
+        for stop, rows in zip([*stops, end], parts, strict=True):
+            if stop < behind:
+                continue
             self.clock["stop"] = stop
-            for report in self._reports(due):
-                passed.look(report.times, report.states)
+            for report in self._reports(times[rows[rows >= self.row]]):
+                self.passed.look(report.times, report.states)
+                self.row += report.times.size
                 yield self.block(report)
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
         self.warnings += self.stepper.doubts(self.clock[0])
+
+    @property
+    def checkpoint(self) -> dict:
+        """Where to go on behind the rows that have been yielded: all that the march keeps, and its work."""
+        return {
+            "row": np.array(self.row),
+            "warnings": told(self.warnings),
+            **arrays_in(march=self.march, work=self.work),
+            **self.passed.checkpoint,
+        }
+
+    def restore(self, checkpoint: Mapping) -> None:
+        """Go on behind the rows that were yielded up to a checkpoint.
+
+        The start is made anew: it decides which equations repeat others.
+        """
+        self.start()
+        self.row, self.resumed, self.passed = int(checkpoint["row"]), True, PassedPositions(self)
+        self.warnings[:] = faults_told(checkpoint["warnings"])
+        fill_arrays(checkpoint, march=self.march, work=self.work)
+        self.passed.restore(checkpoint)
 
     def _reports(self, times):
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""

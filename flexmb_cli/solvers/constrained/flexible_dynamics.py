@@ -16,7 +16,7 @@ from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
 from .initial_gaps import parted_joints
-from .integrators import ExplicitSteps, GeneralisedAlpha, RadauSteps
+from .integrators import METHODS
 from .rows import global_axes
 from .start_speeds import given_speeds
 
@@ -25,11 +25,9 @@ TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousan
 
 def stepper_of(integrator: Integrator):
     """The stepper that a deck asks for, and its tolerance."""
-    if integrator.method == "RK45":
-        return ExplicitSteps(), integrator.parameter
-    if integrator.method == "RAD5":
-        return RadauSteps(), integrator.parameter
-    return GeneralisedAlpha(integrator.parameter, integrator.step), TOLERANCE
+    method = METHODS[integrator.method]
+    stepper = method.make(integrator.parameter, integrator.step)
+    return stepper, TOLERANCE if method.by_radius else integrator.parameter
 
 
 class FlexibleDynamics(ConstrainedMotion):

@@ -3,6 +3,9 @@
 Each imports its own kernels when it is used.
 """
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 from ...errors import Fault
 
 
@@ -94,3 +97,24 @@ class RadauSteps:
     def doubts(self, clock) -> list[Fault]:
         """Return what is doubtful about the steps taken."""
         return []
+
+
+class Method(NamedTuple):
+    """A method that a deck may name: its meaning, what makes it, and its number in the deck.
+
+    `make(number, length)`: the number is a tolerance or, of `by_radius`, the spectral radius at infinity;
+    length is that of a step, s, 0 where it is chosen.
+    """
+
+    meaning: str
+    make: Callable
+    default: float
+    by_radius: bool = False
+
+
+# By the words of the card INTG; the first is that of a deck without one.
+METHODS = {
+    "GALF": Method("generalised alpha", GeneralisedAlpha, 0.9, by_radius=True),
+    "RAD5": Method("Radau", lambda tolerance, length: RadauSteps(), 1e-8),
+    "RK45": Method("Runge-Kutta", lambda tolerance, length: ExplicitSteps(), 1e-12),
+}

@@ -1,13 +1,14 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from ...errors import Fault
+from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
+from ..checkpoint import faults_told, told
 from ..singular.kinematic_singularities import Passages
 from ..singular.lockup import singular_start, step_failure
 from ..singular.mobility import CLOSED, mobility, moves_freely
@@ -21,7 +22,7 @@ from .assembly import (
 )
 from .driver_axes import keeps_axis, refuse_contradicted_drive, refuse_tilted_drive
 from .position import Evaluator
-from .rows import Rows, first_rows
+from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
 from .system import kinematic_system, rows_of, with_dependent_columns
 
@@ -45,6 +46,7 @@ class KinematicAnalysis:
         self.warnings: list[Fault] = []
         self.passages = Passages(self)
         self._sparse, self._left_out = None, ((), ())
+        self.row = 0  # of the next block
         self._restart(self.arrays.q)
 
     def _restart(self, q):
@@ -67,19 +69,57 @@ class KinematicAnalysis:
         Raises ModelError when something can move that nothing determines, AnalysisError when a
         position cannot be reached; all rows before have been yielded.
         """
+        if self.row == 0:
+            first, self.row = self._first_row(), 1
+            yield first
+        while self.row < self.mechanism.time.rows:
+            block, failure = self._next_block(self.row)
+            if block is not None:
+                self.row += block.time.size
+                yield block
+            if failure is not None:
+                raise failure
+
+    def _first_row(self) -> Rows:
         first = self._block(0, 1)
         if first is None:
             first = self._assemble_otherwise()
         refuse_tilted_drive(self.mechanism, first)
-        yield first
-        row = 1
-        while row < self.mechanism.time.rows:
-            for rows in self._rows_from(row):
-                row += rows.time.size
-                yield keeps_axis(self.mechanism, rows)
+        return first
 
-    def _rows_from(self, row) -> Iterator[Rows]:
-        """A block of report rows, and the row behind it where that stands at a crossing of two motions."""
+    @property
+    def one_block(self) -> bool:
+        """Whether a block holds all rows behind the first: there is no way between to go on from."""
+        return self.mechanism.time.rows - 1 <= self._at_once(LARGEST_BLOCK)
+
+    @property
+    def checkpoint(self) -> dict:
+        """Where to go on behind the rows that have been yielded."""
+        return {
+            "row": np.array(self.row),
+            "state": self.state,
+            "motion": self.motion,
+            "clock": self.clock,
+            "told": np.array(self.passages.told),
+            "warnings": told(self.warnings),
+        }
+
+    def restore(self, checkpoint: Mapping) -> Rows:
+        """Go on behind the rows that were yielded up to a checkpoint; returns the first row.
+
+        That is solved anew, because it decides which equations repeat others.
+        """
+        first = self._first_row()
+        self.row = int(checkpoint["row"])
+        self.state, self.motion, self.clock = (
+            np.array(checkpoint[name]) for name in ("state", "motion", "clock")
+        )
+        self.passages.told = int(checkpoint["told"])
+        self.warnings[:] = faults_told(checkpoint["warnings"])
+        return first
+
+    def _next_block(self, row) -> tuple[Rows | None, AnalysisError | None]:
+        """The next report rows, and why none follow; the last may stand at a crossing of two motions."""
         wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
         memory = self.passages.memory()
         block = self._block(row, row + wanted)
@@ -90,14 +130,18 @@ class KinematicAnalysis:
             if k < wanted and across is None:
                 across = self._row_across(row + k, memory)
                 count = reached if across is None else k
+        part = None
         if count:
             part = first_rows(block, count)
             self.passages.look(memory, part)
-            yield part
-        if across is not None:
-            yield across
-        elif count < wanted:
-            raise step_failure(self, self.mechanism.time.time(row + count))
+            keeps_axis(self.mechanism, part)
+        if across is None:
+            short = count < wanted
+            return part, step_failure(self, self.mechanism.time.time(row + count)) if short else None
+        try:
+            return joined_rows(part, keeps_axis(self.mechanism, across)), None
+        except AnalysisError as failure:
+            return part, failure
 
     def _row_across(self, row, memory) -> Rows | None:
         """The report row, if it stands where two motions cross; else the march stays where it was."""

@@ -1,6 +1,6 @@
 """Inverse dynamics: reactions and driver efforts of the motion that the drivers prescribe."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from ...kernels.constrained.report import Report, observe_rows
 from ...model.arrays.dynamic import dynamic_arrays
 from ...model.loads import DynamicModel
 from ...quick_dataclass import fields, replace
+from ..checkpoint import arrays_in, fill_arrays
 from ..constrained.coinciding_ends import refuse_coinciding_ends
 from ..constrained.rows import DynamicRows, body_axes, dynamic_rows
 from ..constrained.system import blank_report, constrained_system, new_work
@@ -42,6 +43,21 @@ class InverseDynamics:
         """
         for rows in self.motion.rows():
             yield self._with_forces(rows)
+
+    @property
+    def one_block(self) -> bool:
+        """Whether a block holds all rows behind the first."""
+        return self.motion.one_block
+
+    @property
+    def checkpoint(self) -> dict:
+        """Where to go on behind the rows that have been yielded."""
+        return self.motion.checkpoint | arrays_in(work=self.work)
+
+    def restore(self, checkpoint: Mapping) -> None:
+        """Go on behind the rows that were yielded up to a checkpoint."""
+        self._with_forces(self.motion.restore(checkpoint))
+        fill_arrays(checkpoint, work=self.work)
 
     def _with_forces(self, rows: Rows) -> DynamicRows:
         report = blank_report(self.arrays, rows.time)

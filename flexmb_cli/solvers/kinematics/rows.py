@@ -35,6 +35,14 @@ def first_rows(rows: Rows, count: int) -> Rows:
     return Rows(**{field.name: getattr(rows, field.name)[:count] for field in fields(Rows)})
 
 
+def joined_rows(first: Rows | None, others: Rows) -> Rows:
+    """Rows and those behind them as one block."""
+    if first is None:
+        return others
+    names = [field.name for field in fields(Rows)]
+    return Rows(**{name: np.concatenate([getattr(first, name), getattr(others, name)]) for name in names})
+
+
 def twice_g(p, rate):
     """2 G(p) rate (…, 3): angular velocity of ṗ (3.35), angular acceleration of p̈ (3.37), global axes."""
     e0, e1, e2, e3 = np.moveaxis(p, -1, 0)

@@ -1,6 +1,7 @@
 """Singular positions of a mechanism that moves under forces: its joints lose a rank there, by name."""
 
 from bisect import insort
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -18,6 +19,7 @@ NEAR = 100.0  # condition, as a multiple of that of the start
 SHARE = 0.2  # of the largest part of a combination: what is told
 BESIDE = 1e-5  # of the length scale, rad
 MOST_TOLD = 6
+SOUGHT = 3  # rows between which a singular position is sought
 MOST_NOTES = 5
 LOOKS = 300  # rows of a run that are looked at
 MOST_WORK = 2_000_000  # multiplications of one look: larger mechanisms are not looked at
@@ -105,6 +107,26 @@ class PassedPositions:
         self.stride = max(1, analysis.grid.rows // LOOKS)
         self.seen, self.row, self.told = [], 0, 0
         self.sorted: list[float] = []  # the values seen
+
+    @property
+    def checkpoint(self) -> dict:
+        """What was seen, as arrays: of old rows only the value is needed."""
+        last = self.seen[-SOUGHT:]
+        return {
+            "seen/counts": np.array([self.row, self.told]),
+            "seen/values": np.array([value for _, _, value in self.seen]),
+            "seen/times": np.array([t for t, _, _ in last]),
+            "seen/positions": np.array([q for _, q, _ in last]),
+        }
+
+    def restore(self, checkpoint: Mapping) -> None:
+        """Go on from what was seen up to a checkpoint."""
+        self.row, self.told = map(int, checkpoint["seen/counts"])
+        values, times = checkpoint["seen/values"].tolist(), checkpoint["seen/times"].tolist()
+        old = len(values) - len(times)
+        self.sorted = sorted(values)
+        last = zip(times, checkpoint["seen/positions"], values[old:], strict=True)
+        self.seen = [*((np.nan, None, value) for value in values[:old]), *last]
 
     def look(self, times, states) -> None:
         """Look at report rows at `times`, in order, with coordinates first in `states`."""

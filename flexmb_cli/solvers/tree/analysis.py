@@ -4,7 +4,7 @@ Torque laws are linear between the breakpoints of their tables; the integration 
 that no step straddles a jump.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
-from ...quick_dataclass import dataclass, replace
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
@@ -24,29 +23,13 @@ LARGEST_BLOCK = 1024  # rows, of trees of a few bodies
 LARGEST_FRAMES = 8192  # frames of all rows of a block, as long as it has 256
 
 
-@dataclass(frozen=True, eq=False)
-class Checkpoint:
-    """Where a stopped run goes on: the start of the last step, so that the same steps follow.
-
-    The integrators of scipy keep a memory of steps: with them it is the last breakpoint.
-
-    `clock` is one record of `tree_dop853.CLOCK`, `state` (n,) the state at that time, `attitude`
-    (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
-    """
-
-    row: int
-    clock: np.ndarray
-    state: np.ndarray
-    attitude: np.ndarray
-
-
 GO_ON = tree_dop853.GO_ON  # evaluate once, without a step
 
 
 class TreeAnalysis:
-    """One run over the report times of a tree."""
+    """One run over the report times of a tree, from the start or from the `checkpoint` of a stopped run."""
 
-    def __init__(self, tree: Tree, checkpoint: Checkpoint | None = None):
+    def __init__(self, tree: Tree, checkpoint: Mapping | None = None):
         self.tree = tree
         self.arrays: TreeArrays = tree_arrays(tree)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
@@ -59,10 +42,9 @@ class TreeAnalysis:
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row, self.attitude = 0, None
         self.repeated: np.ndarray | None = None  # (R,) closed directions that depend on others at the start
-        self.resumed = checkpoint is not None
+        self.resumed = False
         if checkpoint is not None:
-            self.row, self.attitude = checkpoint.row, checkpoint.attitude
-            self.clock[:], self.march.z[:] = checkpoint.clock, checkpoint.state
+            self.restore(checkpoint)
 
     @property
     def state(self) -> np.ndarray:
@@ -70,12 +52,31 @@ class TreeAnalysis:
         return self.march.z
 
     @property
-    def checkpoint(self) -> Checkpoint:
-        """Return where to go on after the rows that have been yielded."""
+    def checkpoint(self) -> dict:
+        """Where to go on after the rows that have been yielded: the start of the last step.
+
+        The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
+        breakpoint.  `clock` is one record of `tree_dop853.CLOCK`, `state` (n,) the state at that time,
+        `attitude` (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
+        """
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
-        return Checkpoint(self.row, clock, self.march.old.copy(), self.attitude)
+        return {"row": self.row, "clock": clock, "state": self.march.old.copy(), "attitude": self.attitude}
+
+    def restore(self, checkpoint: Mapping) -> None:
+        """Go on behind the rows that were yielded up to a checkpoint."""
+        self.resumed = True
+        self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
+        self.clock[:], self.march.z[:] = checkpoint["clock"], checkpoint["state"]
+
+    @property
+    def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
+        """Where a run ends: tolerance, time aimed at, step, time, and speeds and coordinates (2 n,)."""
+        clock, grid = self.clock[0], self.tree.time
+        aim = grid.time(min(self.row, grid.rows - 1))
+        state = self.state[: 2 * len(self.tree.coordinates)]
+        return float(clock["rtol"]), aim, float(clock["step"]), float(clock["t"]), state
 
     def rows(self) -> Iterator[TreeRows]:
         """Yield the report rows in blocks.
@@ -244,8 +245,3 @@ def _step_vanished(tree, t, step, worst):
         f"'{name}'; the motion or a load grows without bound there, or the tolerance is finer than round-off"
     )
     return Fault("error", message, place, tree.bodies[c.body].name if c else "", id="SOLVE-026")
-
-
-def with_tolerance(tree: Tree, tolerance: float) -> Tree:
-    """The same tree integrated to another relative and absolute tolerance."""
-    return replace(tree, integration=replace(tree.integration, rtol=tolerance, atol=tolerance))

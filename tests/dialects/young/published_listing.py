@@ -15,6 +15,7 @@ from flexmb_cli.deck.table_columns import SECTIONS
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.dialects.young.listing import OutTable
+from flexmb_cli.results.hdf5.kinematic import kinematic_values
 from tests.solvers.kinematics.solved import PUBLISHED, REPOSITORY, rows_of_deck
 
 HEADINGS = {
@@ -60,7 +61,7 @@ def computed(deck: str, step: int, section: str, index: int) -> np.ndarray:
 def echo(deck: str) -> str:
     """The listing up to its first block."""
     stream = io.StringIO()
-    OutTable(stream, read_deck(read_text(str(REPOSITORY / f"decks/young/{deck}.dat"))), "historic").begin()
+    OutTable((stream,), read_deck(read_text(str(REPOSITORY / f"decks/young/{deck}.dat"))), "historic").begin()
     return stream.getvalue()
 
 
@@ -91,7 +92,7 @@ def _block(time, sections):
 def our_listing(deck: str) -> str:
     """What `flexmb run` writes."""
     stream = io.StringIO()
-    table = OutTable(stream, read_deck(read_text(str(REPOSITORY / f"decks/young/{deck}.dat"))))
+    table = OutTable((stream,), read_deck(read_text(str(REPOSITORY / f"decks/young/{deck}.dat"))))
     table.begin()
-    table.rows(rows_of_deck(deck))
+    table.rows(kinematic_values(rows_of_deck(deck)))
     return stream.getvalue()

@@ -45,9 +45,9 @@ FIELD_OF = {
 def table(tmp_path, deck):
     def write(name, rows, layout="safe", failed=False, deck=deck):
         stream = io.StringIO()
-        out = OutTable(stream, deck, layout)
+        out = OutTable((stream,), deck, layout)
         out.begin()
-        out.rows(rows)
+        out.rows(kinematic_values(rows))
         if failed:
             out.failed()
         path = tmp_path / name

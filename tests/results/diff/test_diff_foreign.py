@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from flexmb_cli.cli.diff import diff
 from flexmb_cli.dialects.young.listing import OutTable
+from flexmb_cli.results.hdf5.kinematic import kinematic_values
 from flexmb_cli.study.table import Column, TableHead, write_table
 from tests.results.results import write_result
 
@@ -58,7 +59,7 @@ def nothing(request, tmp_path, deck):
     if request.param == "h5":
         return write_result(path, 0, "failed", "at t = 0 s the mechanism cannot be assembled")
     with path.open("w") as stream:
-        table = OutTable(stream, deck, "safe")
+        table = OutTable((stream,), deck, "safe")
         table.begin()
         table.failed()
     return path
@@ -88,9 +89,9 @@ def test_a_table_that_ends_in_the_mark_of_failure_is_no_reference(tmp_path, deck
     paths = tmp_path / "good.OUT", tmp_path / "failed.OUT"
     for path in paths:
         with path.open("w") as stream:
-            table = OutTable(stream, deck, "safe")
+            table = OutTable((stream,), deck, "safe")
             table.begin()
-            table.rows(rows([0.0, 0.1]))
+            table.rows(kinematic_values(rows([0.0, 0.1])))
             if path == paths[1]:
                 table.failed()
     before = paths[0].read_text()

@@ -20,7 +20,7 @@ ZERO = re.compile(r"-?0\.0*")
 
 
 def parsed(text, name="OUT"):
-    return parse_listing(name, text.encode())
+    return parse_listing(name, text)
 
 
 def differing(a, b):

@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 
-from flexmb_cli.deck.listing import TableError
+from flexmb_cli.deck.listing import TableError, plain_text
 from flexmb_cli.dialects.young.listing import OutTable, report_block
 from flexmb_cli.dialects.young.listing_reader import parse_listing
 
@@ -36,7 +36,7 @@ No   X       Y       Z       dX      dY      dZ      ddX     ddY     ddZ
 
 
 def read(text, name="OUT"):
-    return parse_listing(name, text.encode() if isinstance(text, str) else text)
+    return parse_listing(name, text if isinstance(text, str) else plain_text(text))
 
 
 def faults(text):
@@ -106,7 +106,7 @@ def test_what_is_written_comes_back(layout):
 
 def test_the_echo_is_read_line_by_line(deck):
     stream = io.StringIO()
-    OutTable(stream, deck).begin()
+    OutTable((stream,), deck).begin()
     echo = read(stream.getvalue()).echo
     assert echo[0].values == (2, 1, 1, 1, 0, 0, 0, 0, 0, 2, 0, 1)
     assert [line.values for line in echo if "LOCAL COORDINATES" in line.title] == [(0, 0, 0, -1, 0, 0)]

@@ -178,15 +178,15 @@ def test_what_is_written_comes_back(layout):
         SimpleNamespace(body=k, name=name) for k, name in enumerate(("body 1 node 51", "body 2 node 7"))
     ]
     mechanism = SimpleNamespace(bodies=(), outputs=outputs)
-    rows = SimpleNamespace(
-        time=np.arange(5) * 5e-4, point_position=position, point_velocity=velocity,
-        kinetic=energies[0], strain=energies[1], potential=energies[2],
-    )  # fmt: skip
+    values = {"time": np.arange(5) * 5e-4, "point/position": position, "point/velocity": velocity}
+    names = ("kinetic", "strain", "potential")
+    values |= {f"energy/{name}": energy for name, energy in zip(names, energies, strict=True)}
+    found = SimpleNamespace(equations=5, coordinates=15, rank=5, smallest=0.07359)
     stream = io.StringIO()
     deck = Deck("vsdf", DeckText("x.vsdf", HEAD.partition("\n")[2].partition(RULE)[0], ""), ())
-    table = VsdfTable(stream, deck, layout, mechanism, lambda: (5, 15, 5, 0.07359))
+    table = VsdfTable((stream,), deck, layout, SimpleNamespace(mechanism=mechanism, found=found))
     table.begin()
-    table.rows(rows)
+    table.rows(values)
     table.failed()
     listing = parse_vsdf("x", stream.getvalue())
     node, energy = listing.sections["node"], listing.sections["energy"]

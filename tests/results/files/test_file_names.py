@@ -36,8 +36,8 @@ def test_results_are_named_after_their_deck(deck, dialect, out, h5):
 
 
 def test_series_of_dafms_are_named_after_their_units():
-    assert series_names("PENDULUM.DAT") == ("PENDULUM.T2", "PENDULUM.T3")
-    assert series_names("-") == ("flexmb.T2", "flexmb.T3")
+    assert series_names("PENDULUM.DAT", "dafms") == ("PENDULUM.T2", "PENDULUM.T3")
+    assert series_names("-", "dafms") == ("flexmb.T2", "flexmb.T3")
 
 
 def test_options_overrule_names():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.dialects.young.listing import OutTable, echo_of_input, report_block
+from flexmb_cli.results.hdf5.kinematic import kinematic_values
 
 PUBLISHED = Path(__file__).parents[2] / "published" / "young"
 
@@ -109,10 +110,10 @@ HEAD = """
 
 def written(deck, *blocks, layout="safe"):
     stream = io.StringIO()
-    table = OutTable(stream, deck, layout)
+    table = OutTable((stream,), deck, layout)
     table.begin()
     for block in blocks:
-        table.rows(block)
+        table.rows(kinematic_values(block))
     return stream.getvalue()
 
 
@@ -157,8 +158,8 @@ def test_without_points_their_table_is_absent(deck, rows, make):
 
 def test_a_failure_ends_the_table(deck, rows):
     stream = io.StringIO()
-    table = OutTable(stream, deck)
-    table.rows(rows([0.0]))
+    table = OutTable((stream,), deck)
+    table.rows(kinematic_values(rows([0.0])))
     table.failed()
     assert stream.getvalue().endswith("*****\n\n\n-----CONVERGENCE FAILED-----\n")
 

@@ -1,4 +1,4 @@
-"""A YOUNG deck by two formulations: Euler parameters with YOUNG's equations, and natural coordinates.
+"""A mechanism by two formulations: Euler parameters, and natural coordinates.
 
 Both begin at the position that flexmb assembles.
 """
@@ -6,23 +6,33 @@ Both begin at the position that flexmb assembles.
 import numpy as np
 
 from ...deck.record import Deck
-from ...dialects.young.build import build_young
-from ...dialects.young.build_dynamics import build_young_dynamics
-from ...dialects.young.dynamic_cards import FORWARD, analysis_of
 from ...errors import Fault, ModelError
+from ...model.loads import DynamicModel
+from ...model.mechanism import Mechanism
 from ...quick_dataclass import replace
-from ..outcome import Listener, Outcome, RunOptions, Stop, refuse_warnings
+from ..context import Run
+from ..outcome import Stop
 from .difference import Difference, largest_difference
 
 FORMULATIONS = "Euler parameters and natural coordinates"
 TOLERANCE = 1e-11  # of the explicit steps
 
 
-def young_differences(
-    deck: Deck, options: RunOptions, outcome: Outcome, listener: Listener
-) -> tuple[Difference, ...]:
-    """Run `deck` both ways and return what the motions differ in.  Raises FlexmbError."""
-    analysis, mechanism, model = _analysis(deck, options, outcome)
+def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, ...]:
+    """Run a dynamic model both ways and return what the motions differ in.  Raises FlexmbError."""
+    from ...solvers.constrained.young_dynamics import ForwardDynamics
+    from ...solvers.kinematics.inverse_dynamics import InverseDynamics
+
+    _refuse_elements(model)
+    if model.analysis != "forward":
+        return compare(InverseDynamics(model), model.mechanism, model, run)
+    tolerance = run.options.integration.get("rtol", TOLERANCE)
+    model = replace(model, tolerance=tolerance, alpha_steps=None)
+    return compare(ForwardDynamics(model), model.mechanism, model, run)
+
+
+def compare(analysis, mechanism: Mechanism, model: DynamicModel | None, run: Run) -> tuple[Difference, ...]:
+    """Return what the motion of an analysis and that in natural coordinates differ in."""
     from ...solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
 
     motion = NaturalMotion(mechanism, model)
@@ -30,36 +40,14 @@ def young_differences(
     for block in analysis.rows():
         blocks.append(block)
         Stop.heed()
-    outcome.rows = sum(block.time.size for block in blocks)
+    run.outcome.rows = sum(block.time.size for block in blocks)
     start = blocks[0]
     X = coordinates_of(start.position[0], start.euler_parameters[0])
-    if model is None or model.analysis != FORWARD:
+    if model is None or model.analysis != "forward":
         rows = motion.kinematic(X)
     else:
         rows = motion.forward(X, speeds_of(X, start.velocity[0], start.angular_velocity[0]))
     return _differences(_joined(blocks), rows, motion)
-
-
-def _analysis(deck, options, outcome):
-    """Return flexmb's analysis, the mechanism, and the dynamic model or None."""
-    if analysis_of(deck) is None:
-        from ...solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
-
-        mechanism, warnings = build_young(deck)
-        outcome.faults += warnings
-        refuse_warnings(outcome, options)
-        return KinematicAnalysis(mechanism, KinematicSettings(**options.solver)), mechanism, None
-    from ...solvers.constrained.young_dynamics import ForwardDynamics
-    from ...solvers.kinematics.inverse_dynamics import InverseDynamics
-
-    model, warnings = build_young_dynamics(deck)
-    outcome.faults += warnings
-    refuse_warnings(outcome, options)
-    _refuse_elements(model)
-    if model.analysis == FORWARD:
-        model = replace(model, tolerance=options.integration.get("rtol", TOLERANCE), alpha_steps=None)
-        return ForwardDynamics(model), model.mechanism, model
-    return InverseDynamics(model), model.mechanism, model
 
 
 def _refuse_elements(model):

@@ -1,16 +1,27 @@
-"""Diagnose a deck of forward dynamics: assembly, rank, repeated equations and what is free to move."""
+"""Diagnose a dynamic model: assembly, rank, repeated equations and what is free to move.
 
-from ...dialects.young.build_dynamics import build_young_dynamics
+Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
+"""
+
+from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
-from ..outcome import RunOptions, refuse_warnings
+from ..context import Run
+from .check import CheckReport
 from .parts import before_and_after, gaps_of, parts_of
 
 
-def check_forward(report, options: RunOptions) -> None:
+def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
-    model, warnings = build_young_dynamics(report.deck)
-    report.outcome.faults += [*warnings, *unit_doubts(model)]
-    refuse_warnings(report.outcome, options)
+    run.warn(unit_doubts(model))
+    if model.analysis == "forward" or model.elements:
+        _check_forward(report, model, run)
+        return
+    from . import kinematic
+
+    kinematic.check(report, model.mechanism, run, jacobian)
+
+
+def _check_forward(report, model, run):
     from ...solvers import compilation
 
     compilation.interpret()
@@ -38,7 +49,7 @@ def check_forward(report, options: RunOptions) -> None:
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
-    refuse_warnings(report.outcome, options)
+    run.warn(())
 
 
 class _Gaps:

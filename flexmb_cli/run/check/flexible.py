@@ -1,19 +1,20 @@
-"""Diagnose a VSDF deck: bodies, assembly, rank, repeated equations and what is free to move."""
+"""Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
 import numpy as np
 
+from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.unit_checks import unit_doubts
-from ..outcome import RunOptions, refuse_warnings
-from ..vsdf import mechanism_of
-from .parts import before_and_after, report_times
+from ..context import Run
+from .check import CheckReport
+from .parts import before_and_after, refuse_jacobian, report_times
 
 ROUND_OFF = 1e-12
 
 
-def check_vsdf(report, options: RunOptions) -> None:
+def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
-    mechanism = mechanism_of(report.deck, options, report.outcome)
-    report.outcome.faults += unit_doubts(mechanism)
+    refuse_jacobian(jacobian, "it is printed of mechanisms that drivers move, and of rigid bodies only")
+    run.outcome.faults += unit_doubts(mechanism)
     from ...solvers import compilation
 
     compilation.interpret()
@@ -38,7 +39,7 @@ def check_vsdf(report, options: RunOptions) -> None:
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
-    refuse_warnings(report.outcome, options)
+    run.warn(())
 
 
 def _parts(mechanism):

@@ -1,15 +1,15 @@
-"""Text of what `flexmb check` found of a VSDF deck (`run.check.CheckReport`)."""
+"""Text of what `flexmb check` found of a mechanism of flexible bodies (`run.check.CheckReport`)."""
 
 from ...errors import visible
 from .check_text import assembly_lines, few, redundant_lines
 
 
-def check_vsdf_text(report) -> str:
+def check_flexible_text(report) -> str:
     """Counts, bodies, assembly and rank of a deck that could be read, one fact a line."""
     counts = report.counts
     joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
     lines = [
-        f"{visible(report.outcome.deck)}: VSDF deck",
+        f"{visible(report.outcome.deck)}: {report.deck.dialect.upper()} deck",
         f"  bodies {counts['bodies']}, of them flexible {counts['flexible']}, joints: {joints}",
         f"  pins {counts['pins']}, motions {counts['motions']}, forces and torques {counts['loads']}, "
         f"springs {counts['springs']}, output nodes {counts['outputs']}",

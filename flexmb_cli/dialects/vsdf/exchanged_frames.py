@@ -1,0 +1,75 @@
+"""The same VSDF deck with the reference nodes n1 and n2 of its flexible bodies exchanged.
+
+n2 keeps to the axis through n1: the second frame has another origin, which moves against the first as the
+body stretches, other axes, modes and invariants.  With all modes both hold the same deformations, and a shift
+of the origin strains nothing: the two models are one and the same.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...errors import Fault, ModelError
+from ...fe.build_mechanism import flexible_mechanism
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.vectors import rotation_matrix
+from ...quick_dataclass import replace
+from .build import build_vsdf
+
+
+def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> FlexibleMechanism:
+    """Return the mechanism in the other frames, its bodies moving as those of the first.
+
+    Raises ModelError where there is no other frame of the same model.
+    """
+    _refuse_unequal(deck)
+    changes = {}
+    for record in deck.section("body"):
+        if record["kind"] == "FLEX":
+            changes |= {f"{record.prefix}.n1": record["n2"], f"{record.prefix}.n2": record["n1"]}
+    model, _ = build_vsdf(deck.with_values(changes), folder)
+    second, _ = flexible_mechanism(model)
+    pairs = list(zip(first.bodies, second.bodies, strict=True))
+    forces = tuple(_turned(force, *pairs[force.point.body]) for force in second.forces)
+    return replace(second, bodies=tuple(_moving(*pair) for pair in pairs), forces=forces)
+
+
+def _moving(body, other):
+    """Return `other` with the motion that `body` has at the start."""
+    A, B = rotation_matrix(body.p), rotation_matrix(other.p)
+    omega = A @ body.omega
+    return replace(other, velocity=body.velocity + np.cross(omega, other.r - body.r), omega=B.T @ omega)
+
+
+def _turned(force, body, other):
+    """Return a force that follows its body in the axes of the other frame."""
+    if not force.follows:
+        return force
+    turned = rotation_matrix(other.p).T @ rotation_matrix(body.p) @ force.force
+    return replace(force, force=tuple(turned))
+
+
+def _refuse_unequal(deck):
+    """Only with all modes, and frames by three nodes, is there another frame of the same model."""
+    faults, elastic = [], [record for record in deck.section("body") if record["kind"] == "FLEX"]
+    clamped = {r["body"] for name in ("clamped", "interface") for r in deck.section(name)}
+    for record in elastic:
+        nodes = [record[f"n{k}"] for k in (1, 2, 3)]
+        if record["modes"]:
+            message = "verify compares two frames of the same body, which takes all modes: give 0 modes"
+            faults.append(Fault("error", message, record.at("modes").place, record.subject, id="RUN-019"))
+        if not all(nodes) or record["number"] in clamped:
+            message = "verify exchanges the reference nodes n1 and n2: give three, and neither CLMP nor CRBN"
+            faults.append(Fault("error", message, record.place, record.subject, id="RUN-020"))
+    if not elastic:
+        faults.append(
+            Fault("error", "verify compares two frames of a FLEX body; the deck has none", id="RUN-021")
+        )
+    numbers = {record["number"] for record in elastic}
+    for motion in deck.section("motion"):
+        if motion["kind"] not in ("ANGL", "STRK") and motion["object"] in numbers:
+            message = "it moves the frame of a FLEX body, which is another in the second model"
+            faults.append(Fault("error", message, motion.place, motion.subject, id="RUN-022"))
+    if faults:
+        raise ModelError(faults)

@@ -1,0 +1,11 @@
+"""How a VSDF deck begins."""
+
+import re
+from collections.abc import Sequence
+
+from ...deck.lines import as_lines
+
+
+def begins_vsdf(lines: Sequence[str]) -> bool:
+    """The word VSDF."""
+    return re.match(r"\s*VSDF", as_lines(lines).text, re.IGNORECASE) is not None

@@ -1,0 +1,110 @@
+"""Diagnose a mechanism that its drivers move: assembly, rank, redundant and free coordinates, the Jacobian.
+
+Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
+"""
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...model.mechanism import Mechanism
+from ...quick_dataclass import replace
+from ..context import Run
+from .check import CheckReport, LabelledJacobian
+from .parts import FARTHEST_STEPS, before_and_after, gaps_of, parts_of
+
+INTERPRETED_LIMIT = 150  # equations
+FAR_STEPS = 100  # report steps to the time of a Jacobian
+RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
+ASSEMBLY_LIMIT = 20_000  # coordinates, which take a second or two
+
+
+def check(report: CheckReport, mechanism: Mechanism, run: Run, jacobian: str | None) -> None:
+    """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
+    _diagnose(report, mechanism, jacobian)
+    run.warn(())
+
+
+def _diagnose(report: CheckReport, mechanism, jacobian):
+    from ...solvers import compilation
+
+    equations = 7 * len(mechanism.bodies)
+    if equations > ASSEMBLY_LIMIT:
+        report.counts = parts_of(mechanism) | {"coordinates": equations}
+        message = f"{equations} coordinates are more than the {ASSEMBLY_LIMIT} that check assembles; run does"
+        report.outcome.faults.append(Fault("note", message, id="RUN-002"))
+        return
+    if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
+        compilation.interpret()
+    from ...solvers.kinematics.analysis import KinematicAnalysis
+    from ...solvers.kinematics.settings import KinematicSettings
+
+    # Points take no part in what is looked at, and there may be a million of them.
+    analysis = KinematicAnalysis(replace(mechanism, points=()), KinematicSettings(most_ranked=RANK_LIMIT))
+    report.counts = _counts(mechanism, analysis)
+    before = gaps_of(analysis, analysis.arrays, analysis.arrays.q, analysis.arrays.screw_angles)
+    if jacobian == "estimate":
+        report.jacobian = _labelled(analysis, analysis.arrays.q, None)
+    try:
+        next(analysis.rows())
+    finally:
+        report.outcome.faults += analysis.warnings
+    report.time = mechanism.time.start
+    after = gaps_of(analysis, analysis.arrays, analysis.state[0], analysis.arrays.screw_angles)
+    report.gaps = before_and_after(before, after)
+    if equations <= RANK_LIMIT:
+        _look_at_rank(report, analysis)
+    if jacobian not in (None, "estimate"):
+        report.jacobian = _jacobian_at(mechanism, float(jacobian))
+
+
+def _is_far(grid, jacobian):
+    """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
+
+
+def _counts(mechanism, analysis):
+    equations, coordinates = len(analysis.arrays.equations), analysis.arrays.q.size
+    return parts_of(mechanism) | {
+        "equations": equations,
+        "coordinates": coordinates,
+        "degrees_of_freedom": coordinates - equations + len(mechanism.drivers),
+    }
+
+
+def _look_at_rank(report, analysis):
+    from ...solvers.singular.mobility import mobility
+
+    found = mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
+    report.rank = found.rank
+    report.smallest = found.smallest
+    report.redundant = [[equation.name for equation in group] for group in found.redundant]
+    report.free = [list(names) for names in found.free]
+
+
+def _jacobian_at(mechanism, time):
+    """Φ_q at any time from the start on; the mechanism is moved there first."""
+    from ...solvers.kinematics.analysis import KinematicAnalysis
+
+    start = mechanism.time.start
+    if not time >= start:
+        message = f"--jacobian {time:g}: the motion begins at t = {start:g} s"
+        raise ModelError([Fault("error", message, id="RUN-003")])
+    if time - start > FARTHEST_STEPS * mechanism.time.step:
+        message = (
+            f"--jacobian {time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
+        )
+        raise ModelError([Fault("error", message, id="RUN-004")])
+    grid = replace(mechanism.time, end=time, step=max(time - start, 1.0))
+    analysis = KinematicAnalysis(replace(mechanism, time=grid))
+    for _ in analysis.rows():
+        pass
+    return _labelled(analysis, analysis.state[0], time)
+
+
+def _labelled(analysis, q, time):
+    evaluator, arrays = analysis.evaluator, analysis.arrays
+    evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
+    matrix = evaluator.matrix(q) * arrays.row_scale[:, None] / arrays.column_scale
+    factors = np.array([equation.factor for equation in arrays.equations])
+    names = tuple(equation.name for equation in arrays.equations)
+    return LabelledJacobian(time, names, arrays.body_names, matrix * factors[:, None])

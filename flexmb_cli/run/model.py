@@ -1,0 +1,57 @@
+"""The model that a deck describes, ready for an analysis: building ends here, before solving starts."""
+
+from importlib import import_module
+from pathlib import Path
+
+from ..deck.record import Deck
+from ..deck.text import STANDARD_INPUT
+from ..dialects.recognise import dialect_named
+from ..quick_dataclass import replace
+from .context import Run
+
+# The analysis of every type of model.  Each has a module of this name for runs, checks, modes and
+# verifications; a run imports that of its own model only.
+ANALYSES = {
+    "Mechanism": "kinematic",
+    "DynamicModel": "dynamic",
+    "FlexibleMechanism": "flexible",
+    "Tree": "tree",
+}
+
+
+def model_of(deck: Deck, run: Run):
+    """Return the model of `deck` as the options want it solved; file names are relative to the deck.
+
+    Its doubts go into the outcome.  Raises ModelError.
+    """
+    model, doubts = dialect_named(deck.dialect).build(deck, folder_of(run))
+    run.warn(doubts)
+    return _integrated(model, deck, run.options) if analysis_of(model) == "tree" else model
+
+
+def folder_of(run: Run) -> Path:
+    """Return the folder of the deck."""
+    deck = run.outcome.deck
+    return Path() if deck == STANDARD_INPUT else Path(deck).parent
+
+
+def analysis_of(model) -> str:
+    """Return the name of a model's analysis."""
+    return ANALYSES[type(model).__name__]
+
+
+def module_for(model, package: str):
+    """Return the module of the model's analysis in a package of this folder: "solutions", "check" …"""
+    # A run imports the analysis of its own model only.
+    return import_module(f"{__package__}.{package}.{analysis_of(model)}")
+
+
+def _integrated(tree, deck, options):
+    """The tree with the integration that the options ask for; another method has another tolerance."""
+    from ..model.tree import default_tolerances
+
+    given = dict(options.integration)
+    if "method" in given and not deck.section("tolerance"):
+        rtol, atol = default_tolerances(given["method"])
+        given = {"rtol": rtol, "atol": atol} | given
+    return replace(tree, integration=replace(tree.integration, **given))

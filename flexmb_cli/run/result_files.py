@@ -1,0 +1,114 @@
+"""The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
+
+from contextlib import suppress
+
+from ..dialects.recognise import dialect_named
+from ..errors import OutputError
+from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
+from .context import Run
+
+
+class ResultFiles:
+    """The files at `paths`; `with_errors`: the result also holds estimated errors."""
+
+    def __init__(self, deck, solution, paths: ResultPaths, run: Run, with_errors: bool = False):
+        from ..results.files.replaced_file import make_folder
+
+        self.paths = paths
+        self.texts: list = []
+        self.table = self.result = None
+        self.begun = self.torn = False
+        if paths.files:
+            make_folder(run.options.folder)
+        try:
+            self._open_table(deck, solution, run)
+            if paths.h5 is not None:
+                self._open_result(deck, solution, run.options.only, with_errors)
+        except BaseException:
+            self.discard()
+            raise
+
+    def _open_table(self, deck, solution, run):
+        from ..results.files.replaced_file import ReplacedText
+
+        out = None
+        if self.paths.out is not None and self.paths.out != STANDARD_OUTPUT:
+            self.texts.append(out := ReplacedText(self.paths.out))
+        elif self.paths.out is not None:
+            out = run.stdout
+        for path in self.paths.series:
+            self.texts.append(ReplacedText(path))
+        series = self.texts[len(self.texts) - len(self.paths.series) :]
+        if out is not None or series:
+            dialect, streams = dialect_named(deck.dialect), (out, *series)
+            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
+
+    def _open_result(self, deck, solution, only, with_errors):
+        from ..results.hdf5.result_file import ResultFile
+        from ..results.quantities.selection import selected
+
+        layout = solution.layout()
+        if with_errors:
+            from .error_estimate import with_errors as with_error_series
+
+            layout = with_error_series(layout)
+        self.result = ResultFile(self.paths.h5, deck, selected(layout, deck, only))
+
+    @property
+    def unfinished(self) -> tuple[str, ...]:
+        """Where the files are until they are complete."""
+        return tuple(file.temporary for file in self._all())
+
+    def _begin(self):
+        if self.table and not self.begun:
+            self.begun = True
+            self.table.begin()
+
+    def rows(self, values: dict) -> None:
+        """Write report rows, given by the paths of their datasets."""
+        self.torn = True
+        self._begin()
+        if self.table:
+            self.table.rows(values)
+        if self.result:
+            self.result.rows(values)
+        self.torn = False
+
+    def close(self, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
+        """Put the finished files in their places; their names."""
+        from ..results.files.replaced_file import put_in_place
+
+        if self.result:
+            self.result.note(notes)
+        put_in_place(self._all())
+        return self.paths.files
+
+    def close_failed(
+        self, message: str, no_convergence: bool, notes: tuple[str, ...] = ()
+    ) -> tuple[str, ...]:
+        """Keep the rows so far, marked as those of a failed run; the names of the files."""
+        self._begin()
+        if self.table:
+            self.table.failed() if no_convergence else self.table.stopped()
+        if self.result:
+            self.result.mark("failed", message)
+        return self.close(notes)
+
+    def close_stopped(self, rows: int, reason: str, notes: tuple[str, ...] = ()) -> tuple[str, ...]:
+        """Keep the rows so far, if all files have the same; else the results of an earlier run stay."""
+        if rows == 0 or self.torn:
+            self.discard()
+            return ()
+        return self.close_failed(reason, False, notes)
+
+    def discard(self) -> None:
+        """Leave no file; what standard output was given already is marked."""
+        if self.begun and self.paths.out == STANDARD_OUTPUT:
+            # It may be the very thing that fails, and what ended the run is told, not this.
+            with suppress(OSError, OutputError):
+                self.table.stopped()
+        for file in self._all():
+            file.discard()
+
+    def _all(self):
+        return [*self.texts, *([self.result] if self.result else [])]

@@ -1,0 +1,235 @@
+"""One run of any model: blocks of report rows are solved, kept for `--resume`, and written.
+
+`Solution` is what an analysis gives for it.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from .. import __version__
+from ..deck.record import Deck
+from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
+from ..quick_dataclass import dataclass, field
+from ..results.files.file_names import ResultPaths
+from .checkpoint import Journal
+from .context import Run
+from .exit_status import reason_of
+from .integration_options import refuse_foreign_method
+from .model import model_of, module_for
+from .outcome import Stop, Terminated
+from .result_files import ResultFiles
+
+
+class NoCount:
+    """Counts nothing."""
+
+    doubts: tuple[Fault, ...] = ()
+
+    def add(self, values: dict) -> None:
+        """Count a block of values."""
+
+    def __str__(self) -> str:
+        return ""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """An analysis ready to be solved.
+
+    `analysis.rows()` yields blocks of report rows, `rows` in all; `values` gives a block as arrays by the
+    paths of their datasets, of which `layout()` tells the HDF5 file.  `count` counts them: `add(values)`,
+    `doubts` about them, and as text the statistics.  `doubts()` are those about the model, `warnings` those
+    of the analysis so far.  `finer(run)` makes the blocks of values of a second, finer run, or None.
+    `identity`: what the numbers depend on besides the deck, in JSON's types.
+
+    If it is `resumable`, the analysis has a `checkpoint` behind every block, arrays by name, and
+    `analysis.restore(checkpoint)` goes on from it.
+    """
+
+    analysis: object
+    rows: int
+    layout: Callable
+    values: Callable[[object], dict]
+    count: NoCount
+    doubts: Callable[[], list[Fault]] = list
+    warnings: list[Fault] = field(default_factory=list)
+    finer: Callable[[Run], Iterator[dict] | None] = lambda run: None
+    identity: dict = field(default_factory=dict)
+    resumable: bool = True
+
+    def blocks(self) -> Iterator[dict]:
+        """Yield the blocks of values; raises as the analysis does."""
+        return map(self.values, self.analysis.rows())
+
+
+def solution_of(model, run: Run) -> Solution:
+    """Return the solution of a model; raises ModelError."""
+    return module_for(model, "solutions").solution(model, run)
+
+
+def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
+    """Solve `deck` and write its results; the outcome records how it went.
+
+    Raises FlexmbError, and KeyboardInterrupt or Terminated after keeping the rows so far.
+    """
+    refuse_foreign_method(deck, run.options)
+    with _resumable_if_stopped(paths, run), Stop.released():
+        solution = solution_of(model_of(deck, run), run)
+        doubts = solution.doubts()
+        run.outcome.faults += doubts
+        journal = _journal(deck, solution, paths, run)
+        estimate = _estimate(solution, run)
+    with Stop.later():
+        _Keeper(deck, solution, paths, run, journal, estimate, doubts).keep()
+
+
+@contextmanager
+def _resumable_if_stopped(paths, run):
+    """Who stops a run before it has looked at its journal is told of it, too."""
+    try:
+        yield
+    except (KeyboardInterrupt, Terminated):
+        path = paths.resume
+        run.outcome.resumable = run.options.resume and path is not None and os.path.isfile(path)
+        raise
+
+
+def _journal(deck, solution, paths, run) -> Journal:
+    """The journal of a run; one that cannot be resumed keeps none."""
+    kept = paths.resume if solution.resumable else None
+    journal = Journal(kept, identity_of(deck, solution, run))
+    if run.options.resume:
+        journal.find()
+        run.outcome.faults += journal.doubts
+    return journal
+
+
+def identity_of(deck: Deck, solution: Solution, run: Run) -> dict:
+    """Return all that the numbers of a run depend on: only the same run can be resumed."""
+    return {
+        "flexmb": __version__,
+        "deck": f"{deck.model}:{deck.source.name}" if deck.model else deck.source.name,
+        "text of the deck": deck.source.sha256,
+        "--set": list(run.options.changes),
+        "options": list(deck.options),
+        **solution.identity,
+        **({"--estimate-error": True} if run.options.estimate_error else {}),
+    }
+
+
+def _estimate(solution, run):
+    """The comparison with a second run, where it is asked for and can be made."""
+    if not run.options.estimate_error:
+        return None
+    from .error_estimate import ErrorEstimate
+
+    finer = solution.finer(run)
+    return None if finer is None else ErrorEstimate(finer)
+
+
+class _Keeper:
+    """Keeps the rows of one run: journal first, then tables and result."""
+
+    def __init__(self, deck, solution: Solution, paths, run: Run, journal: Journal, estimate, doubts):
+        self.solution, self.run, self.journal, self.estimate = solution, run, journal, estimate
+        self.doubts = doubts
+        self.files = ResultFiles(deck, solution, paths, run, estimate is not None)
+
+    def keep(self) -> None:
+        """Write the rows as they come, and put the files in their places; raises as `solve_deck`."""
+        outcome, journal, files = self.run.outcome, self.journal, self.files
+        try:
+            journal.begin(files.unfinished)
+            self._keep_blocks()
+            self._tell_doubts()
+            self.run.warn(())
+        except AnalysisError as failure:
+            self._tell_doubts()
+            outcome.files = files.close_failed(failure.args[0], True, self.notes)
+            journal.remove()
+            raise
+        except OutputError:
+            files.discard()
+            self._leave_journal()
+            raise
+        except BaseException as ending:
+            if isinstance(ending, FlexmbError):
+                journal.remove()
+            else:
+                outcome.faults += self.solution.warnings
+                self._leave_journal()
+            outcome.files = files.close_stopped(outcome.rows, reason_of(ending), self.notes)
+            raise
+        self._complete()
+
+    def _keep_blocks(self):
+        """Take block by block; between two of them a run can be stopped.
+
+        Raises KeyboardInterrupt or Terminated before all rows that are wanted are kept.
+        """
+        outcome, listener, wanted = self.run.outcome, self.run.listener, self.solution.rows
+        with Stop.released():
+            listener.begin(wanted)
+            for values in self._blocks():
+                with Stop.later():
+                    self._write(values)
+                    if outcome.rows >= wanted:
+                        Stop.too_late()
+                listener.advance(len(values["time"]))
+                Stop.heed()
+
+    def _blocks(self):
+        """Blocks of values: those of a stopped run first, then what the analysis adds to the journal."""
+        solution, journal = self.solution, self.journal
+        if (state := journal.last_checkpoint) is not None:
+            solution.analysis.restore(state)
+            for values, _ in journal.stored():
+                # The second run is not kept: it begins anew.
+                yield self._with_errors(values)
+        elif self.run.options.resume:
+            self.run.listener.notice("nothing to resume; the run starts at its beginning")
+        if self.run.outcome.rows >= solution.rows:
+            return
+        for rows in solution.analysis.rows():
+            values = solution.values(rows)
+            if journal.path is not None:
+                with Stop.later():
+                    journal.append(values, solution.analysis.checkpoint)
+            yield self._with_errors(values)
+
+    def _with_errors(self, values):
+        return values if self.estimate is None else self.estimate.of(values)
+
+    def _write(self, values):
+        outcome, count = self.run.outcome, self.solution.count
+        self.files.rows(values)
+        count.add(values)
+        outcome.statistics = str(count)
+        outcome.rows += len(values["time"])
+        if self.estimate is not None:
+            outcome.errors = self.estimate.as_dict
+
+    def _tell_doubts(self):
+        """Tell what the analysis, the energy of the rows and the second run make doubtful."""
+        estimated = () if self.estimate is None else self.estimate.doubts
+        self.solution.warnings.extend((*self.solution.count.doubts, *estimated))
+        self.run.outcome.faults += self.solution.warnings
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the model made doubtful and the analysis told about its way, for the result file."""
+        return sentences((*self.doubts, *self.solution.warnings))
+
+    def _leave_journal(self):
+        self.journal.close()
+        self.run.outcome.resumable = self.journal.begun
+
+    def _complete(self):
+        """Put the results in their places; where they cannot be, the journal stays for the next attempt."""
+        try:
+            self.run.outcome.files = self.files.close(self.notes)
+        except (OutputError, MemoryError):
+            self._leave_journal()
+            raise
+        self.journal.remove()

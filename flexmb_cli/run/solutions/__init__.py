@@ -1,0 +1,1 @@
+"""Solutions of every type of model."""

@@ -1,0 +1,90 @@
+"""Dynamics of a mechanism with masses and loads: forward, or inverse where drivers move it."""
+
+from functools import partial
+
+from ...errors import Fault, ModelError
+from ...model.loads import AlphaSteps, DynamicModel
+from ...model.unit_checks import unit_doubts
+from ...quick_dataclass import replace
+from ...results.hdf5.dynamic import dynamic_layout, dynamic_values
+from ...solvers.compilation import tell_of_compiling
+from ..context import Run
+from ..energy_drift import ConstrainedDrift
+from ..error_estimate import finer_motion, nothing_to_refine
+from ..integration_options import set_tolerances
+from ..solution import Solution
+from ..step_count import StepCount
+
+RADIUS = 0.9  # spectral radius at infinity of the generalised-alpha method, where a deck gives none
+TOO_COARSE = (
+    "too coarse a tolerance (card TOLERANCE), or steps of GALF that are too long or damp too much (a "
+    "spectral radius below 1)"
+)
+
+
+def solution(model: DynamicModel, run: Run) -> Solution:
+    """Return the dynamics of `model`, ready to be solved."""
+    if run.options.as_printed:
+        told = "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
+        raise ModelError([Fault("error", told, id="RUN-031")])
+    model = _as_asked(model, run.options)
+    stepped = model.analysis == "forward" or bool(model.elements)
+    analysis = (_stepped if stepped else _inverse)(model, run)
+    # Results of a prescribed motion hold no energies.
+    drift = ConstrainedDrift(TOO_COARSE) if model.analysis == "forward" else None
+    count = StepCount(analysis.clock if stepped else None, drift)
+    layout, values = _contents(model)
+    return Solution(
+        analysis,
+        model.mechanism.time.rows,
+        layout,
+        values,
+        count,
+        partial(unit_doubts, model),
+        analysis.warnings,
+        partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
+        {} if stepped else dict(run.options.solver),
+        stepped or not analysis.one_block,
+    )
+
+
+def _as_asked(model, options):
+    """The model with the method and the tolerance of the options."""
+    given = options.integration
+    if "rtol" in given:
+        model = replace(model, tolerance=given["rtol"])
+    method = given.get("method")
+    if method is None:
+        return model
+    alpha = (model.alpha_steps or AlphaSteps(0.0, RADIUS)) if method == "alpha" else None
+    return replace(model, radau=method == "radau", alpha_steps=alpha)
+
+
+def _contents(model):
+    """Functions of the layout of the HDF5 file and of its values from report rows."""
+    if not model.elements:
+        return partial(dynamic_layout, model), partial(dynamic_values, model)
+    from ...results.hdf5.elements import element_layout, element_values
+
+    return partial(element_layout, model), partial(element_values, model)
+
+
+def _stepped(model, run):
+    """The analysis that takes time steps: forward, or prescribed by drivers beside elements at joints."""
+    from ...solvers.constrained.driven_dynamics import DrivenDynamics
+    from ...solvers.constrained.young_dynamics import ForwardDynamics
+
+    forward = model.analysis == "forward"
+    analysis = (ForwardDynamics if forward else DrivenDynamics)(model)
+    if forward:
+        set_tolerances(analysis, run.options, run.outcome)
+    tell_of_compiling(run.listener, analysis.stepper.entry)
+    return analysis
+
+
+def _inverse(model, run):
+    from ...solvers.kinematics.inverse_dynamics import InverseDynamics
+    from ...solvers.kinematics.settings import KinematicSettings
+
+    tell_of_compiling(run.listener, "constrained.report.observe_rows")
+    return InverseDynamics(model, KinematicSettings(**run.options.solver))

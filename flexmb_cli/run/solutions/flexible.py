@@ -1,0 +1,69 @@
+"""Dynamics of a mechanism of rigid and flexible bodies."""
+
+from functools import partial
+from hashlib import sha256
+
+from ...model.fe_model import Integrator
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.unit_checks import unit_doubts
+from ...quick_dataclass import replace
+from ...results.hdf5.flexible import flexible_layout, flexible_values
+from ...solvers.compilation import tell_of_compiling
+from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
+from ...solvers.constrained.integrators import METHODS
+from ..context import Run
+from ..energy_drift import ConstrainedDrift
+from ..error_estimate import finer_motion
+from ..integration_options import set_tolerances
+from ..solution import Solution
+from ..step_count import StepCount
+
+# The words of INTG cards for the methods of the command line.
+WORDS = {"dop853": "RK45", "radau": "RAD5", "alpha": "GALF"}
+TOO_COARSE = (
+    "too coarse a tolerance (card INTG), or steps of GALF that are too long (card TIME) or damp too much (a "
+    "spectral radius below 1)"
+)
+
+
+def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
+    """Return the motion of `mechanism`, ready to be solved."""
+    mechanism = _as_asked(mechanism, run.options)
+    analysis, values = _analysis(mechanism, run), partial(flexible_values, mechanism)
+    return Solution(
+        analysis,
+        mechanism.time.rows,
+        lambda: flexible_layout(mechanism),
+        values,
+        StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
+        partial(unit_doubts, mechanism),
+        analysis.warnings,
+        partial(finer_motion, partial(_analysis, mechanism), values),
+        {"bodies": _digest(analysis.system)},
+    )
+
+
+def _as_asked(mechanism, options):
+    """The mechanism with the method and the tolerance of the options."""
+    given, integrator = options.integration, mechanism.integrator
+    method = WORDS.get(given.get("method"), integrator.method)
+    if method != integrator.method:
+        integrator = Integrator(method, integrator.step, METHODS[method].default)
+    if "rtol" in given and method != "GALF":
+        integrator = replace(integrator, parameter=given["rtol"])
+    return replace(mechanism, integrator=integrator)
+
+
+def _digest(system):
+    """A digest of the reduced bodies: a deck names files that may have changed since."""
+    digest = sha256()
+    for array in system:
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def _analysis(mechanism, run):
+    analysis = FlexibleDynamics(mechanism)
+    set_tolerances(analysis, run.options, run.outcome)
+    tell_of_compiling(run.listener, analysis.stepper.entry)
+    return analysis

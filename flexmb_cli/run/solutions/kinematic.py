@@ -1,0 +1,61 @@
+"""Kinematics of a mechanism that its drivers move."""
+
+from ...model.mechanism import Mechanism
+from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
+from ...solvers.compilation import tell_of_compiling
+from ...solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
+from ..context import Run
+from ..error_estimate import nothing_to_refine
+from ..solution import NoCount, Solution
+
+
+def solution(mechanism: Mechanism, run: Run) -> Solution:
+    """Return the kinematics of `mechanism`, ready to be solved."""
+    if run.options.as_printed:
+        return _as_printed(mechanism, run)
+    tell_of_compiling(run.listener, "kinematics.continuation.march")
+    analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
+    return _solution(mechanism, analysis, run, not analysis.one_block)
+
+
+def _solution(mechanism, analysis, run, resumable):
+    return Solution(
+        analysis,
+        mechanism.time.rows,
+        lambda: kinematic_layout(mechanism),
+        kinematic_values,
+        NewtonCount(),
+        warnings=analysis.warnings,
+        finer=nothing_to_refine,
+        identity=dict(run.options.solver),
+        resumable=resumable,
+    )
+
+
+def _as_printed(mechanism, run):
+    """The numbers of the program of 1996, errors included; each row takes moments."""
+    from ...solvers.as_printed.analysis import AsPrinted
+
+    run.outcome.as_printed = True
+    return _solution(mechanism, AsPrinted(mechanism, run.options.solver), run, False)
+
+
+class NewtonCount(NoCount):
+    """Iterations and residuals so far."""
+
+    def __init__(self):
+        self.iterations = self.most = 0
+        self.residual = 0.0
+
+    def add(self, values: dict) -> None:
+        """Count a block of values."""
+        iterations = values["audit/newton_iterations"]
+        self.iterations += int(iterations.sum())
+        self.most = max(self.most, int(iterations.max()))
+        self.residual = max(self.residual, float(values["audit/constraint_residual"].max()))
+
+    def __str__(self) -> str:
+        return (
+            f"Newton iterations {self.iterations}, at most {self.most} in a row; "
+            f"largest residual {self.residual:.1e}"
+        )

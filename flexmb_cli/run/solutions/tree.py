@@ -1,0 +1,96 @@
+"""Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
+
+from functools import partial
+
+from ...errors import Fault
+from ...model.tree import Tree
+from ...model.unit_checks import unit_doubts
+from ...quick_dataclass import replace
+from ...results.hdf5.tree import tree_layout, tree_values
+from ...solvers.compilation import tell_of_compiling
+from ...solvers.tree.points import point_motion, point_names
+from ..context import Run
+from ..energy_drift import EnergyDrift
+from ..error_estimate import FINER, finer, why_no_estimate
+from ..outcome import ABSOLUTE
+from ..solution import NoCount, Solution
+
+
+def solution(tree: Tree, run: Run) -> Solution:
+    """Return the motion of `tree` by the formulation of the options, ready to be solved."""
+    absolute = run.options.formulation == ABSOLUTE
+    if absolute:
+        run.warn(list(_unused_method(tree)))
+    analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
+    given = tree.integration
+    return Solution(
+        analysis,
+        tree.time.rows,
+        lambda: tree_layout(tree, point_names(tree)),
+        partial(values_of, tree),
+        TreeCount(analysis.clock, tree, absolute),
+        partial(unit_doubts, tree),
+        finer=partial(_finer_blocks, tree),
+        identity={"method": given.method, "rtol": given.rtol, "atol": given.atol},
+        resumable=not absolute,
+    )
+
+
+def values_of(tree: Tree, rows) -> dict:
+    """Return report rows by the paths of their datasets."""
+    return tree_values(tree, rows, point_motion(tree, rows))
+
+
+def kane_analysis(tree: Tree, run: Run):
+    """Return the analysis by Kane's equations."""
+    from ...solvers.tree.analysis import TreeAnalysis
+
+    tell_of_compiling(run.listener, "integrators.tree_dop853.call")
+    return TreeAnalysis(tree)
+
+
+def absolute_analysis(tree: Tree, run: Run):
+    """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
+    from ...solvers.constrained.tree import AbsoluteTree
+
+    tell_of_compiling(run.listener, "integrators.constrained_dop853.march_rows")
+    return AbsoluteTree(tree)
+
+
+def _unused_method(tree):
+    """The choice of an integrator is one of Kane's equations."""
+    if tree.integration.method != "dop853":
+        message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
+        yield Fault("warning", message, id="RUN-010")
+
+
+def _finer_blocks(tree, run):
+    """Blocks of values of a second run at a tighter tolerance."""
+    given = tree.integration
+    run.outcome.faults += why_no_estimate(given.rtol)
+    # An absolute tolerance has no round-off to heed.
+    second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=FINER * given.atol))
+    return (values_of(second, rows) for rows in kane_analysis(second, run).rows())
+
+
+class TreeCount(NoCount):
+    """Evaluations, and how far the energy drifts; that of a one-way tree is not constant."""
+
+    def __init__(self, clock, tree: Tree, absolute: bool):
+        self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
+        self.drift = EnergyDrift()
+
+    def add(self, values: dict) -> None:
+        """Count a block of values."""
+        self.drift.add(values)
+
+    @property
+    def doubts(self) -> tuple[Fault, ...]:
+        """What the energy of the rows makes doubtful."""
+        return () if self.one_way else self.drift.doubts
+
+    def __str__(self) -> str:
+        clock = self.clock[0]
+        counts = f"{clock['evaluations']} evaluations, {clock['rejections']} rejected steps"
+        lead = "absolute coordinates: " if self.absolute else ""
+        return f"{lead}{counts}" if self.one_way else f"{lead}{counts}; {self.drift}"

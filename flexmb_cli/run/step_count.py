@@ -1,0 +1,34 @@
+"""What is counted of the dynamics of a mechanism under constraints."""
+
+from ..errors import Fault
+from .energy_drift import ConstrainedDrift
+from .solution import NoCount
+
+
+class StepCount(NoCount):
+    """Steps, residuals and drift of energy so far; an inverse run takes no steps of its own."""
+
+    def __init__(self, clock=None, drift: ConstrainedDrift | None = None):
+        self.clock, self.drift = clock, drift
+        self.residual = 0.0
+
+    def add(self, values: dict) -> None:
+        """Count a block of values."""
+        self.residual = max(self.residual, float(values["audit/constraint_residual"].max()))
+        if self.drift is not None:
+            self.drift.add(values)
+
+    @property
+    def doubts(self) -> tuple[Fault, ...]:
+        """What the energy of the rows makes doubtful."""
+        return self.drift.doubts if self.drift else ()
+
+    def __str__(self) -> str:
+        worst = f"largest residual {self.residual:.1e}"
+        if self.clock is None:
+            return worst
+        clock = self.clock[0]
+        return (
+            f"steps {clock['steps']}, evaluations {clock['evaluations']}, "
+            f"rejected attempts {clock['rejections']}; {worst}{f'; {self.drift}' if self.drift else ''}"
+        )

@@ -1,0 +1,81 @@
+"""A mechanism of flexible bodies in two floating frames, which its dialect makes.
+
+With all modes both hold the same deformations: the two models are one and the same.
+"""
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...dialects.recognise import dialect_named
+from ...errors import Fault, ModelError
+from ...model.fe_model import Integrator
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...quick_dataclass import fields, replace
+from ..context import Run
+from ..model import folder_of
+from ..outcome import Stop
+from .difference import Difference, largest_difference
+
+FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
+TOLERANCE = 1e-9
+SERIES = (
+    ("point position", "m", "point_position"),
+    ("point velocity", "m/s", "point_velocity"),
+    ("point acceleration", "m/s^2", "point_acceleration"),
+)
+FORCES = (
+    ("reaction force", "N", "reaction_force"),
+    ("reaction torque", "N m", "reaction_torque"),
+    ("force of pins", "N", "holding_force"),
+    ("driver effort", "N, N m", "driver_effort"),
+)
+ENERGIES = ("kinetic", "potential", "strain")
+
+
+def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Difference, ...]:
+    """Run `deck` in both frames and return what the motions differ in.  Raises FlexmbError."""
+    dialect = dialect_named(deck.dialect)
+    if not dialect.second_model:
+        message = f"decks of dialect {dialect.name} have no second model to compare with"
+        raise ModelError([Fault("error", message, id="RUN-011")])
+    second = dialect.part(dialect.second_model)(deck, folder_of(run), mechanism)
+    (one, unique), (other, _) = (_rows(_finely(model, run.options)) for model in (mechanism, second))
+    run.outcome.rows = one["time"].size
+    return tuple(_differences(mechanism, one, other, unique))
+
+
+def _finely(mechanism, options):
+    """Return the mechanism with steps finer than it is compared."""
+    given = mechanism.integrator
+    method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
+    tolerance = options.integration.get("rtol", TOLERANCE)
+    return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
+
+
+def _rows(mechanism):
+    """Return the rows by their fields, and whether no equation repeats others."""
+    from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
+
+    analysis, blocks = FlexibleDynamics(mechanism), []
+    for block in analysis.rows():
+        blocks.append(block)
+        Stop.heed()
+    names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
+    rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
+    return rows, not analysis.found.redundant
+
+
+def _differences(mechanism, one, other, unique):
+    time = one["time"]
+    for name, unit, key in SERIES + (FORCES if unique else ()):
+        if one[key].size:
+            yield largest_difference(name, unit, time, one[key], other[key])
+    rigid = [k for k, body in enumerate(mechanism.bodies) if body.flexible is None]
+    if rigid:
+        for name, unit, key in (("position", "m", "position"), ("velocity", "m/s", "velocity")):
+            yield largest_difference(
+                f"rigid body {name}", unit, time, one[key][:, rigid], other[key][:, rigid]
+            )
+    moved = max(np.max(np.abs(one[name])) for name in ("kinetic", "strain"))
+    for name in ENERGIES:
+        yield largest_difference(f"{name} energy", "J", time, one[name], other[name], moved)

@@ -1,0 +1,87 @@
+"""A tree by two formulations: Kane's equations and absolute coordinates."""
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
+from ...quick_dataclass import replace
+from ..context import Run
+from ..outcome import Stop
+from ..solutions.tree import absolute_analysis, kane_analysis, values_of
+from .difference import Difference, largest_difference
+
+FORMULATIONS = "Kane's equations and absolute coordinates"
+# Both march more closely than they are compared; deflections are small against a metre.
+RTOL, ATOL = 1e-11, 1e-13
+
+ENERGIES = ("kinetic", "potential", "strain", "total")
+POINTS = {"position": "m", "velocity": "m/s"}
+
+
+def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
+    """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
+    given = {"method": "dop853", "rtol": RTOL, "atol": ATOL} | run.options.integration
+    tree = replace(tree, integration=replace(tree.integration, **given))
+    found = compare(tree, *_motions(tree, run))
+    run.outcome.rows = tree.time.rows
+    return found
+
+
+def _motions(tree, run):
+    """Values of both formulations, whole runs by the paths of their datasets."""
+    analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
+    run.listener.begin(2 * tree.time.rows)
+    absolute, kane = (
+        _joined([values_of(tree, rows) for rows in _heard(analysis.rows(), run.listener)])
+        for analysis in analyses
+    )
+    return kane, absolute
+
+
+def _heard(blocks, listener):
+    for block in blocks:
+        yield block
+        Stop.heed()
+        listener.advance(len(block.time))
+
+
+def _joined(blocks):
+    return {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]}
+
+
+def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
+    """What two motions of a tree differ in, quantity by quantity."""
+    found = [*_coordinates(tree, kane, absolute)]
+    for kind, unit in POINTS.items():
+        for place in ("body", "point"):
+            path = f"{place}/{kind}"
+            found.append(_largest(f"{place} {kind}", unit, kane, kane[path], absolute[path]))
+    attitudes = kane["body/euler_parameters"], absolute["body/euler_parameters"]
+    # p and -p are one attitude.
+    signs = np.where(np.sum(attitudes[0] * attitudes[1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
+    found.append(_largest("body attitude", "1", kane, attitudes[0], signs * attitudes[1]))
+    path = "body/angular_velocity"
+    found.append(_largest("body angular velocity", "rad/s", kane, kane[path], absolute[path]))
+    moved = max(np.max(np.abs(kane[f"energy/{name}"])) for name in ("kinetic", "strain"))
+    for name in ENERGIES:
+        pair = kane[f"energy/{name}"], absolute[f"energy/{name}"]
+        found.append(_largest(f"{name} energy", "J", kane, *pair, scale=moved))
+    return tuple(found)
+
+
+def _coordinates(tree, kane, absolute):
+    """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
+    kinds = np.array([c.motion for c in tree.coordinates])
+    ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
+    for kind, unit in ((ROTATION, "rad"), (TRANSLATION, "m"), (ELASTIC, "m")):
+        for path, name, per in (("coordinate/q", "coordinates", ""), ("coordinate/u", "speeds", "/s")):
+            own = kinds == kind
+            if path == "coordinate/q":
+                own &= ~np.array(ball, bool)
+            if own.any():
+                pair = kane[path][:, own], absolute[path][:, own]
+                yield _largest(f"{kind} {name}", unit + per, kane, *pair)
+
+
+def _largest(name, unit, kane, one, other, scale=None):
+    return largest_difference(name, unit, kane["time"], one, other, scale)
