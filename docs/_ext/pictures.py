@@ -8,8 +8,8 @@
 import subprocess
 import sys
 
-from gallery import gallery
 from deck_runs import DOCS, RESULTS, TOP, digest, flexmb, program, solved
+from gallery import gallery
 
 PICTURES = DOCS / "pictures"
 REPRODUCTION = TOP / "scripts" / "reproduction"

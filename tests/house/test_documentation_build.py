@@ -10,10 +10,10 @@ TOP = Path(__file__).resolve().parents[2]
 DOCS = TOP / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
 
+import deck_runs  # noqa: E402
 import gallery  # noqa: E402
 import links  # noqa: E402
 import pictures  # noqa: E402
-import deck_runs  # noqa: E402
 
 DECKS = [
     deck for where, pattern in gallery.FOLDERS.values() for deck in (TOP / "decks" / where).glob(pattern)
