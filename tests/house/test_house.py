@@ -21,6 +21,8 @@ LAYERS = ("errors", "deck", "model", "fe", "kernels", "solvers", "dialects", "re
 LIGHT, HEAVY = ("deck", "model", "dialects", "results"), ("numba", "scipy")
 FOREIGN_FORMATS = "results/files/matlab.py"
 MODULES = sorted(PACKAGE.rglob("*.py"))
+# Decks whose bodies have more coordinates than `fe.linear_algebra.DENSE`: their matrices are sparse, SciPy's.
+OF_SPARSE_MATRICES = ("strap_medium", "strap_fine")
 MOST_FILES = 25  # in a folder
 
 
@@ -154,7 +156,11 @@ def test_no_folder_is_crowded():
         ["new", "--help"],
         ["check", "decks/young/IN4-BAR.dat"],
         ["check", "decks/dafms/fourbar_flex.DAT"],
-        *(["check", f"decks/vsdf/{deck.name}"] for deck in sorted((DECKS / "vsdf").glob("*.vsdf"))),
+        *(
+            ["check", f"decks/vsdf/{deck.name}"]
+            for deck in sorted((DECKS / "vsdf").glob("*.vsdf"))
+            if deck.stem not in OF_SPARSE_MATRICES
+        ),
         ["beam", "--length", "1", "--nodes", "2", "--ei", "1", "--rho", "1"],
         ["diff", "README.md", "README.md"],
         ["diff", "{result}", "{result}"],
