@@ -12,7 +12,8 @@ from flexmb_cli.fe.build_mechanism import euler_parameters, flexible_mechanism
 from tests.dialects.vsdf.vsdf_decks import DECKS, RIGID, build, changed, read, supplied
 
 # Nine modes are the paper's pendulum and rod.
-MODES = {"spinup": 12, "slider_crank_flex": 6}
+STRAPS = dict.fromkeys(("strap_coarse", "strap_medium", "strap_fine"), 3)
+MODES = {"spinup": 12, "slider_crank_flex": 6, "slider_crank_stress": 6, "blade": 144, **STRAPS}
 
 
 def mechanism(text):

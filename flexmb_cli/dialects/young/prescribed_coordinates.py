@@ -9,14 +9,13 @@ from array import array
 from collections.abc import Iterator
 from itertools import chain, groupby
 
-import numpy as np
-
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Mechanism
 from ...quick_dataclass import dataclass
 
 SAME = 1e-12
+MANY = 10_000  # holds
 NO_ATTITUDE = 1e-9
 
 _NAMES = {1: "x", 2: "y", 3: "z", 4: "the angle about x", 5: "the angle about y", 6: "the angle about z"}
@@ -54,14 +53,24 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
         _check_attitude(of_body, findings)
 
 
+def _sorted_places(held):
+    """The places of numbers in ascending order of the numbers, equal ones as they stand."""
+    if len(held) < MANY:
+        return sorted(range(len(held)), key=held.__getitem__)
+    # Small decks are read without numpy; of a large one a list of places would take six times the memory.
+    import numpy as np
+
+    return memoryview(np.argsort(held, kind="stable"))
+
+
 def _by_bodies(mechanism, findings) -> Iterator[list[_Hold]]:
     """What holds each body; of the holds of a large deck those of one body at a time."""
     by_body: dict[int, list[_Hold]] = {}
     for hold in _of_grounds(_worth_looking_at(_first_grounds(mechanism, findings), mechanism)):
         by_body.setdefault(hold.body, []).append(hold)
     held = array("i", (item.body for item in chain(mechanism.simplified, mechanism.drivers)))
-    order, given = np.argsort(held, kind="stable"), len(mechanism.simplified)
-    for body, places in groupby(order.tolist(), key=held.__getitem__):
+    order, given = _sorted_places(held), len(mechanism.simplified)
+    for body, places in groupby(order, key=held.__getitem__):
         own = by_body.setdefault(body, [])
         own += (_of(mechanism, k, given) for k in places)
         yield by_body.pop(body)
