@@ -112,7 +112,6 @@ def identity_of(deck: Deck, solution: Solution, run: Run) -> dict:
         "deck": f"{deck.model}:{deck.source.name}" if deck.model else deck.source.name,
         "text of the deck": deck.source.sha256,
         "--set": list(run.options.changes),
-        "options": list(deck.options),
         **solution.identity,
         **({"--estimate-error": True} if run.options.estimate_error else {}),
     }

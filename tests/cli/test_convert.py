@@ -138,9 +138,9 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
     [
         ("dafms/pendulum.DAT", "mjcf", "body 1: the body is flexible; --to mjcf is for rigid trees"),
         ("dafms/fourbar_rigid.DAT", "mjcf", "MuJoCo closes loops softly"),
-        ("young/IN4-BAR.dat", "mjcf", "this is a YOUNG deck"),
-        ("young/IN4-BAR.dat", "exudyn", "YOUNG decks with DYNAMICS forward"),
-        ("vsdf/pendulum.vsdf", "exudyn", "YOUNG decks with DYNAMICS forward"),
+        ("young/IN4-BAR.dat", "mjcf", "takes trees of bodies"),
+        ("young/IN4-BAR.dat", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
+        ("vsdf/pendulum.vsdf", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
     ],
 )
 def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, form, told, tmp_path):

@@ -24,6 +24,7 @@ from flexmb_cli.run.outcome import Outcome
 
 pytestmark = pytest.mark.processes
 
+ALWAYS = ("FEMN", "RIGI", "GRAV", "TIME", "INTG")  # cards that the dialogue does not count
 TOP = Path(__file__).resolve().parents[2]
 FOUR_BAR = TOP / "decks" / "young" / "IN4-BAR.dat"
 NEW = [sys.executable, "-m", "flexmb_cli", "new"]
@@ -291,9 +292,11 @@ def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
 
     monkeypatch.setattr("flexmb_cli.run.check.check.check_deck", build_only)
     (tmp_path / "fe").symlink_to(TOP / "decks" / "vsdf" / "fe")
-    counted = sum(card.word not in ("FEMN", "FEMM", "FEMK", "RIGI", "GRAV", "TIME", "INTG") for card in CARDS)
-    files = ["TXT fe/pendulum_nodes.txt", "MM fe/pendulum_M.mtx", "MM fe/pendulum_K.mtx"]
-    lines = ["rod", "1" + " 0" * (counted - 1), "FLEX 9 1 13 9", *files, "0 0 -9.81", "1 0.1 0", "", "", ""]
+    counts = " ".join(
+        "1" if card.word in ("BODY", "FEMM", "FEMK") else "0" for card in CARDS if card.word not in ALWAYS
+    )
+    files = ["TXT fe/pendulum_nodes.txt", "1 MM fe/pendulum_M.mtx", "1 MM fe/pendulum_K.mtx"]
+    lines = ["rod", counts, "FLEX 9 1 13 9", *files, "0 0 -9.81", "1 0.1 0", "", "", ""]
     done = CliRunner().invoke(
         cli, ["new", "vsdf", "-o", str(tmp_path / "rod.vsdf")], input="".join(f"{line}\n" for line in lines)
     )
@@ -305,12 +308,10 @@ def test_a_vsdf_deck_finds_its_files_beside_itself(tmp_path, monkeypatch):
 def test_a_flexible_vsdf_deck_through_a_pipe_passes_the_real_check(tmp_path):
     """The supplied pendulum of 9 modes; its numbers are those of decks/vsdf/pendulum.vsdf."""
     (tmp_path / "fe").symlink_to(TOP / "decks" / "vsdf" / "fe")
-    always = ("FEMN", "FEMM", "FEMK", "RIGI", "GRAV", "TIME", "INTG")
-    counts = " ".join(
-        "1" if card.word in ("BODY", "JOIN", "OUTN") else "0" for card in CARDS if card.word not in always
-    )
-    lines = ["rod", counts, "FLEX 9 1 13 9", "TXT fe/pendulum_nodes.txt", "MM fe/pendulum_M.mtx"]
-    lines += ["MM fe/pendulum_K.mtx", "REVO 0 0 0 1 1 5", "", "", "", "1 51"]
+    once = ("BODY", "FEMM", "FEMK", "JOIN", "OUTN")
+    counts = " ".join("1" if card.word in once else "0" for card in CARDS if card.word not in ALWAYS)
+    lines = ["rod", counts, "FLEX 9 1 13 9", "TXT fe/pendulum_nodes.txt", "1 MM fe/pendulum_M.mtx"]
+    lines += ["1 MM fe/pendulum_K.mtx", "REVO 0 0 0 1 1 5", "", "", "", "1 51"]
     lines += ["0 0 -9.81", "0.5 5e-4 5e-5", "GALF 0.9", ""]
     done = piped("-o", "rod.vsdf", lines=lines, cwd=tmp_path, dialect="vsdf")
     assert (done.returncode, done.stderr) == (

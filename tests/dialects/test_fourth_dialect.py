@@ -93,7 +93,7 @@ def test_two_formulations_agree_on_it(deck):
 
 def test_options_of_other_dialects_have_no_effect_on_it(deck, tmp_path):
     told = command("run", deck, "-o", tmp_path, "--feps", "1e-6").stderr
-    assert "--feps is for YOUNG decks and has no effect here" in told
+    assert "--feps has no effect on this SWING deck" in told
 
 
 def test_a_file_that_no_dialect_knows_is_told_what_each_looks_for(deck):

@@ -65,8 +65,8 @@ def test_an_interrupted_run_is_marked_and_keeps_its_rows(tmp_path):
     assert outcome.status == "interrupted"
     with h5py.File(tmp_path / "pendulum.h5") as file:
         assert (file.attrs["status"], file.attrs["message"]) == ("failed", "interrupted")
-        assert file["coordinate/q"].shape == (512, 2)
-    assert len((tmp_path / "pendulum.T2").read_text().splitlines()) == 512
+        assert file["coordinate/q"].shape == (2048, 2)
+    assert len((tmp_path / "pendulum.T2").read_text().splitlines()) == 2048
     assert (tmp_path / "pendulum.resume").exists()
 
 

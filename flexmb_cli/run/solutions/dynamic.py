@@ -43,7 +43,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         partial(unit_doubts, model),
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
-        {} if stepped else dict(run.options.solver),
+        dict(run.options.integration if stepped else run.options.solver),
         stepped or not analysis.one_block,
     )
 

@@ -39,7 +39,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         partial(unit_doubts, mechanism),
         analysis.warnings,
         partial(finer_motion, partial(_analysis, mechanism), values),
-        {"bodies": _digest(analysis.system)},
+        {"bodies": _digest(analysis.system), **run.options.integration},
     )
 
 

@@ -360,7 +360,7 @@ FLEXIBLE_MODELS = [
         supplied("pendulum", ("JOIN\n", "GEOS\n    1    1\nJOIN\n")),
         lambda deck: [
             "11:10: error: stiffening of body 1: centrifugal stiffening needs geometric stiffness matrices, "
-            "cards FEMG, or E and nu of the bricks in the node table's file"
+            "cards FEMG, or E and nu of the elements in the node table's file, on GEOS or on MATL"
         ],
     ),
     (
