@@ -1,3 +1,22 @@
-"""flexmb: kinematics and dynamics of rigid and flexible multibody systems from legacy decks."""
+"""flexmb: kinematics and dynamics of rigid and flexible multibody systems from legacy decks.
+
+The Python interface is imported when it is used: `read_deck`, `check`, `solve`, `sweep`, `Result`.
+"""
+
+from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from .interface import FlexmbError, OpenDeck, Result, check, read_deck, solve, sweep
+
+__all__ = ["FlexmbError", "OpenDeck", "Result", "__version__", "check", "read_deck", "solve", "sweep"]
+
+
+def __getattr__(name: str) -> object:
+    """Import the interface when a name of it is used: commands start without numpy."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from . import interface
+
+    return getattr(interface, name)

@@ -62,6 +62,12 @@ class Solution:
         """Yield the blocks of values; raises as the analysis does."""
         return map(self.values, self.analysis.rows())
 
+    def blocks_counted(self) -> Iterator[dict]:
+        """Yield the blocks of values and count them."""
+        for values in self.blocks():
+            self.count.add(values)
+            yield values
+
 
 def solution_of(model, run: Run) -> Solution:
     """Return the solution of a model; raises ModelError."""

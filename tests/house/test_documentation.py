@@ -57,6 +57,15 @@ def test_every_command_runs_and_prints_what_is_shown(page, tmp_path):
         assert shown or (not lines and done.returncode == 0), command
 
 
+def test_the_interface_prints_what_its_page_shows(tmp_path):
+    page = (DOCS / "reference/python.md").read_text("utf-8")
+    block, shown = re.search(r"```python\n(.*?)```.*?```text\n(.*?)```", page, re.DOTALL).groups()
+    (tmp_path / "IN4-BAR.dat").write_bytes((TOP / "decks/young/IN4-BAR.dat").read_bytes())
+    run = [sys.executable, "-c", block]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout == shown
+
+
 def test_the_reading_examples_read_the_four_bar(tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", (DOCS / "how-to/python.md").read_text("utf-8"), re.DOTALL)
     run = [sys.executable, "-m", "flexmb_cli", "run", str(TOP / "decks/young/IN4-BAR.dat"), "-q"]

@@ -1,0 +1,99 @@
+"""The Python interface: motions in memory are those of closed forms and of the files of `flexmb run`."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import flexmb_cli
+from flexmb_cli import FlexmbError, check, read_deck, solve, sweep
+from flexmb_cli.cli.run import run
+from flexmb_cli.errors import AnalysisError
+
+DECKS = Path(__file__).resolve().parents[1] / "decks"
+FOUR_BAR = DECKS / "young/IN4-BAR.dat"
+
+
+def test_the_crank_turns_as_its_driver_says():
+    """Point 1 sits 2 m along z of the crank, which turns about x: z = 2 cos(B t)."""
+    result = solve(read_deck(FOUR_BAR, changes={"driver.1.B": 3.0}))
+    assert result.status == "complete" and not result.warnings
+    assert result["body/position"].shape == (26, 4, 3)
+    np.testing.assert_allclose(result["point.1.z"], 2 * np.cos(3.0 * result.time), rtol=0, atol=1e-12)
+    assert (result.unit("point.1.z"), result.unit("body/velocity"), result.unit("time")) == ("m", "m/s", "s")
+
+
+@pytest.mark.parametrize("deck", ["young/IN4-BAR.dat", "dafms/pendulum.DAT"])
+def test_a_saved_result_is_the_file_of_the_command(deck, tmp_path):
+    solve(DECKS / deck).save(tmp_path / "saved.h5")
+    CliRunner().invoke(run, [str(DECKS / deck), "-q", "--h5", str(tmp_path / "run.h5"), "--no-out"])
+    assert (tmp_path / "saved.h5").read_bytes() == (tmp_path / "run.h5").read_bytes()
+
+
+def test_an_unknown_name_is_answered_with_near_ones():
+    with pytest.raises(KeyError, match=r"near it are point\.1"):
+        solve(FOUR_BAR)["point.9.z"]
+
+
+def test_several_numbers_need_a_table():
+    result = solve(FOUR_BAR)
+    with pytest.raises(KeyError, match="more than one number"):
+        result["point.1"]
+    pandas = pytest.importorskip("pandas")
+    table = result.to_pandas("point.1.z", "body.2.x")
+    assert isinstance(table, pandas.DataFrame)
+    np.testing.assert_array_equal(table["point.1.z"], result["point/position"][:, 0, 2])
+    assert table.index.name == "time"
+
+
+def test_xarray_sees_groups_with_units():
+    pytest.importorskip("h5netcdf")
+    tree = solve(FOUR_BAR).to_xarray()
+    assert tree["body"]["position"].attrs["units"] == "m"
+    assert tree["body"]["position"].shape == (26, 4, 3)
+
+
+def test_rows_before_a_lock_are_kept(tmp_path):
+    """The crank is driven along x, which its pivot does not allow: the exception holds what was solved."""
+    text = FOUR_BAR.read_text().replace("1 4 0 3.14159265 0", "1 1 0 1 0")
+    (tmp_path / "locked.dat").write_text(text.replace("\n0 2.5 0.1", "\n0 50 0.1"))
+    with pytest.raises(AnalysisError) as raised:
+        solve(tmp_path / "locked.dat")
+    assert raised.value.result.status == "failed"
+    assert raised.value.result.message
+
+
+def test_faults_of_a_deck_have_place_and_identifier():
+    with pytest.raises(FlexmbError) as raised:
+        read_deck(FOUR_BAR, changes={"driver.9.B": 1.0})
+    assert raised.value.faults[0].id and "driver" in raised.value.faults[0].message
+
+
+def test_check_reports_mobility():
+    report = check(FOUR_BAR)
+    assert (report.rank, report.free, report.outcome.exit_code) == (28, [], 0)
+
+
+def test_a_study_gives_columns():
+    """Of the supplied study: five speeds by two places of the point, ten cases that all run."""
+    table = sweep(DECKS / "studies/rssr.toml")
+    assert table["parameter/driver.1.B"].shape == (10,)
+    assert set(np.unique(table["parameter/point.1.x"])) == {0.0, 0.05}
+    assert np.isfinite(table["result/highest"]).all()
+    assert table["result/path"].shape[0] == 10
+
+
+@pytest.mark.processes
+def test_importing_the_package_loads_no_numerical_library():
+    code = "import sys, flexmb_cli; print(sorted({'numpy', 'h5py', 'click', 'numba'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_the_package_is_marked_as_typed():
+    assert (Path(flexmb_cli.__file__).parent / "py.typed").is_file()
+    with pytest.raises(AttributeError, match="no attribute 'solv'"):
+        _ = flexmb_cli.solv
