@@ -26,7 +26,9 @@ def test_the_crank_turns_as_its_driver_says():
     assert (result.unit("point.1.z"), result.unit("body/velocity"), result.unit("time")) == ("m", "m/s", "s")
 
 
-@pytest.mark.parametrize("deck", ["young/IN4-BAR.dat", "dafms/pendulum.DAT"])
+@pytest.mark.parametrize(
+    "deck", ["young/IN4-BAR.dat", pytest.param("dafms/pendulum.DAT", marks=pytest.mark.long_motion)]
+)
 def test_a_saved_result_is_the_file_of_the_command(deck, tmp_path):
     solve(DECKS / deck).save(tmp_path / "saved.h5")
     CliRunner().invoke(run, [str(DECKS / deck), "-q", "--h5", str(tmp_path / "run.h5"), "--no-out"])
