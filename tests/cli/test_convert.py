@@ -1,5 +1,6 @@
 """Models written for other programs, proved by running these: MuJoCo and Exudyn are independent of flexmb."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -150,3 +151,20 @@ def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, 
     assert told in " ".join(fault.sentence for fault in done.exception.faults)
     assert done.exception.file == str(DECKS / deck)
     assert not output.exists()
+
+
+def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
+    text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
+    deck = tmp_path / "driven.dat"
+    deck.write_text(re.sub(r"\nEND\b", "\nRAMP 1 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text))
+    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
+    assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
+
+
+def test_a_supplied_mechanism_is_written_for_exudyn(tmp_path):
+    """The script names every moving body of the deck and is Python; the test above runs such scripts."""
+    output = tmp_path / "bricard.py"
+    deck = DECKS / "young/dynamics/IN-BRICARD.dat"
+    assert CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(output)]).exit_code == 0
+    compile(output.read_text(), "bricard.py", "exec")
+    assert output.read_text().count("CreateRigidBody") == len(re.findall(r"^MASS", deck.read_text(), re.M))

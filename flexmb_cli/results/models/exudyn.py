@@ -92,10 +92,16 @@ def _foreign(model) -> Iterator[tuple]:
         if k not in heavy | still:
             yield "Exudyn needs a mass for every moving body", body.place, body.name
     for load in (*model.forces, *model.torques):
-        if load.table is not None:
+        if load.factor is not None:
             yield "loads over time do not convert", load.place, load.name
+    for spring in model.springs:
+        if GROUND in (spring.i, spring.j):
+            yield "springs to body 0 do not convert: end them on a grounded body", spring.place, spring.name
+    if model.elements:
+        yield "elements at joints do not convert", None, "deck"
 
 
+GROUND = -1  # body 0 of the cards
 _JOINTS = ("spherical", "revolute", "cylindrical", "translational")
 
 
