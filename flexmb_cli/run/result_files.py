@@ -45,14 +45,17 @@ class ResultFiles:
 
     def _open_result(self, deck, solution, only, with_errors):
         from ..results.hdf5.result_file import ResultFile
-        from ..results.quantities.selection import selected
 
         layout = solution.layout()
         if with_errors:
             from .error_estimate import with_errors as with_error_series
 
             layout = with_error_series(layout)
-        self.result = ResultFile(self.paths.h5, deck, selected(layout, deck, only))
+        if only:
+            from ..results.quantities.selection import selected
+
+            layout = selected(layout, deck, only)
+        self.result = ResultFile(self.paths.h5, deck, layout)
 
     @property
     def unfinished(self) -> tuple[str, ...]:
