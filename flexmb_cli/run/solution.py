@@ -108,6 +108,10 @@ def _journal(deck, solution, paths, run) -> Journal:
     if run.options.resume:
         journal.find()
         run.outcome.faults += journal.doubts
+        if journal.last_checkpoint is not None:
+            from .resumed import restore
+
+            restore(journal, solution.analysis, solution.layout())
     return journal
 
 
@@ -187,8 +191,7 @@ class _Keeper:
     def _blocks(self):
         """Blocks of values: those of a stopped run first, then what the analysis adds to the journal."""
         solution, journal = self.solution, self.journal
-        if (state := journal.last_checkpoint) is not None:
-            solution.analysis.restore(state)
+        if journal.last_checkpoint is not None:
             for values, _ in journal.stored():
                 # The second run is not kept: it begins anew.
                 yield self._with_errors(values)

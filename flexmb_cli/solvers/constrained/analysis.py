@@ -11,7 +11,7 @@ from ...kernels.integrators import constrained_dop853
 from ...model.arrays.law_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
-from ..checkpoint import arrays_in, faults_told, fill_arrays, told
+from ..checkpoint import arrays_in, faults_told, fill_arrays, row_of, told
 from ..singular.dynamic_singularities import (
     SINGULAR,
     PassedPositions,
@@ -121,8 +121,8 @@ class ConstrainedMotion:
         The start is made anew: it decides which equations repeat others.
         """
         self.start()
-        self.row, self.resumed, self.passed = int(checkpoint["row"]), True, PassedPositions(self)
-        self.warnings[:] = faults_told(checkpoint["warnings"])
+        self.row, self.resumed, self.passed = row_of(checkpoint), True, PassedPositions(self)
+        self.warnings[:] = faults_told(checkpoint)
         fill_arrays(checkpoint, march=self.march, work=self.work)
         self.passed.restore(checkpoint)
 

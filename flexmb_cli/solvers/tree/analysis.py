@@ -14,6 +14,7 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
+from ..checkpoint import row_of, taken
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
@@ -62,13 +63,20 @@ class TreeAnalysis:
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
-        return {"row": self.row, "clock": clock, "state": self.march.old.copy(), "attitude": self.attitude}
+        return {
+            "row": np.array(self.row),
+            "clock": clock,
+            "state": self.march.old.copy(),
+            "attitude": self.attitude,
+        }
 
     def restore(self, checkpoint: Mapping) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
-        self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
-        self.clock[:], self.march.z[:] = checkpoint["clock"], checkpoint["state"]
+        self.row = row_of(checkpoint)
+        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
+        self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
+        self.march.z[:] = taken(checkpoint, "state", self.march.z.shape)
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
