@@ -45,7 +45,10 @@ TUPLES = {
         "kernels.constrained.system:System",
         "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 ARM1 f1 MEASURE1 LOAD1 LAW1 f2 f1 GROUP1",
     ),
-    "Work": ("kernels.constrained.system:Work", "f4 f2 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2"),
+    "Work": (
+        "kernels.constrained.system:Work",
+        "f4 f2 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i2",
+    ),
     "Inertia": ("kernels.constrained.mass_matrix:Inertia", "MASS1 FLEXIBLE1 f3 f1"),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "March": ("kernels.integrators.constrained_dop853:March", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),

@@ -27,7 +27,7 @@ loads, laws, knots (k, 3): forces and what varies them.  gravity (3,).  groups: 
 Work = namedtuple(
     "Work",
     "rotations rows phi_q jacobian left factors order motions reduced mass modal arms spans turns vectors "
-    "rank quality pivots responses",
+    "rank quality pivots responses columns entries",
 )
 Work.__doc__ = """Arrays reused in every evaluation.
 
@@ -38,7 +38,8 @@ motions (n, n): in its first n - rank columns the free speeds.  reduced (n, n): 
 the mass matrix of the free speeds.  mass (b, 6, 6), modal: see `mass_matrix`.  arms (3, arms, 3) and spans
 (3, measures, 2, 3): see `arms`.  turns (turns,): the angles that joint springs expect, rad.  vectors
 (6, n + b): see the names below.  rank (1,) and quality (1,): of the order in use.  pivots (m,): see
-`singular_ahead`.  responses (loads, 8): see `elements`.
+`singular_ahead`.  responses (loads, 8): see `elements`.  columns (m, 1 + c), entries (m, n + 2): nonzero
+places of Jacobian and factors, see `rank_revealing_lu.factorise`.
 """
 A, RATE, REMAINDER = 0, 1, 2
 PHI, GAMMA, SCALED = 0, 1, 2
@@ -76,4 +77,40 @@ def make_work(system, turns):
         np.ones(1),
         np.zeros(m),
         np.zeros((system.loads.shape[0], 8)),
+        columns_of(system),
+        np.zeros((m, n + 2), np.int64),
     )
+
+
+@plain
+def columns_of(system):
+    """Columns (m, 1 + c) of each equation's Jacobian that may be other than zero, behind their number."""
+    first, bodies = system.bodies.shape[0], system.masses.shape[0]
+    found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
+    for row in range(first, system.row_scale.shape[0]):
+        arms, k = set(), row - first
+        while k >= 0:
+            measure = system.measures[k]
+            arms.update(map(int, measure["ends"].ravel() if measure["alpha"] else ()))
+            arms.update(int(measure[name]) for name in ("f", "g", "h") if measure["beta"])
+            k = int(measure["next"])
+        moved = (system.arms[arm] for arm in arms if arm >= 0)
+        found.append(
+            _speeds_of({(int(arm["body"]), int(arm["first"]), int(arm["modes"])) for arm in moved}, bodies)
+        )
+    columns = np.zeros((len(found), 1 + max(map(len, found), default=0)), np.int64)
+    for row, places in enumerate(found):
+        columns[row, 0] = len(places)
+        columns[row, 1 : 1 + len(places)] = places
+    return columns
+
+
+@plain
+def _speeds_of(parts, bodies):
+    """Sorted speeds that (body, first modal coordinate, number of modes) of some arms have; none at -1."""
+    speeds = set()
+    for body, first, modes in parts:
+        if body >= 0:
+            speeds.update(range(6 * body, 6 * body + 6))
+            speeds.update(range(6 * bodies + first, 6 * bodies + first + modes))
+    return sorted(speeds)
