@@ -7,23 +7,23 @@ state behind them must have the names, shapes and types that this run gives them
 from ..errors import Fault, ModelError
 from ..results.hdf5.result_file import TIME, Layout
 from ..solvers.checkpoint import OtherRun, row_of, taken
-from .checkpoint import Journal
+from .checkpoint import ResumeFile
 
 
-def restore(journal: Journal, analysis, layout: Layout) -> None:
-    """Restore the analysis from the last checkpoint of a journal whose blocks have the rows of `layout`.
+def restore(resume_file: ResumeFile, analysis, layout: Layout) -> None:
+    """Restore the analysis from the last checkpoint of a resume file whose blocks have the rows of `layout`.
 
     Raises ModelError where state or blocks are not of this run.
     """
     try:
-        analysis.restore(journal.last_checkpoint)
+        analysis.restore(resume_file.last_checkpoint)
         shapes = _shapes_of(layout)
-        rows = sum(_rows_of(values, shapes) for values, _ in journal.stored())
-        if rows != row_of(journal.last_checkpoint):
+        rows = sum(_rows_of(values, shapes) for values, _ in resume_file.stored())
+        if rows != row_of(resume_file.last_checkpoint):
             raise OtherRun("row")
     except OtherRun as found:
         message = (
-            f"--resume: {journal.path} holds {found.args[0]!r} of another shape or type than this run does; "
+            f"--resume: {resume_file.path} holds {found.args[0]!r} of another shape or type than this run does; "
             "run without --resume to start anew"
         )
         raise ModelError([Fault("error", message, id="RUN-040")]) from found

@@ -56,13 +56,13 @@ def _walk(record, prefix) -> Iterator[tuple[str, np.ndarray]]:
             yield path, value
 
 
-def told(warnings: list[Fault]) -> np.ndarray:
+def reported(warnings: list[Fault]) -> np.ndarray:
     """Return faults as an array of one text."""
     return np.array(json.dumps([fault.as_record() for fault in warnings]))
 
 
-def faults_told(stored: Mapping) -> list[Fault]:
-    """Return the faults that `told` was given as the `warnings` of a checkpoint.  Raises OtherRun."""
+def faults_reported(stored: Mapping) -> list[Fault]:
+    """Return the faults that `reported` was given as the `warnings` of a checkpoint.  Raises OtherRun."""
     try:
         return [Fault.of_record(record) for record in json.loads(str(stored["warnings"]))]
     except (ValueError, TypeError, KeyError, RecursionError) as fault:
