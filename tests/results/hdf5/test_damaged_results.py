@@ -34,8 +34,8 @@ def test_a_short_series_is_told_with_its_file_and_nothing_is_written(short, comm
     with pytest.raises(SystemExit) as ended:
         main()
     assert ended.value.code == 2
-    told = "r.h5: error: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
-    assert told in capsys.readouterr().err
+    reported = "r.h5: error: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
+    assert reported in capsys.readouterr().err
     assert not list(short.parent.glob("made*"))
 
 
@@ -48,5 +48,5 @@ def test_a_result_of_a_later_layout_is_refused_and_not_read_by_guess(tmp_path, m
     with pytest.raises(SystemExit) as ended:
         main()
     assert ended.value.code == 2
-    told = "written by flexmb 0.9.0 in the layout flexmb-3; this flexmb reads layouts up to 2"
-    assert told in capsys.readouterr().err
+    reported = "written by flexmb 0.9.0 in the layout flexmb-3; this flexmb reads layouts up to 2"
+    assert reported in capsys.readouterr().err
