@@ -41,7 +41,7 @@ def convert(deck, form, output, changes, unit, to_unit, quiet):
     """
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
+    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     stem = "flexmb" if deck == "-" else PurePath(deck).stem
     output = output or f"{stem}{SUFFIX[form]}"
@@ -53,14 +53,16 @@ def convert(deck, form, output, changes, unit, to_unit, quiet):
     else:
         write_whole(output, text.encode("utf-8"))
     if not quiet:
-        tell(f"{deck} → {told(output)}")
+        tell(f"{deck} → {reported(output)}")
 
 
 def _check_units(form, unit, to_unit):
     """Other programs get SI units, as decks of most dialects do."""
     if unit != "m" and form in PROGRAMS:
-        told = f"--unit is for conversion between decks: convert the deck to SI units first, then to {form}"
-        raise click.UsageError(told)
+        reported = (
+            f"--unit is for conversion between decks: convert the deck to SI units first, then to {form}"
+        )
+        raise click.UsageError(reported)
     if to_unit != "m" and not (form in DECKS and DECKS[form].any_units):
         free = ", ".join(name for name, each in DECKS.items() if each.any_units)
         raise click.UsageError(f"--to-unit is for --to {free}; {form} is in SI units")

@@ -55,7 +55,7 @@ def _deck_of(deck, run, form, units):
             raise ModelError([Fault("error", message, id="RUN-061")])
     found = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
     found = in_units(found, *(UNITS[name] for name in units))
-    text = new.part(new.rigid_deck)(found, _title(deck), UNITS[units[1]].told)
+    text = new.part(new.rigid_deck)(found, _title(deck), UNITS[units[1]].reported)
     _refuse_unreadable(text, form, run)
     return text
 
@@ -69,8 +69,8 @@ def _refuse_unreadable(text, form, run):
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
     except DeckError as failure:
-        told = "; ".join(fault.sentence for fault in failure.faults if fault.severity == "error")
-        message = f"the deck cannot be a {dialect_named(form).title} deck: {told}"
+        reported = "; ".join(fault.sentence for fault in failure.faults if fault.severity == "error")
+        message = f"the deck cannot be a {dialect_named(form).title} deck: {reported}"
         raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 

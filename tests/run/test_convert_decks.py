@@ -103,8 +103,11 @@ def test_a_supplied_deck_moves_alike_in_other_dialects_or_is_refused_with_the_re
             continue
         with pytest.raises(ModelError) as stopped:
             converted(str(DECKS / deck), form)
-        told = " ".join(fault.sentence for fault in stopped.value.faults)
-        assert REFUSED.get((deck, form), f"a {own.upper()} deck already" if form == own else WHY[own]) in told
+        reported = " ".join(fault.sentence for fault in stopped.value.faults)
+        assert (
+            REFUSED.get((deck, form), f"a {own.upper()} deck already" if form == own else WHY[own])
+            in reported
+        )
 
 
 # A chain of every joint that a tree knows, and a free body; it begins at 0.5 s, all estimates are off, and
@@ -287,7 +290,7 @@ def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("form", "old", "new", "told"),
+    ("form", "old", "new", "reported"),
     [
         ("vsdf", "TSPRING 3", "TSTOP 3 -1 1 1e4\nTSPRING 3", "end stops are not converted"),
         ("vsdf", "TSPRING 3", "FRICTION 3 0.1 0.2 0.1 1e-3 0.1\nTSPRING 3", "dry friction is not converted"),
@@ -300,14 +303,14 @@ def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
         ("dafms", "8 0 1 1 1 2 1 1 0 0 0 1", "8 0 1 1 1 2 1 0 1 0 0 1", "no hinge like a screw joint"),
     ],
 )  # fmt: skip
-def test_what_a_dialect_does_not_know_is_refused_by_name_and_place(form, old, new, told, tmp_path):
+def test_what_a_dialect_does_not_know_is_refused_by_name_and_place(form, old, new, reported, tmp_path):
     text = CHAIN.replace(old, new)
-    if "screw" in told:
+    if "screw" in reported:
         text = text.replace(" -0.2 1 0\n", " -0.2 1 0 0.1\n")
     (tmp_path / "chain.dat").write_text(text)
     with pytest.raises(ModelError) as stopped:
         converted(str(tmp_path / "chain.dat"), form)
-    fault = next(fault for fault in stopped.value.faults if told in fault.sentence)
+    fault = next(fault for fault in stopped.value.faults if reported in fault.sentence)
     assert fault.place is not None and fault.subject
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...deck.fortran_fields import filled
 from ...errors import Fault, ModelError
 from ...model.exchange.chain import Link, chain_of
-from ...model.exchange.laws import points_of, polynomial_of, value_of
+from ...model.exchange.functions import points_of, polynomial_of, value_of
 from ...model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
 from ...model.joint_elements import ANGLE
 from ...model.vectors import euler_parameters
@@ -104,8 +104,8 @@ class _Deck:
         N, time = len(bodies), self.model.time
         return [
             _integers(N, 3), "DFMB",
-            *(self._freedoms(k, hung, 1) for k, hung in enumerate(bodies, start=1)),
-            *(self._freedoms(k, hung, 0) for k, hung in enumerate(bodies, start=1)),
+            *(self._dofs(k, hung, 1) for k, hung in enumerate(bodies, start=1)),
+            *(self._dofs(k, hung, 0) for k, hung in enumerate(bodies, start=1)),
             *_lists([0] * N), *_lists([0] * N), _integers(time.rows - 1), self._real(time.step),
             "CONN", *_lists([self.number[hung.link.parent] for hung in bodies]),
             *self._bodies("MASS", [[self._own(hung).mass] for hung in bodies]),
@@ -189,7 +189,7 @@ class _Deck:
                 velocity = velocity + sign * (own.velocity + np.cross(own.omega, hung.origin - own.r))
         return velocity
 
-    def _freedoms(self, k, hung, which):
+    def _dofs(self, k, hung, which):
         axes = hung.free(which)
         return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
@@ -223,8 +223,8 @@ class _Deck:
             if item.torque[axis - 1]
         ]
 
-    def _points(self, item, law):
-        points = points_of(law)
+    def _points(self, item, function):
+        points = points_of(function)
         if points is None:
             self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
         return points or []
@@ -237,35 +237,35 @@ class _Deck:
         """Springs, dampers, motors and prescribed motions."""
         springs, dampers, motors, tables, motions = [], [], [], [], []
         for item in self.model.joint_springs:
-            head = self._freedom(item)
+            head = self._dof(item)
             if item.stiffness:
                 springs.append(head + self._real(item.stiffness) + self._real(item.rest))
             if item.damping:
                 dampers.append(head + self._real(item.damping))
         for item in self.model.motors:
-            value = value_of(item.law)
+            value = value_of(item.function)
             if value is not None:
-                motors.append(self._freedom(item) + self._real(value))
+                motors.append(self._dof(item) + self._real(value))
             else:
-                tables.append(self._table(*self._place(item), self._points(item, item.law)))
+                tables.append(self._table(*self._place(item), self._points(item, item.function)))
         for item in self.model.joint_drivers:
-            c = polynomial_of(item.law)
+            c = polynomial_of(item.function)
             if c is None or len(c) > 3:
                 message = "DAFMS prescribes a coordinate as C + B t + A t^2/2 only"
                 self.refusals.add(item, message)
                 continue
             C, B, half = (*c, 0.0, 0.0)[:3]
-            motions.append(self._freedom(item) + "".join(self._real(x) for x in (C, B, 2.0 * half)))
+            motions.append(self._dof(item) + "".join(self._real(x) for x in (C, B, 2.0 * half)))
         cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
         return [line for word, entries in cards for line in self._entries(word, entries)]
 
     def _place(self, item):
-        """Body of the hinge, and the number of its freedom."""
+        """Body of the hinge, and the number of its degree of freedom."""
         k = self.hinge_of[item.joint]
         axis = self.hung[self.links[k - 1].body].axis
         return k, axis if item.coordinate == ANGLE else axis + 3
 
-    def _freedom(self, item):
+    def _dof(self, item):
         return _integers(*self._place(item))
 
     def _entries(self, word, entries):

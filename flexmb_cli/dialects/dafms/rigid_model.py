@@ -6,7 +6,7 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
-from ...model.exchange.laws import constant
+from ...model.exchange.functions import constant
 from ...model.exchange.rigid_model import (
     RADAU,
     CoordinateSpring,
@@ -20,7 +20,7 @@ from ...model.exchange.rigid_model import (
 from ...model.exchange.start import Start
 from ...model.joint_elements import ANGLE, STROKE, JointDriver, JointMotor
 from ...model.loads import AppliedForce, AppliedTorque
-from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionLaw
+from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import dataclass, replace
@@ -115,9 +115,9 @@ class _Conversion:
         kind = _KINDS.get(free)
         if kind is None or (kind == "cylindrical" and hinge.rotations != hinge.translations):
             name = self.tree.bodies[k].name
-            told = "free rotations {} and translations {}".format(*(_axes(a) for a in _freedoms(hinge)))
+            reported = "free rotations {} and translations {}".format(*(_axes(a) for a in _dofs(hinge)))
             self.refusals.add(
-                _Named(f"hinge of {name}", hinge.place), f"a hinge with {told} is no single joint"
+                _Named(f"hinge of {name}", hinge.place), f"a hinge with {reported} is no single joint"
             )
             return
         self.number[k] = len(joints)
@@ -188,16 +188,16 @@ class _Conversion:
             found = self._coordinate(item, "prescribed motion")
             if found:
                 # From 0 at the start, as joint coordinates here are.
-                law = MotionLaw(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
+                function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
                 name = f"motion of {self.tree.bodies[item.body].name}"
-                yield JointDriver(name, *found[:2], law, item.place)
+                yield JointDriver(name, *found[:2], function, item.place)
 
     def _motors(self):
         for item in self.tree.motors:
             found = self._coordinate(item, "motor")
             if found:
                 name = f"motor of {self.tree.bodies[item.body].name}"
-                yield JointMotor(name, *found[:2], _law(item.law), item.place)
+                yield JointMotor(name, *found[:2], _function(item.function), item.place)
 
     def _springs(self):
         for item in self.tree.springs:
@@ -214,16 +214,18 @@ class _Conversion:
         for item in self.tree.torques:
             name = f"torque of {self.tree.bodies[item.body].name}"
             axis = vector(np.eye(3)[item.axis - 1])
-            yield AppliedTorque(name, item.body, axis, factor=_law(item.law), place=item.place)
+            yield AppliedTorque(name, item.body, axis, factor=_function(item.function), place=item.place)
 
 
-def _law(table):
+def _function(table):
     if len(table.times) == 1:
         return constant(table.values[0])
-    return MotionLaw(HELD_TABLE, times=table.times, values=table.values, curvature=(0.0,) * len(table.times))
+    return MotionFunction(
+        HELD_TABLE, times=table.times, values=table.values, curvature=(0.0,) * len(table.times)
+    )
 
 
-def _freedoms(hinge):
+def _dofs(hinge):
     return hinge.rotations, hinge.translations
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.exchange.laws import points_of, polynomial_of, simple, value_of, without_jumps
+from ...model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
 from ...model.joint_elements import ANGLE
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
@@ -150,19 +150,19 @@ class _Deck:
             word = "ANGL" if item.coordinate == ANGLE else "STRK"
             found.append((item, word, item.joint + 1))
         return [
-            _record(n, word, target, *self._law(item))
+            _record(n, word, target, *self._function(item))
             for n, (item, word, target) in enumerate(found, start=1)
         ]  # fmt: skip
 
-    def _law(self, item):
-        law = simple(item.law)
-        c = polynomial_of(law)
+    def _function(self, item):
+        function = simple(item.function)
+        c = polynomial_of(function)
         if c is not None and len(c) <= 4:
             return (POLYNOMIAL, *c, *[0.0] * (4 - len(c)))
-        if law.kind in (SINE, SPIN_UP):
-            return law.kind, *law.c
-        if law.kind == TABLE:
-            return TABLE, float(self._table(list(zip(law.times, law.values, strict=True))))
+        if function.kind in (SINE, SPIN_UP):
+            return function.kind, *function.c
+        if function.kind == TABLE:
+            return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
         message = "VSDF moves by polynomials to the third power, a spin-up, a sine or a natural spline only"
         self.refusals.add(item, message)
         return ("",)
@@ -172,12 +172,12 @@ class _Deck:
         self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
-    def _factor(self, law, item):
+    def _factor(self, function, item):
         """A constant factor, and the number of a table."""
-        value = value_of(law)
+        value = value_of(function)
         if value is not None:
             return value, 0
-        points = points_of(law)
+        points = points_of(function)
         if points is None:
             self.refusals.add(item, "VSDF varies a load by straight lines only; give its function as TABLE")
             return 1.0, 0
@@ -205,7 +205,7 @@ class _Deck:
     def _motor(self, item):
         """A pair of loads along the axis, which turns with both bodies."""
         joint = self.model.joints[item.joint]
-        factor, table = self._factor(item.law, item)
+        factor, table = self._factor(item.function, item)
         axis = self.model.axis(joint)
         for body, P, sign in ((joint.i, joint.P_i, -1.0), (joint.j, joint.P_j, 1.0)):
             if body != GROUND:

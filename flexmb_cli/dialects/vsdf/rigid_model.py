@@ -7,7 +7,7 @@ import numpy as np
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
-from ...model.exchange.laws import constant, moved
+from ...model.exchange.functions import constant, moved
 from ...model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
@@ -79,9 +79,9 @@ class _Conversion:
             deck.time,
             vector(deck.gravity),
             (*joints, *pins),
-            (*(BodyDriver(m.name, m.target, _DIRECTIONS[m.kind], m.law, m.place) for m in drivers), *held),
+            (*(BodyDriver(m.name, m.target, _DIRECTIONS[m.kind], m.function, m.place) for m in drivers), *held),
             tuple(
-                JointDriver(m.name, m.target, _COORDINATES[m.kind], _from_zero(m.law), m.place)
+                JointDriver(m.name, m.target, _COORDINATES[m.kind], _from_zero(m.function), m.place)
                 for m in deck.motions
                 if m.kind in _COORDINATES
             ),
@@ -167,5 +167,5 @@ class _Conversion:
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 
-def _from_zero(law):
-    return moved(law, 0.0, law.at(0.0)[0])
+def _from_zero(function):
+    return moved(function, 0.0, function.at(0.0)[0])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.exchange.laws import constant, points_of, polynomial_of, simple, value_of, without_jumps
+from ...model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
 from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
 from ...model.joint_elements import ANGLE
 from ...model.joints import JOINT_TYPES
@@ -105,21 +105,21 @@ class _Deck:
 
     def _driver(self, n, item):
         """The record of a driver, and the card of one that follows a function."""
-        c = polynomial_of(item.law)
+        c = polynomial_of(item.function)
         if c is not None and len(c) <= 3:
             C, B, half = (*c, 0.0, 0.0)[:3]
             return _line(item.body + 1, item.direction, C, B, 2.0 * half), ""
-        number = self._function(item.law, item)
-        return _line(item.body + 1, item.direction, item.law.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
+        number = self._function(item.function, item)
+        return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
 
-    def _function(self, law, item):
+    def _function(self, function, item):
         """Number of a function card; 1 stands in where there is none."""
-        law, number = simple(law), len(self.functions) + 1
-        c, points = polynomial_of(law), points_of(law)
+        function, number = simple(function), len(self.functions) + 1
+        c, points = polynomial_of(function), points_of(function)
         if c is not None:
             self.functions.append(f"POLYNOMIAL {number} {_line(*c)}")
-        elif law.kind == SINE:
-            self.functions.append(f"SINE {number} {_line(*law.c)}")
+        elif function.kind == SINE:
+            self.functions.append(f"SINE {number} {_line(*function.c)}")
         elif points is not None:
             numbers = [x for point in without_jumps(points) for x in point]
             self.functions.append(f"TABLE {number} {_line(*numbers)}")
@@ -148,9 +148,9 @@ class _Deck:
             elif item.kind == "fixed":
                 cards.append(f"ANGLE {self.joint_number[id(item)]} {self._function(constant(0.0), item)}")
         for item in model.joint_drivers:
-            cards.append(f"{self._word(item, 'ANGLE', 'STROKE')} {self._function(item.law, item)}")
+            cards.append(f"{self._word(item, 'ANGLE', 'STROKE')} {self._function(item.function, item)}")
         for item in model.motors:
-            cards.append(f"{self._word(item, 'TMOTOR', 'AMOTOR')} {self._function(item.law, item)}")
+            cards.append(f"{self._word(item, 'TMOTOR', 'AMOTOR')} {self._function(item.function, item)}")
         for item in model.joint_springs:
             data = _line(item.stiffness, item.rest, item.damping)
             cards.append(f"{self._word(item, 'TSPRING', 'ASPRING')} {data}")

@@ -8,7 +8,7 @@ from ...deck.record import Deck
 from ...errors import Fault, ModelError
 from ...model.arrays.dynamic import inertia_matrix
 from ...model.attitudes import Attitudes
-from ...model.exchange.laws import constant, moved
+from ...model.exchange.functions import constant, moved
 from ...model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
@@ -27,7 +27,7 @@ from ...model.exchange.start import Pair, Start, angle_between, stroke_between
 from ...model.joint_elements import ANGLE, JointDriver, JointMotor
 from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
 from ...model.mechanism import Point, TimeGrid
-from ...model.time_functions import POLYNOMIAL, MotionLaw
+from ...model.time_functions import POLYNOMIAL, MotionFunction
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace
 from .dynamic_cards import analysis_of
@@ -93,12 +93,12 @@ class _Conversion:
             self._springs(),
             tuple(
                 AppliedForce(f.name, self.number[f.body], vector(f.force), vector(f.point), f.following,
-                             self._law(f.factor), f.place)
+                             self._function(f.factor), f.place)
                 for f in deck.forces if self.number[f.body] != GROUND
             ),
             tuple(
                 AppliedTorque(t.name, self.number[t.body], vector(t.torque), t.following,
-                              self._law(t.factor), t.place)
+                              self._function(t.factor), t.place)
                 for t in deck.torques if self.number[t.body] != GROUND
             ),
             tuple(
@@ -176,25 +176,27 @@ class _Conversion:
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
-    def _law(self, law):
-        return law and moved(law, self.mechanism.time.start)
+    def _function(self, function):
+        return function and moved(function, self.mechanism.time.start)
 
     def _drivers(self):
         """Drivers, and coordinates that are held, of bodies that move."""
         elements = self.deck.elements
-        driven = {item.item: item.law for item in elements.driven}
-        supported = {item.item: item.law for item in elements.supports}
+        driven = {item.item: item.function for item in elements.driven}
+        supported = {item.item: item.function for item in elements.supports}
         found = []
         for n, item in enumerate(self.mechanism.drivers):
-            law = driven.get(n) or MotionLaw(POLYNOMIAL, (item.C, item.B, 0.5 * item.A, 0.0))
-            found.append((item, law))
+            function = driven.get(n) or MotionFunction(POLYNOMIAL, (item.C, item.B, 0.5 * item.A, 0.0))
+            found.append((item, function))
         for n, item in enumerate(self.mechanism.simplified):
             if item.direction > 3:
                 self.refusals.add(item, "a held Euler parameter (directions 4 to 6) is not converted")
             found.append((item, supported.get(n) or constant(item.value)))
         return tuple(
-            BodyDriver(item.name, self.number[item.body], item.direction, self._law(law), item.place)
-            for item, law in found
+            BodyDriver(
+                item.name, self.number[item.body], item.direction, self._function(function), item.place
+            )
+            for item, function in found
             if self.number[item.body] != GROUND
         )
 
@@ -207,15 +209,15 @@ class _Conversion:
         return stroke_between(joint.s_i, joint.P_i, joint.P_j, first, now)
 
     def _joint_driver(self, item):
-        # The law is met at the start, whatever number of turns it begins with.
+        # The function is met at the start, whatever number of turns it begins with.
         time = self.mechanism.time.start
-        law = moved(item.law, time, item.law.at(time)[0])
-        return JointDriver(item.name, self.joints[item.joint], item.coordinate, law, item.place)
+        function = moved(item.function, time, item.function.at(time)[0])
+        return JointDriver(item.name, self.joints[item.joint], item.coordinate, function, item.place)
 
     def _motors(self):
         for item in self.deck.elements.motors:
             if item.joint in self.joints:
-                yield replace(item, joint=self.joints[item.joint], law=self._law(item.law))
+                yield replace(item, joint=self.joints[item.joint], function=self._function(item.function))
 
     def _joint_springs(self):
         """Springs without preload, and motors with the preload of those without stiffness."""
@@ -227,8 +229,8 @@ class _Conversion:
                 joint, name = self.joints[item.joint], item.name
                 rest = item.rest - self._offset(item.joint, item.coordinate)
                 if item.preload and not item.stiffness:
-                    law = constant(-item.preload)
-                    motors.append(JointMotor(name, joint, item.coordinate, law, item.place))
+                    function = constant(-item.preload)
+                    motors.append(JointMotor(name, joint, item.coordinate, function, item.place))
                 elif item.preload:
                     rest -= item.preload / item.stiffness
                 springs.append(

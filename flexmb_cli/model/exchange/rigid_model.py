@@ -12,7 +12,7 @@ from ...quick_dataclass import dataclass
 from ..joint_elements import JointDriver, JointMotor
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import Point, TimeGrid, Vector
-from ..time_functions import MotionLaw
+from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
 
 GROUND = -1
@@ -64,12 +64,12 @@ class RigidJoint:
 
 @dataclass(frozen=True)
 class BodyDriver:
-    """A coordinate of a body that follows a law: directions 1-3 x y z, 4-6 turns about global x y z."""
+    """A coordinate of a body that follows a function: directions 1-3 x y z, 4-6 turns about global x y z."""
 
     name: str
     body: int
     direction: int
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 

@@ -2,7 +2,7 @@
 
 from ...quick_dataclass import dataclass, replace
 from ..joint_elements import ANGLE
-from .laws import scaled
+from .functions import scaled
 from .rigid_model import RigidModel, vector
 
 _INCH, _POUND_FORCE = 0.0254, 4.4482216152605
@@ -10,11 +10,11 @@ _INCH, _POUND_FORCE = 0.0254, 4.4482216152605
 
 @dataclass(frozen=True)
 class Units:
-    """A consistent system: its units of length, m, and mass, kg; times are in s.  `told`: it in words."""
+    """A consistent system: its units of length, m, and mass, kg; times are in s.  `reported`: it in words."""
 
     length: float
     mass: float
-    told: str
+    reported: str
 
 
 UNITS = {
@@ -46,15 +46,15 @@ class _Scaling:
             gravity=_times(L, model.gravity),
             joints=tuple(self._joint(joint) for joint in model.joints),
             drivers=tuple(
-                replace(item, law=scaled(item.law, L if item.direction <= 3 else 1.0))
+                replace(item, function=scaled(item.function, L if item.direction <= 3 else 1.0))
                 for item in model.drivers
             ),
             joint_drivers=tuple(
-                replace(item, law=scaled(item.law, 1.0 if item.coordinate == ANGLE else L))
+                replace(item, function=scaled(item.function, 1.0 if item.coordinate == ANGLE else L))
                 for item in model.joint_drivers
             ),
             motors=tuple(
-                replace(item, law=scaled(item.law, T if item.coordinate == ANGLE else F))
+                replace(item, function=scaled(item.function, T if item.coordinate == ANGLE else F))
                 for item in model.motors
             ),
             joint_springs=tuple(self._joint_spring(item) for item in model.joint_springs),
@@ -83,9 +83,9 @@ class _Scaling:
         return replace(joint, **points, size=self.L * joint.size)
 
     def _joint_spring(self, item):
-        turns = item.coordinate == ANGLE
-        factor = self.torque if turns else self.M
-        rest = item.rest if turns else self.L * item.rest
+        revolutions = item.coordinate == ANGLE
+        factor = self.torque if revolutions else self.M
+        rest = item.rest if revolutions else self.L * item.rest
         return replace(item, stiffness=factor * item.stiffness, damping=factor * item.damping, rest=rest)
 
     def _spring(self, item):
