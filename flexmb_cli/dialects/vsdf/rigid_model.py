@@ -79,7 +79,7 @@ class _Conversion:
             deck.time,
             vector(deck.gravity),
             (*joints, *pins),
-            (*(BodyDriver(m.name, m.target, _DIRECTIONS[m.kind], m.function, m.place) for m in drivers), *held),
+            (*(_body_driver(motion) for motion in drivers), *held),
             tuple(
                 JointDriver(m.name, m.target, _COORDINATES[m.kind], _from_zero(m.function), m.place)
                 for m in deck.motions
@@ -169,3 +169,8 @@ class _Conversion:
 
 def _from_zero(function):
     return moved(function, 0.0, function.at(0.0)[0])
+
+
+def _body_driver(motion):
+    direction = _DIRECTIONS[motion.kind]
+    return BodyDriver(motion.name, motion.target, direction, motion.function, motion.place)
