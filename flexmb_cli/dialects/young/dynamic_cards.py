@@ -27,6 +27,9 @@ MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGN
 NAME = re.compile("DYNAMICS", re.IGNORECASE)
 # One word behind DYNAMICS, or none, is a slip rather than prose.
 NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
+# A misspelt DYNAMICS, told from prose by the word behind it.
+MISSPELT = re.compile(r"^[ \t]*([A-Z]{6,10}[:=,]?[ \t]+(?:inverse|forward))\b", re.IGNORECASE | re.MULTILINE)
+ALIKE = 0.75  # of the letters of two words
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 # A card without comments: its keyword and its numbers.
@@ -127,6 +130,8 @@ CARDS = (
     *JOINT_CARDS,
 )
 BY_KEYWORD = {card.keyword: card for card in CARDS}
+# A line that begins like a card.
+BEGINNING = re.compile(rf"^[ \t]*({'|'.join(BY_KEYWORD)})[ \t]+[-+.]?\d", re.IGNORECASE | re.MULTILINE)
 
 
 def read_young_deck(source: DeckText) -> Deck:
@@ -183,9 +188,36 @@ def _nearly_opening(deck):
     message = (
         "this line is read as prose; DYNAMICS inverse or DYNAMICS forward opens cards with masses and loads"
     )
+    near = False
     for n, line in _lines_behind(deck):
         if found := NEARLY.fullmatch(line):
+            near = True
             yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))), id="YOUNG-019")
+    lines = deck.source.lines
+    behind = lines.start_of(deck.one("time").at("step").place.line)
+    for found in () if near else MISSPELT.finditer(lines.text, behind):
+        if _resembles(found.group(1)):
+            near = True
+            place = Place(*lines.place_of(found.start(1)), len(found.group(1)))
+            yield Fault("warning", message, place, id="YOUNG-153")
+    if not near:
+        yield from _idle_card(lines, behind, "no line DYNAMICS inverse or DYNAMICS forward stands above it")
+
+
+def _resembles(words):
+    """Whether the first of two words was probably meant to be DYNAMICS."""
+    from difflib import SequenceMatcher
+
+    first = words.split()[0].rstrip(":=,").upper()
+    return SequenceMatcher(None, first, NAME.pattern).ratio() >= ALIKE
+
+
+def _idle_card(lines, start, why):
+    """Warn of the first line behind `start` that begins like a card, and is read as prose."""
+    if found := BEGINNING.search(lines.text, start):
+        keyword = found.group(1)
+        message = f"this line begins like the card {keyword.upper()}, but is read as prose: {why}"
+        yield Fault("warning", message, Place(*lines.place_of(found.start(1)), len(keyword)), id="YOUNG-154")
 
 
 @dataclass
@@ -220,6 +252,8 @@ class _Cards:
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == LAST_CARD:
+                    behind = self.source.lines.start_of(word.line)
+                    self.faults.extend(_idle_card(self.source.lines, behind, f"{LAST_CARD} closes the cards"))
                     return
             elif card:
                 card.append(word)

@@ -136,3 +136,21 @@ def test_a_line_that_nearly_opens_cards_is_told():
     assert deck.section("mass") == []
     assert [(f.severity, f.place.line, f.place.column) for f in deck.warnings] == [("warning", 4, 1)]
     assert "DYNAMICS inverse or DYNAMICS forward opens cards" in deck.warnings[0].message
+
+
+@pytest.mark.parametrize("line", ["DYNAMIC inverse", "DINAMICS forward", "dynamics: inverse"])
+def test_a_misspelt_opening_line_is_doubted_and_stays_prose(line):
+    deck = read(f"of 1996\n  {line}\nMASS 1 2 0 0 0 1 1 1\n")
+    (doubt,) = [fault for fault in deck.warnings if "read as prose" in fault.message]
+    assert doubt.place == (5, 3, len(line)) and not deck.section("mass")
+
+
+def test_a_card_without_an_opening_line_or_behind_the_end_is_doubted():
+    cards = "MASS 1 2 0 0 0 1 1 1\n"
+    for text, line, why in (
+        (f"of 1996\n{cards}", 5, "no line DYNAMICS inverse or DYNAMICS forward stands above it"),
+        (f"DYNAMICS forward\n{cards}END of cards\nmass of 2 kg\n{cards}", 8, "END closes the cards"),
+    ):
+        (doubt,) = read(text).warnings
+        assert (doubt.severity, doubt.place.line) == ("warning", line)
+        assert doubt.message.endswith(f"the card MASS, but is read as prose: {why}")
