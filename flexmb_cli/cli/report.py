@@ -15,7 +15,7 @@ from .terminal.written_place import WrittenPlace
 def report(result, output, quiet):
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
-    The page needs no network and shows the motion in any browser with WebGL 2: play, scrub, turn.
+    The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
 
     Of the table of a study: parallel coordinates and each result over the parameters; this needs plotly
     (the extra `report`).
