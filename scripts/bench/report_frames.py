@@ -89,7 +89,14 @@ def main():
     given = parser.parse_args()
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or shutil.which("google-chrome")
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--window-size=1100,800"):  # fmt: skip
+    # fmt: skip
+    for argument in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-dev-shm-usage",
+        "--disable-gpu",
+        "--window-size=1100,800",
+    ):
         options.add_argument(argument)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "page.html"

@@ -114,11 +114,11 @@ def test_shapes_change_no_number(folder, name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_every_number_of_a_shape_is_echoed(folder, name):
-    told = called(check, "--echo", written(folder, name)).output
-    sizes = re.findall(r"shape\.[12]\.(?:a|SA) .*radius", told)
+    reported = called(check, "--echo", written(folder, name)).output
+    sizes = re.findall(r"shape\.[12]\.(?:a|SA) .*radius", reported)
     assert len(sizes) == 2
     if "dafms" not in name:
-        assert re.search(r"shape_file\.1\.file +sub/wedge\.stl", told)
+        assert re.search(r"shape_file\.1\.file +sub/wedge\.stl", reported)
 
 
 @pytest.mark.parametrize(

@@ -66,9 +66,9 @@ def test_text_and_binary_give_the_closed_surface(tmp_path, content):
 )
 def test_damaged_files_are_refused(tmp_path, content, words):
     (tmp_path / "part.stl").write_bytes(content)
-    with pytest.raises(FEFileFault, match=words) as told:
+    with pytest.raises(FEFileFault, match=words) as reported:
         stl.read_stl(tmp_path / "part.stl")
-    assert str(told.value).startswith("part.stl") and told.value.id
+    assert str(reported.value).startswith("part.stl") and reported.value.id
 
 
 def test_a_file_that_is_missing_or_too_large_is_refused(tmp_path, monkeypatch):

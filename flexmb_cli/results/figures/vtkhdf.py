@@ -21,8 +21,8 @@ CELLS = ("Vertices", "Lines", "Strips", "Polygons")
 def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     """The file's bytes: bodies as lines, their marks as vertices; body numbers and displacements as arrays.
 
-    Bodies with shapes are polygons; with bodies whose elements the result holds, all are cells of a grid.  `displacement` is from the
-    first row, m; `body` is the number in the deck, 0 for the ground.
+    Bodies with shapes are polygons; with bodies whose elements the result holds, all are cells of a grid.
+    `displacement` is from the first row, m; `body` is the number in the deck, 0 for the ground.
     """
     scene = read_scene(result, rows)
     bodies = list(element_bodies(result, scene.body_names, rows))

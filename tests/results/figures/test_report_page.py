@@ -160,7 +160,7 @@ def test_large_models_have_fewer_frames():
 
 
 @pytest.mark.parametrize(
-    ("times", "told"),
+    ("times", "reported"),
     [
         (1.19e-7 + 0.00357174 * np.arange(4), ["0", "0.00357", "0.00714", "0.01072"]),
         (0.1 * np.arange(4), ["0", "0.1", "0.2", "0.3"]),
@@ -169,8 +169,8 @@ def test_large_models_have_fewer_frames():
         ([0.123456789012], ["0.123456789"]),
     ],
 )
-def test_times_at_the_slider_have_the_digits_that_tell_frames_apart(times, told):
-    assert rounded(np.array(times)) == told
+def test_times_at_the_slider_have_the_digits_that_tell_frames_apart(times, reported):
+    assert rounded(np.array(times)) == reported
 
 
 def test_energies_that_stay_at_zero_are_not_drawn_but_named(tmp_path):
@@ -323,7 +323,7 @@ def test_the_picture_is_not_blank(page):
 def test_a_tube_has_its_colour_its_width_and_its_name(page):
     """Tubes are 0.8 % of the diagonal of the box around the mechanism in radius, joints 1.2 %."""
     rest(page)
-    told = page.execute_script(
+    reported = page.execute_script(
         "const v = window.flexmb.viewer, camera = v.camera(), bar = v.lines.findIndex(one => !one.still);"
         "const e = v.lines[bar].edges, [p, q] = [0, 1].map(k => v.placed(camera, v.lines[bar].marks, e[k]));"
         "const middle = [0, 1].map(i => (p[i] + q[i]) / 2), across = [q[1] - p[1], p[0] - q[0]];"
@@ -333,7 +333,7 @@ def test_a_tube_has_its_colour_its_width_and_its_name(page):
         "return [v.lines[bar].name, v.names[v.raster.ownerAt(...middle, 1) - 1], wide,"
         " camera.radius, Math.hypot(...high.map((x, k) => x - low[k])) * Math.hypot(...camera.rows[0])]"
     )
-    name, picked, wide, radius, diagonal = told
+    name, picked, wide, radius, diagonal = reported
     assert picked == name
     assert radius == pytest.approx(0.008 * diagonal, rel=1e-6)
     assert abs(wide - 2 * radius) <= 2
@@ -444,7 +444,9 @@ done([counts, raster.owner[40 * 100 + 49], raster.owner[40 * 100 + 51]]);
 
 @pytest.mark.processes
 def test_what_is_nearer_hides_what_is_behind_and_inner_sides_are_not_drawn(page):
-    """Areas in pixels: the wall 80 x 60, the tilted square 60 x 40 that is in front of it up to its middle."""
+    """Areas in pixels: the wall 80 x 60, the tilted square 60 x 40 that is in front of it up to its
+    middle.
+    """
     counts, left, right = page.execute_async_script(RASTER)
     assert (left, right) == (2, 1)
     assert counts[1] == 80 * 60 - 30 * 40

@@ -1,4 +1,6 @@
-"""Shapes of rigid bodies in pictures: carried by their bodies, in the page and in VTKHDF, from the result alone."""
+"""Shapes of rigid bodies in pictures: carried by their bodies, in the page and in VTKHDF, from the result
+alone.
+"""
 
 import base64
 from dataclasses import replace
@@ -91,6 +93,6 @@ def test_vtk_reads_the_shapes_as_polygons_that_move(path, tmp_path):
 def test_damaged_shapes_are_told(path, dataset, index, value, words):
     with h5py.File(path, "r+") as file:
         file[dataset][index] = value
-        with pytest.raises(Exception, match=words) as told:
+        with pytest.raises(Exception, match=words) as reported:
             read_scene(file)
-    assert isinstance(told.value, Damaged) or value != value
+    assert isinstance(reported.value, Damaged) or value != value
