@@ -89,7 +89,6 @@ def main():
     given = parser.parse_args()
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or shutil.which("google-chrome")
-    # fmt: skip
     for argument in (
         "--headless=new",
         "--no-sandbox",

@@ -38,6 +38,7 @@ GSTL
  sub/wedge.stl
 END"""
 WEDGE = (2e-3, 3e-3, 4e-3)
+FORWARD = (1e-3, 1.5e-3, 0.502)
 # A deck, what is added to it, and its shapes: body, middle and size (of the box around it).
 CASES = {
     "young/IN4-BAR.dat": (
@@ -50,7 +51,7 @@ CASES = {
     ),
     "vsdf/slider_crank_flex.vsdf": (
         lambda text: text.replace("END", VSDF, 1),
-        [(1, (0.075, 0, 0), (0.2, 0.04, 0.04)), (0, (1, 2, 3), 3 * (0.6,)), (3, (1e-3, 1.5e-3, 0.502), WEDGE)],
+        [(1, (0.075, 0, 0), (0.2, 0.04, 0.04)), (0, (1, 2, 3), 3 * (0.6,)), (3, FORWARD, WEDGE)],
     ),
 }  # fmt: skip
 

@@ -12,7 +12,7 @@ import numpy as np
 from .body_shapes import BodyShape
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces, triangles
-from .scene import Scene, read_scene
+from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
 
 # Okabe and Ito's colours, distinguished by everyone.
@@ -79,7 +79,7 @@ def rounded(times: np.ndarray) -> list[str]:
 
 def _lines(body):
     marks = body.marks[:1] if body.still else body.marks
-    colour = GREY if body.still else _colour(body)
+    colour = GREY if body.still else colour_of(body)
     data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
@@ -92,7 +92,7 @@ def _surface(body: ElementBody):
     faces = place[faces]
     return {
         "name": body.name,
-        "colour": _colour(body),
+        "colour": colour_of(body),
         "modes": body.amplitude.shape[1],
         "numbers": body.node_numbers[nodes].tolist(),
         "nodes": _numbers(with_centres(body.undeformed[nodes], faces)),
@@ -110,7 +110,7 @@ def _rigid_surface(shape: BodyShape):
     """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
     return {
         "name": shape.name,
-        "colour": _colour(shape),
+        "colour": colour_of(shape),
         "modes": 0,
         "numbers": [],
         "nodes": _numbers(shape.vertices),
@@ -124,7 +124,8 @@ def _rigid_surface(shape: BodyShape):
     }
 
 
-def _colour(body):
+def colour_of(body: DrawnBody | ElementBody | BodyShape) -> str:
+    """Return the colour of a body: its own among eight, grey for the ground."""
     return COLOURS[(body.number - 1) % len(COLOURS)] if body.number else GREY
 
 
