@@ -32,11 +32,10 @@ RECORDS = {
     "RIDDEN_BODY": "model.arrays.node_frames:RIDDEN_BODY",
     "FRAME_WORK": "kernels.tree.work:FRAME_WORK",
     "COORDINATE_WORK": "kernels.tree.work:COORDINATE_WORK",
-    "TREE_CLOCK": "kernels.integrators.tree_dop853:CLOCK",
-    "MEMORY": "kernels.integrators.sdirk4:MEMORY",
-    "CLOCK": "kernels.integrators.constrained_dop853:CLOCK",
-    "ALPHA_CLOCK": "kernels.integrators.generalised_alpha:CLOCK",
-    "RADAU_CLOCK": "kernels.integrators.radau5:CLOCK",
+    "CLOCK": "kernels.integrators.clock:CLOCK",
+    "SDIRK_MEMORY": "kernels.integrators.sdirk4:MEMORY",
+    "ALPHA_MEMORY": "kernels.integrators.generalised_alpha:MEMORY",
+    "RADAU_MEMORY": "kernels.integrators.radau5:MEMORY",
 }
 TUPLES = {
     "Mechanism": ("kernels.kinematics.newton:System", "CONSTRAINT1 i2 f2 f1"),
@@ -50,11 +49,12 @@ TUPLES = {
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "March": ("kernels.integrators.constrained_dop853:March", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaMarch": (
-        "kernels.integrators.generalised_alpha:AlphaMarch", "ALPHA_CLOCK1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
+        "kernels.integrators.generalised_alpha:AlphaMarch",
+        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
     ),
     "RadauMarch": (
         "kernels.integrators.radau5:RadauMarch",
-        "RADAU_CLOCK1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f3 f3 c2 f1 c1 Work",
+        "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f3 f3 c2 f1 c1 Work",
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
@@ -62,9 +62,11 @@ TUPLES = {
         "Riders bool",
     ),
     "Riders": ("model.arrays.node_frames:Riders", "RIDER1 RIDDEN_BODY1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1"),
-    "TreeMarch": ("kernels.integrators.tree_dop853:March", "TREE_CLOCK1 f1 f1 f1 f2 f2"),
-    "TreeReport": ("kernels.integrators.tree_dop853:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2"),
-    "Implicit": ("kernels.integrators.sdirk4:Implicit", "MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff"),
+    "TreeMarch": ("kernels.integrators.tree_dop853:March", "CLOCK1 f1 f1 f1 f2 f2 f1"),
+    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2"),
+    "Implicit": (
+        "kernels.integrators.sdirk4:Implicit", "CLOCK1 f1 SDIRK_MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff",
+    ),
     "Stiff": ("kernels.tree.implicit_matrix:Stiff", "f2 f2 f2 i1 i1 i1 f1 CLOSURE_ROW1 f2 f2 f2"),
 }  # fmt: skip
 
@@ -111,17 +113,15 @@ UNITS = {
     "alpha": {"integrators.generalised_alpha.march_rows": "int System Work AlphaMarch Report int"},
     "radau": {"integrators.radau5.march_rows": "int System Work RadauMarch Report int"},
     "trees": {
-        "integrators.tree_dop853.call": "int int Tree FRAME_WORK1 COORDINATE_WORK1 TreeMarch TreeReport",
+        "integrators.tree_dop853.begin": "int Tree FRAME_WORK1 COORDINATE_WORK1 TreeMarch",
+        "integrators.tree_dop853.march_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 TreeMarch TreeReport int",
         "tree.motion.derivative": "Tree FRAME_WORK1 COORDINATE_WORK1 float f1 f1",
         "tree.motion.normalise_attitudes": "Tree f1",
         "tree.motion.turn_attitudes": "Tree f1 f2 f2",
         "tree.projection.measure": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",
     },
     "implicit_trees": {
-        "integrators.sdirk4.march_implicitly": (
-            "float int Tree FRAME_WORK1 COORDINATE_WORK1 TREE_CLOCK1 f1 Implicit"
-        ),
-        "integrators.sdirk4.between": "float float f1 Implicit f1",
+        "integrators.sdirk4.march_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int",
     },
 }
 _KINDS = {"f": "<f8", "i": "<i8", "c": "<c16", "b": "|b1"}

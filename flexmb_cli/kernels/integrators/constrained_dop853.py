@@ -1,4 +1,4 @@
-"""Stepping of a constrained mechanism through time in compiled code: DOP853 on accelerations.
+"""DOP853 on the accelerations of a constrained mechanism.
 
 The accelerations are those of the index-1 equations; every accepted step is projected onto positions
 and speeds to round-off, so that nothing drifts, and judged anew if the projection moves it by more
@@ -8,9 +8,7 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 
 The state z (2 n + b + 1,) of b bodies with n speeds holds coordinates, speeds and the work of drivers and
-loads since the start.  The steps do not depend on how the report rows are cut into calls.  As in `tree_march`
-the march is a machine that asks for one evaluation after another, so that the equations are compiled in one
-place.
+loads since the start.
 """
 
 from collections import namedtuple
@@ -24,74 +22,31 @@ from ..constrained.projection import largest_gap, project_position, project_spee
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.speeds import coordinate_rates, normalise
 from ..constrained.system import SOLVED
-from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
-from .explicit_error import error_on_constraints, scaled_norm, step_error
-from .runge_kutta import interpolate, next_factor, set_dense, set_stage
-from .singular_ahead import NOISE, laid_out, leads_over, look_ahead, round_off
+from ..linalg.copying import copy
+from .clock import BEGIN, CONTRADICTION, READY, STEP_VANISHED, new_clock
+from .dop853 import Equations, dop853, first_step
+from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
+from .explicit_error import error_on_constraints, scaled_norm
+from .runge_kutta import SLOWEST, interpolate, next_factor
+from .singular_ahead import NOISE, leads_over, look_ahead, round_off
+from .time_loop import SHORT
 
-# What a call may be asked for, and what it answers.
-BEGIN, MARCH = 0, 1
-ASKS, ROWS_FULL, PAUSED, STEP_VANISHED, CONTRADICTION, READY, STEP_SHORT = -1, 0, 1, 2, 3, 4, 5
-# What an evaluation is for: the first slope, a stage of a step, its projected end, a stage of its dense
-# output, a report row.
-FIRST, STAGE, STEP_END, DENSE, ROW = 0, 1, 2, 3, 4
 MOST_MOVED = 10.0  # tolerances by which a projection may move an accepted step
 REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
-SMALLEST_STEP = 1e-14
-# Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
-# some 1e-8 s: steps so short follow that blow, and the speeds jump.
-SHORT = 1e-6
-SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
-# Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
-# is more, and by how much that may move it, scaled; on another branch it would be off by its turn.
-BLURRED, BLURRED_SPEEDS, MOST_BLURRED = 1e4, 1e-6, 1e-5
-HOPELESS = 1e10  # error of a step that cannot be made
-
-CLOCK = np.dtype(
-    [
-        ("t", np.float64),  # s
-        ("step", np.float64),  # length the next step will try, s
-        ("rejected", np.int64),  # whether the attempt before it failed
-        ("step_start", np.float64),  # the last accepted step: where it began,
-        ("step_length", np.float64),  # how long it was
-        ("dense", np.int64),  # whether its dense output is ready
-        ("stop", np.float64),  # no step goes further, s
-        ("row", np.int64),  # report rows filled in this call
-        ("steps", np.int64),
-        ("evaluations", np.int64),
-        ("rejections", np.int64),
-        ("fault", np.int64),  # code of the last failed evaluation, or SOLVED
-        ("worst", np.int64),  # equation with the largest gap,
-        ("gap", np.float64),  # and that gap, scaled
-        ("rtol", np.float64),
-        ("atol", np.float64),
-        ("phase", np.int64),  # what the evaluation is for,
-        ("stage", np.int64),  # at which stage,
-        ("at", np.float64),  # for which time, s,
-        ("projects", np.int64),  # whether its state is projected first,
-        ("moved", np.float64),  # and by how many tolerances that moved it
-        ("length", np.float64),  # of the step that is tried, s
-        ("error", np.float64),  # of the step whose end is being evaluated
-        ("longest", np.float64),  # step so far, s
-        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
-        ("pivot_time", np.float64),  # and that time, s
-        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
-        ("excused", np.int64),  # whether the caller knows that steps are short here, and goes on
-    ]
-)
+MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 
 March = namedtuple("March", "clock z old trial slopes dense units turns")
-March.__doc__ = """What a march keeps from call to call, for states of N numbers.
+March.__doc__ = """What an integration keeps from call to call, for states of N numbers.
 
-clock (1,) CLOCK.  z, old, trial (N,).  slopes (16, N).  dense (7, N).  units (N,): a state's unit.
-turns (3, angles): see `screw_turns`.
+clock (1,) CLOCK.  z, old, trial (N,): state, that at the start of the last step, the one tried or reported.
+slopes (16, N).  dense (7, N).  units (N,): a state's unit.  turns (3, angles): see `angle_unwrapping`.
 """
 
 
 def new_march(n, turns):
     """A march at time 0 with an empty state of n numbers."""
     return March(
-        np.zeros(1, CLOCK),
+        new_clock(),
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),
@@ -103,168 +58,61 @@ def new_march(n, turns):
 
 
 @kernel
-def march_rows(task, system, work, march, report, budget):
-    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
-
-    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
-    """
+def _slope(march, stage, t, system, work):
+    """Fill the slope at `trial`; return whether there is one."""
     clock = march.clock[0]
-    clock["row"] = 0
-    spent = clock["evaluations"] + budget
-    answer = _begin(march) if task == BEGIN else _next(march, report, spent)
-    while answer == ASKS:
-        clock["evaluations"] += 1
-        clock["fault"] = _evaluate(system, work, march, report)
-        answer = _digest(system, work, march, report, spent)
-    return answer
+    clock["evaluations"] += 1
+    copy(march.turns[NEW], work.turns)
+    clock["fault"] = factorise_at(system, work, coordinates_and_speeds(system, march.trial)[0])
+    if clock["fault"] == SOLVED:
+        _differentiate(march, stage, t, system, work)
+    return clock["fault"] == SOLVED
 
 
 @kernel
-def _ask(clock, phase, stage, at, projects):
-    clock["phase"], clock["stage"], clock["at"], clock["projects"] = phase, stage, at, projects
-    return ASKS
+def _differentiate(march, stage, t, system, work):
+    """Fill the slope at `trial`, whose factors are at hand."""
+    out = march.slopes[stage]
+    q, u = coordinates_and_speeds(system, march.trial)
+    qd, ud = coordinates_and_speeds(system, out)
+    power = accelerate(system, work, q, u, t, ud)
+    coordinate_rates(system.masses.shape[0], q, u, qd)
+    out[out.shape[0] - 1] = power
 
 
 @kernel
-def _evaluate(system, work, march, report):
-    """The slope at `trial`, brought onto the constraints first where asked, or a whole report row; a code."""
-    clock, z, row = march.clock[0], march.trial, march.clock[0]["row"]
-    q, u = coordinates_and_speeds(system, z)
-    reports = clock["phase"] == ROW
-    _copy(march.turns[NEAR if reports or clock["phase"] == STEP_END else NEW], work.turns)
-    if clock["projects"]:
-        clock["moved"] = _project(system, work, march, z, clock["at"])
-        if not clock["moved"] < np.inf:
-            return clock["fault"]
-    else:
-        code = factorise_at(system, work, q)
-        if code != SOLVED:
-            return code
-    out = march.slopes[clock["stage"]]
-    qd, slopes = coordinates_and_speeds(system, out)
-    ud = report.rates[row] if reports else slopes
-    power = accelerate(system, work, q, u, clock["at"], ud)
-    if reports:
-        complete(system, work, z, clock["at"], march.turns[NEAR], power, report, row)
-    else:
-        coordinate_rates(system.masses.shape[0], q, u, qd)
-        out[out.shape[0] - 1] = power
-    return SOLVED
+def _normalise(march, system, work):
+    """Leave the Euler parameters as they are: the projection brings them to length one."""
 
 
 @kernel
-def _digest(system, work, march, report, spent):
-    """Use an evaluation, and ask for the next one or answer."""
+def _finish(march, h, system, work):
+    """Project the end of a step and fill its slope; the factor on the step length, or minus that of a try."""
     clock = march.clock[0]
-    phase, failed = clock["phase"], clock["fault"] != SOLVED
-    if phase == STAGE:
-        return _reject(march, 0.2) if failed else _next_stage(system, work, march)
-    if phase == DENSE:
-        # The ends of the step were solved; where a point between them is not, its slope stays as it is.
-        return _next_dense(march, report, spent)
-    if phase == STEP_END:
-        if failed or not _holds(system, work, march):
-            return _reject(march, 0.2 if failed else 0.5)
-        _accept(system, work, march)
-        return _next(march, report, spent) if clock["gap"] <= REPEATED_GAP else CONTRADICTION
-    if failed:
-        return STEP_VANISHED
-    if phase == FIRST:
-        return _choose_first_step(march)
-    _copy(march.trial, report.states[clock["row"]])
-    clock["row"] += 1
-    return _next(march, report, spent)
+    if not expect_turns(system, work, march, h) < MOST_TURNED:
+        return -0.5
+    clock["evaluations"] += 1
+    copy(march.turns[NEAR], work.turns)
+    moved = _project(system, work, march, march.trial, clock["t"] + h)
+    if clock["fault"] != SOLVED:
+        return -SLOWEST
+    if not moved < np.inf:
+        return -0.5
+    _differentiate(march, STAGES, clock["t"] + h, system, work)
+    if not _holds(system, work, march, h, moved):
+        return -0.5
+    return next_factor(clock["error"], clock["rejected"])
 
 
 @kernel
-def _holds(system, work, march):
-    """Return whether a step may be made, whose projected end is in trial."""
-    clock, h = march.clock[0], march.clock[0]["length"]
+def _holds(system, work, march, h, moved):
+    """Return whether a step may be made, whose projected end is in trial and was `moved` by so much."""
+    clock = march.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
     if not leads_over(clock, h):
-        return clock["moved"] < MOST_MOVED * noise
+        return moved < MOST_MOVED * noise
     clock["error"] = min(clock["error"], error_on_constraints(system, work, march, h))
-    return clock["error"] < noise and clock["moved"] * clock["rtol"] < MOST_BLURRED
-
-
-@kernel
-def _copy(a, b):
-    """b = a."""
-    for i in range(a.shape[0]):
-        b[i] = a[i]
-
-
-@kernel
-def _begin(march):
-    clock = march.clock[0]
-    _copy(march.z, march.old)
-    _copy(march.z, march.trial)
-    clock["step_start"], clock["dense"], clock["singular"] = clock["t"], 0, np.inf
-    return _ask(clock, FIRST, STAGES, clock["t"], 0)
-
-
-@kernel
-def _choose_first_step(march):
-    clock = march.clock[0]
-    size, speed = scaled_norm(march, march.z), scaled_norm(march, march.slopes[STAGES])
-    clock["step"] = 0.01 * size / speed if size > 1e-5 and speed > 1e-5 else 1e-6
-    return READY
-
-
-@kernel
-def _next(march, report, spent):
-    """Between two steps: the next report row, an answer, or the first stage of the next step."""
-    clock = march.clock[0]
-    if clock["row"] == report.times.shape[0]:
-        return ROWS_FULL
-    t = report.times[clock["row"]]
-    if t < clock["t"] and clock["dense"] == 0:
-        return _ask_dense(march, STAGES + 1)
-    if t <= clock["t"]:
-        return _ask_row(march, t)
-    if clock["evaluations"] >= spent:
-        return PAUSED
-    if clock["step"] < SHORT * clock["longest"] and clock["excused"] == 0:
-        return STEP_SHORT
-    _copy(march.slopes[STAGES], march.slopes[0])
-    return _try_step(march)
-
-
-@kernel
-def _try_step(march):
-    clock = march.clock[0]
-    h = clock["length"] = min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
-    if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
-        return STEP_VANISHED
-    set_stage(march.z, march.slopes, 1, h, march.trial)
-    return _ask(clock, STAGE, 1, clock["t"] + h * STAGE_TIMES[1], 0)
-
-
-@kernel
-def _reject(march, factor):
-    """Try the step again, shorter."""
-    clock = march.clock[0]
-    clock["rejections"] += 1
-    clock["rejected"] = 1
-    clock["step"] = clock["length"] * factor
-    return _try_step(march)
-
-
-@kernel
-def _next_stage(system, work, march):
-    """The next stage of a step, or its end where the error allows it."""
-    clock, h, stage = march.clock[0], march.clock[0]["length"], march.clock[0]["stage"] + 1
-    set_stage(march.z, march.slopes, stage, h, march.trial)
-    if stage < STAGES:
-        return _ask(clock, STAGE, stage, clock["t"] + h * STAGE_TIMES[stage], 0)
-    error = clock["error"] = step_error(march, h)
-    blurred = max(BLURRED, BLURRED_SPEEDS / clock["rtol"])
-    # `not <` rejects a nan as well.
-    if not error < (blurred if leads_over(clock, h) else 1.0):
-        return _reject(march, next_factor(error, 1) if error < HOPELESS else 0.2)
-    if not expect_turns(system, work, march, h) < MOST_TURNED:
-        return _reject(march, 0.5)
-    return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
+    return clock["error"] < noise and moved * clock["rtol"] < MOST_BLURRED
 
 
 @kernel
@@ -277,11 +125,10 @@ def _project(system, work, march, z, t):
     q, u = coordinates_and_speeds(system, z)
     before = z.copy()
     normalise(system.masses.shape[0], q)
-    code = project_position(system, work, q, t, march.turns[NEAR])
-    if code == SOLVED:
-        code = project_speeds(system, work, q, u, t)[0]
-    if code != SOLVED:
-        clock["fault"] = code
+    clock["fault"] = project_position(system, work, q, t, march.turns[NEAR])
+    if clock["fault"] == SOLVED:
+        clock["fault"] = project_speeds(system, work, q, u, t)[0]
+    if clock["fault"] != SOLVED:
         return np.inf
     for i in range(z.shape[0]):
         before[i] -= z[i]
@@ -289,53 +136,72 @@ def _project(system, work, march, z, t):
 
 
 @kernel
-def _accept(system, work, march):
-    """Make the projected end of a step the state; PHI belongs to it."""
-    clock, h = march.clock[0], march.clock[0]["length"]
-    _copy(march.z, march.old)
-    _copy(march.trial, march.z)
-    clock["step"] = h * next_factor(clock["error"], clock["rejected"])
-    clock["step_start"], clock["step_length"] = clock["t"], h
-    clock["longest"] = max(clock["longest"], h)
-    if h > 10.0 * SHORT * clock["longest"]:
+def _watch(march, system, work):
+    """Look for short steps, gaps and singular positions ahead; PHI belongs to the state."""
+    clock = march.clock[0]
+    clock["longest"] = max(clock["longest"], clock["step_length"])
+    if clock["step_length"] > 10.0 * SHORT * clock["longest"]:
         clock["excused"] = 0
-    last = h >= clock["stop"] - clock["t"]
-    clock["t"] = clock["stop"] if last else clock["t"] + h
-    clock["rejected"], clock["dense"] = 0, 0
-    clock["steps"] += 1
     note_turns(system, work, march)
-    clock["gap"], clock["worst"] = largest_gap(system, work)
+    clock["gap"], clock["equation"] = largest_gap(system, work)
     look_ahead(system, work, march, coordinates_and_speeds(system, march.slopes[STAGES])[1], clock["step"])
+    return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
 @kernel
-def _ask_dense(march, stage):
-    clock, h = march.clock[0], march.clock[0]["step_length"]
-    set_stage(march.old, march.slopes, stage, h, march.trial)
-    return _ask(clock, DENSE, stage, clock["step_start"] + h * STAGE_TIMES[stage], 0)
+def _close(march, system, work):
+    """The projected end of a step is the start of the next."""
+    copy(march.slopes[STAGES], march.slopes[0])
+    return READY
 
 
 @kernel
-def _next_dense(march, report, spent):
-    """The next stage of the dense output, or its polynomial."""
-    clock, stage = march.clock[0], march.clock[0]["stage"] + 1
-    if stage < ALL_STAGES:
-        return _ask_dense(march, stage)
-    set_dense(march.old, march.z, march.slopes, clock["step_length"], march.dense)
-    clock["dense"] = 1
-    return _next(march, report, spent)
-
-
-@kernel
-def _ask_row(march, t):
-    """The state at a report time up to the present one, and what follows from it."""
-    clock, turns = march.clock[0], march.turns
-    x = 1.0
+def _fill_row(march, t, report, system, work):
+    """Fill a report row at a time up to the present one; a code."""
+    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
+    copy(march.z, march.trial)
     if t < clock["t"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         interpolate(march.old, march.dense, x, march.trial)
-    else:
-        _copy(march.z, march.trial)
     for s in range(turns.shape[1]):
         turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
-    return _ask(clock, ROW, 0, t, 1 if x < 1.0 else 0)
+    clock["evaluations"] += 1
+    copy(turns[NEAR], work.turns)
+    q, u = coordinates_and_speeds(system, march.trial)
+    if x < 1.0:
+        _project(system, work, march, march.trial, t)
+    else:
+        clock["fault"] = factorise_at(system, work, q)
+    if clock["fault"] != SOLVED:
+        return STEP_VANISHED
+    power = accelerate(system, work, q, u, t, report.rates[row])
+    complete(system, work, march.trial, t, turns[NEAR], power, report, row)
+    copy(march.trial, report.states[row])
+    clock["row"] += 1
+    return READY
+
+
+_advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_row))
+
+
+@kernel
+def march_rows(task, system, work, march, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
+
+    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
+    """
+    if task == BEGIN:
+        return _begin(march, system, work)
+    return _advance(march, report, budget, system, work)
+
+
+@kernel
+def _begin(march, system, work):
+    clock = march.clock[0]
+    copy(march.z, march.old)
+    copy(march.z, march.trial)
+    clock["step_start"] = clock["t"]
+    if not _slope(march, 0, clock["t"], system, work):
+        return STEP_VANISHED
+    clock["step"] = first_step(march, march.slopes[0])
+    return READY

@@ -1,4 +1,4 @@
-"""Errors of explicit steps of a constrained mechanism, in tolerances: DOP853.
+"""Errors of explicit steps in tolerances, of trees and of constrained mechanisms: DOP853.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
@@ -25,15 +25,19 @@ def scaled_norm(march, a):
 
 @kernel
 def step_error(march, h):
-    """Error of the step from z to trial."""
+    """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = march.clock[0], march.z, march.trial
-    counted = z.shape[0] - 1
+    counted, worst, largest = z.shape[0] - 1, 0, 0.0
     square_5 = square_3 = 0.0
     for i in range(counted):
         scale = clock["atol"] * march.units[i] + clock["rtol"] * max(abs(z[i]), abs(new[i]))
-        square_5 += (_weighted(ERROR_5, march.slopes, i) / scale) ** 2
+        error_5 = _weighted(ERROR_5, march.slopes, i) / scale
+        square_5 += error_5**2
         square_3 += (_weighted(ERROR_3, march.slopes, i) / scale) ** 2
-    return _combined(h, square_5, square_3, counted)
+        # `not <=` lets a nan through as the worst place.
+        if not abs(error_5) <= largest:
+            worst, largest = i, abs(error_5)
+    return _combined(h, square_5, square_3, counted), worst
 
 
 @kernel

@@ -57,7 +57,7 @@ def parameters(rho):
 def solve_step(system, work, march, h):
     """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
     clock = march.clock[0]
-    alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
+    alpha_m, alpha_f, beta, gamma = parameters(march.memory[0]["rho"])
     share = (1.0 - alpha_f) / (1.0 - alpha_m)
     _predict(system, work, march, h)
     if not iterate(system, work, march, clock["t"] + h, share * beta * h * h, share * gamma * h, h):
@@ -73,9 +73,9 @@ def iterate(system, work, march, t, by_position, by_speed, h):
     An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
     t, and is brought onto the constraints.
     """
-    clock = march.clock[0]
+    clock, memory = march.clock[0], march.memory[0]
     # The first correction is trusted somewhat less than the last of the step before was.
-    quality, left, before, gap_before = 0.0, clock["left"] ** CAUTION, 0.0, np.inf
+    quality, left, before, gap_before = 0.0, memory["left"] ** CAUTION, 0.0, np.inf
     for iteration in range(MOST_ITERATIONS):
         clock["evaluations"] += 1
         clock["fault"] = _evaluate(system, work, march, t)
@@ -97,11 +97,11 @@ def iterate(system, work, march, t, by_position, by_speed, h):
             # The second correction answers to the gaps that the first one closed.
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
-            left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
+            left = memory["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
-        share = clock["share"] = share_of(clock, work, h, fastest_change(system, march))
+        share = memory["share"] = share_of(clock, memory, work, h, fastest_change(system, march))
         clock["error"] = step_error(system, march, h) / share
-        enough = max(left_over(clock, work, share), FLOOR / clock["rtol"])
+        enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED:
             return True
         before = size
@@ -123,9 +123,9 @@ def fastest_change(system, march):
 @part
 def _predict(system, work, march, h):
     """The end of the step by accelerations that go on as before."""
-    clock, n = march.clock[0], system.speed_scale.shape[0]
-    rates, length = march.rates, clock["step_length"]
-    alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
+    memory, n = march.memory[0], system.speed_scale.shape[0]
+    rates, length = march.rates, march.clock[0]["step_length"]
+    alpha_m, alpha_f, beta, gamma = parameters(memory["rho"])
     step = work.vectors[CORRECTION, :n]
     for i in range(march.z.shape[0]):
         march.trial[i] = march.z[i]
@@ -136,7 +136,7 @@ def _predict(system, work, march, h):
         if length > 0.0:
             ahead = (last - rates[BEFORE, k]) * h / length
             rates[NEW, k] += ahead
-            if h == clock["mean_length"]:
+            if h == memory["mean_length"]:
                 rates[MEAN, k] = last + (rates[MEAN, k] - last)
             else:
                 # The mean belongs to a time that is a fixed part of a step away.  One that is carried over
@@ -146,7 +146,7 @@ def _predict(system, work, march, h):
         new = ((1.0 - alpha_f) * rates[NEW, k] + alpha_f * last - alpha_m * mean) / (1.0 - alpha_m)
         step[k] = h * (u[k] + h * ((0.5 - beta) * mean + beta * new))
         u[k] += h * ((1.0 - gamma) * mean + gamma * new)
-    clock["mean_length"] = h
+    memory["mean_length"] = h
     turn_exactly(system.masses.shape[0], q, step)
     expect_turns(system, work, march, h)
     for k in range(work.turns.shape[0]):
@@ -203,7 +203,7 @@ def _evaluate(system, work, march, t):
         forces[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= forces[k] * u[k]
-    march.clock[0]["new_power"] = power
+    march.memory[0]["new_power"] = power
     return code
 
 
@@ -279,8 +279,8 @@ def step_error(system, march, h):
     (1/12 - s²/2) h³ d²(ud)/dt² in speeds.
     """
     clock, rates, n = march.clock[0], march.rates, system.speed_scale.shape[0]
-    first = march.z.shape[0] - 1 - n
-    s = (clock["rho"] - 1.0) / (clock["rho"] + 1.0)
+    first, rho = march.z.shape[0] - 1 - n, march.memory[0]["rho"]
+    s = (rho - 1.0) / (rho + 1.0)
     of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 - 0.5 * s * s) * h
     length, total = clock["step_length"], 0.0
     for k in range(n):

@@ -4,8 +4,6 @@ Steps keep the error of a step within the tolerance; they do not depend on how t
 calls.  The end of every step is brought onto positions and speeds to round-off by the shortest way in the
 measure of the matrix of the step, so that stiff motions stay at rest.  Rows inside a step come from Hermite's
 quintic through coordinates, their rates and accelerations at both ends, and are brought there as well.
-
-What a call is asked for and what it answers is told in `constrained_march`.
 """
 
 from collections import namedtuple
@@ -19,18 +17,10 @@ from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.system import NO_INERTIA, SOLVED
+from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
-from .constrained_dop853 import (
-    BEGIN,
-    CONTRADICTION,
-    MOST_MOVED,
-    PAUSED,
-    READY,
-    REPEATED_GAP,
-    ROWS_FULL,
-    SMALLEST_STEP,
-    STEP_VANISHED,
-)
+from .clock import BEGIN, CONTRADICTION, READY, STEP_VANISHED, new_clock
+from .constrained_dop853 import MOST_MOVED, REPEATED_GAP
 from .radau5_projection import close_gaps, moved, settle
 from .radau5_rows import between
 from .radau5_singular_step import leap
@@ -38,6 +28,7 @@ from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solv
 from .radau5_table import STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
 from .singular_ahead import blur, laid_out, look_ahead
+from .time_loop import Method, time_loop
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
@@ -48,46 +39,27 @@ BLIND = 30.0  # of that pivot, in front of which a row has no accelerations but 
 SHARE = 0.45  # of a step in front of a singular position
 NONE = 0.0  # quality of matrices that are not those of the state
 
-CLOCK = np.dtype(
+MEMORY = np.dtype(
     [
-        ("t", np.float64),  # s
-        ("step", np.float64),  # length the next step will try, s
-        ("rejected", np.int64),  # attempts before it that failed
-        ("step_start", np.float64),  # the last accepted step: where it began,
-        ("step_length", np.float64),  # how long it was, 0 before the first
-        ("length", np.float64),  # of the step that is tried, s
-        ("stop", np.float64),  # no step goes further, s
-        ("row", np.int64),  # report rows filled in this call
-        ("steps", np.int64),
-        ("evaluations", np.int64),
-        ("rejections", np.int64),
-        ("fault", np.int64),  # code of the last failed evaluation, or SOLVED
-        ("worst", np.int64),  # equation with the largest gap,
-        ("gap", np.float64),  # and that gap, scaled
-        ("rtol", np.float64),
-        ("atol", np.float64),
-        ("error", np.float64),  # of the step that is tried, in tolerances,
-        ("last_error", np.float64),  # and of the last accepted one, 0 before the first
+        ("last_error", np.float64),  # error of the last accepted step, in tolerances, 0 before the first
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
         ("quality", np.float64),  # of the order of elimination that the matrices belong to
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
-        ("old_power", np.float64),  # and at the start of the last step
-        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
-        ("pivot_time", np.float64),  # and that time, s
-        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
+        ("old_power", np.float64),  # at the start of the last step, W
         ("branching", np.float64),  # pivot below which a position is singular
     ]
 )
 
 RadauMarch = namedtuple(
     "RadauMarch",
-    "clock z old trial units turns rates speeds slopes shifts steps momenta missing powers rest motions "
-    "matrices complex real_part complex_part newton",
+    "clock memory z old trial units turns rates speeds slopes shifts steps momenta missing powers rest "
+    "motions matrices complex real_part complex_part newton",
 )
 RadauMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers.
 
-clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
-tried or reported, a state's unit.  turns (3, angles): see `screw_turns`.  rates (8, n): see `radau_step`.
+clock (1,) CLOCK.  memory (1,) MEMORY.  z, old, trial, units (N,): state, that at the start of the last step,
+the one tried or reported, a state's unit.  turns (3, angles): see `angle_unwrapping`.  rates (8, n): see
+`radau5_step`.
 Of the three stages: speeds, shifts and their rates slopes, steps of an iteration, momenta M u (3, n), powers
 (3,), rest (3, n) in free motions, motions (3, n, n).  missing (n,).  matrices (3, n, n): see `radau_step`.
 complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose `reduced` is the real matrix.
@@ -100,7 +72,8 @@ def new_march(work, turns):
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
     return RadauMarch(
-        np.zeros(1, CLOCK),
+        new_clock(),
+        np.zeros(1, MEMORY),
         *states,
         np.ones(size),
         np.zeros((3, turns)),
@@ -119,50 +92,24 @@ def new_march(work, turns):
 
 
 @kernel
-def march_rows(task, system, work, march, report, budget):
-    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
-
-    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
-    """
-    clock = march.clock[0]
-    clock["row"] = 0
-    if task == BEGIN:
-        return _begin(system, work, march)
-    spent = clock["evaluations"] + budget
-    while clock["row"] < report.times.shape[0]:
-        t = report.times[clock["row"]]
-        if t <= clock["t"]:
-            if not _fill_row(system, work, march, t, report):
-                return STEP_VANISHED
-        elif clock["evaluations"] >= spent:
-            return PAUSED
-        else:
-            answer = _step(system, work, march)
-            if answer != READY:
-                return answer
-    return ROWS_FULL
-
-
-@kernel
-def _begin(system, work, march):
-    clock, rates = march.clock[0], march.rates
-    clock["step_start"], clock["left"] = clock["t"], 1.0
-    _copy(march.z, march.trial)
-    _copy(march.turns[NEW], march.turns[NEAR])
+def _begin(march, system, work):
+    clock, memory, rates = march.clock[0], march.memory[0], march.rates
+    clock["step_start"], memory["left"] = clock["t"], 1.0
+    copy(march.z, march.trial)
+    copy(march.turns[NEW], march.turns[NEAR])
     code = _renew(system, work, march)
     if code == SOLVED and not prepare(march, work.jacobian.shape[1] - work.rank[0], 0.0):
         code = NO_INERTIA
     if code == SOLVED:
-        code, clock["power"] = settle(system, work, march, clock["t"], rates[START])
+        code, memory["power"] = settle(system, work, march, clock["t"], rates[START])
     clock["fault"] = code
     if code != SOLVED:
         return STEP_VANISHED
-    _copy(march.trial, march.z)
-    _copy(march.z, march.old)
-    clock["singular"] = np.inf
-    clock["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
+    copy(march.trial, march.z)
+    copy(march.z, march.old)
+    memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
     for node in range(STAGES + 1):
-        _copy(rates[START], rates[LAST + node])
+        copy(rates[START], rates[LAST + node])
     clock["step"] = _first_step(system, march)
     return READY
 
@@ -179,13 +126,6 @@ def _first_step(system, march):
 
 
 @kernel
-def _copy(a, b):
-    """b = a."""
-    for i in range(a.shape[0]):
-        b[i] = a[i]
-
-
-@kernel
 def _renew(system, work, march):
     """The matrices of the state z anew; a code."""
     q = coordinates_and_speeds(system, march.z)[0]
@@ -193,55 +133,55 @@ def _renew(system, work, march):
     if code == SOLVED:
         mass_matrices(system, work, q)
         renew_matrices(system, work, march.matrices)
-        march.clock[0]["quality"] = work.quality[0]
+        march.memory[0]["quality"] = work.quality[0]
     return code
 
 
 @kernel
-def _step(system, work, march):
-    """One accepted step; an answer."""
+def _length(march, system, work):
+    """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = march.clock[0]
-    _copy(march.turns[NEW], work.turns)
-    while True:
-        if work.quality[0] != clock["quality"]:
-            clock["fault"] = _renew(system, work, march)
-            if clock["fault"] != SOLVED:
-                return STEP_VANISHED
-        left = clock["stop"] - clock["t"]
-        h = min(laid_out(clock, clock["step"], SHARE), left)
-        if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
-            return STEP_VANISHED
-        clock["length"] = h
-        factor = _leap_or_try(system, work, march, left)
-        if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < clock["branching"]:
-            if _is_singular(work, clock):
-                return STEP_VANISHED
-            factor = -0.5
-        if factor > 0.0:
-            _accept(system, work, march, clock["length"], clock["length"] >= left, factor)
-            return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
-        clock["step"] = -h * factor
-        clock["rejections"] += 1
-        clock["rejected"] += 1
-        clock["left"], clock["quality"] = 1.0, NONE
+    copy(march.turns[NEW], work.turns)
+    if not _is_current(march, system, work):
+        return 0.0
+    return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
 
 @kernel
-def _leap_or_try(system, work, march, left):
-    """`_try_step` or, in front of a singular position, a step over it."""
-    clock = march.clock[0]
-    way = clock["singular"] - clock["t"]
-    over = min(2.0 * way, left) if 0.0 < way < clock["length"] and clock["step_length"] > 0.0 else 0.0
-    if over > way:
-        if leap(system, work, march, over):
-            clock["length"] = over
-            return 1.0
-        _copy(march.turns[NEW], work.turns)
-        if work.quality[0] != clock["quality"]:
-            clock["fault"] = _renew(system, work, march)
-            if clock["fault"] != SOLVED:
+def _is_current(march, system, work):
+    """Renew the matrices where another order of elimination holds; return whether they are those of z."""
+    if work.quality[0] != march.memory[0]["quality"]:
+        march.clock[0]["fault"] = _renew(system, work, march)
+        return march.clock[0]["fault"] == SOLVED
+    return True
+
+
+@kernel
+def _attempt(march, h, system, work):
+    """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
+    clock, memory, factor = march.clock[0], march.memory[0], 0.0
+    way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
+    over = min(2.0 * way, left) if 0.0 < way < h and clock["step_length"] > 0.0 else 0.0
+    if over > way and leap(system, work, march, over):
+        clock["length"], factor = over, 1.0
+    else:
+        if over > way:
+            copy(march.turns[NEW], work.turns)
+            if not _is_current(march, system, work):
                 return -0.5
-    return _try_step(system, work, march, clock["length"])
+        factor = _try_step(system, work, march, h)
+    if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < memory["branching"]:
+        return 0.0 if _is_singular(work, clock, memory) else -0.5
+    return factor
+
+
+@kernel
+def _reject(march, h, factor, system, work):
+    clock, memory = march.clock[0], march.memory[0]
+    clock["step"] = h * factor
+    clock["rejections"] += 1
+    clock["rejected"] += 1
+    memory["left"], memory["quality"] = 1.0, NONE
 
 
 @kernel
@@ -253,7 +193,7 @@ def _try_step(system, work, march, h):
     blurred = blur(work, clock["rtol"])
     clock["error"] = error = max(step_error(system, work, march, h), work_error(march, h)) / blurred
     turns = _turns_left(system, march)
-    factor = min(_factor(clock, h, error), SAFETY * turns)
+    factor = min(_factor(clock, march.memory[0], h, error), SAFETY * turns)
     if not (error < 1.0 and turns > 1.0):
         return -max(SLOWEST, factor) if error < 1e10 else -SLOWEST
     place_trial(system, march, STAGES - 1)
@@ -280,66 +220,84 @@ def _turns_left(system, march):
 
 
 @kernel
-def _factor(clock, h, error):
+def _factor(clock, memory, h, error):
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
     factor = SAFETY * error**-0.25
-    if clock["last_error"] > 0.0:
-        growth = max(clock["last_error"], CALM) / error
+    if memory["last_error"] > 0.0:
+        growth = max(memory["last_error"], CALM) / error
         factor *= min(1.0, h / clock["step_length"] * growth**0.25)
     return factor
 
 
 @kernel
-def _accept(system, work, march, h, last, factor):
-    """Make the end of a step the state."""
-    clock, rates, z, end = march.clock[0], march.rates, march.z, march.z.shape[0] - 1
-    _copy(z, march.old)
-    _copy(march.trial, z)
+def _accept(march, factor, system, work):
+    """Make the end of a step the state; a code."""
+    clock, memory, rates, z, end = march.clock[0], march.memory[0], march.rates, march.z, march.z.shape[0] - 1
+    h = clock["length"]
+    last = h >= clock["stop"] - clock["t"]
+    copy(z, march.old)
+    copy(march.trial, z)
     z[end] = march.old[end]
     for stage in range(STAGES):
         z[end] += h * WEIGHTS[STAGES - 1, stage] * march.powers[stage]
-    clock["old_power"], clock["power"] = clock["power"], march.powers[STAGES - 1]
+    memory["old_power"], memory["power"] = memory["power"], march.powers[STAGES - 1]
     for node in range(STAGES + 1):
-        _copy(rates[START + node], rates[LAST + node])
-    _copy(rates[LAST + STAGES], rates[START])
+        copy(rates[START + node], rates[LAST + node])
+    copy(rates[LAST + STAGES], rates[START])
     clock["step_start"], clock["step_length"] = clock["t"], h
     clock["t"] = clock["stop"] if last else clock["t"] + h
     clock["step"] = h * factor
-    clock["rejected"], clock["last_error"] = 0, clock["error"]
+    clock["rejected"], memory["last_error"] = 0, clock["error"]
     clock["steps"] += 1
-    clock["gap"], clock["worst"] = largest_gap(system, work)
+    clock["gap"], clock["equation"] = largest_gap(system, work)
     note_turns(system, work, march)
-    if clock["left"] > SLOW or work.quality[0] != clock["quality"]:
+    if memory["left"] > SLOW or work.quality[0] != memory["quality"]:
         renew_matrices(system, work, march.matrices)
-        clock["quality"] = work.quality[0]
+        memory["quality"] = work.quality[0]
     look_ahead(system, work, march, rates[START], clock["step"])
+    return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
 @kernel
-def _is_singular(work, clock):
+def _is_singular(work, clock, memory):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
-        if abs(work.pivots[k]) < 10.0 * clock["branching"]:
+        if abs(work.pivots[k]) < 10.0 * memory["branching"]:
             return True
     return False
 
 
 @kernel
-def _fill_row(system, work, march, t, report):
-    """A report row at a time up to the present one; returns whether there is one."""
+def _fill_row(march, t, report, system, work):
+    """Fill a report row at a time up to the present one; a code."""
     clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
-    _copy(march.z, march.trial)
+    copy(march.z, march.trial)
     if t < clock["t"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         between(system, march, x, march.trial)
     for s in range(turns.shape[1]):
         turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
     clock["fault"], power = settle(system, work, march, t, report.rates[row])
-    if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < BLIND * clock["branching"]:
-        return False
-    _copy(march.trial, report.states[row])
+    blind = BLIND * march.memory[0]["branching"]
+    if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
+        return STEP_VANISHED
+    copy(march.trial, report.states[row])
     complete(system, work, march.trial, t, turns[NEAR], power, report, row)
     clock["row"] += 1
-    return True
+    return READY
+
+
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
+
+
+@kernel
+def march_rows(task, system, work, march, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
+
+    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
+    """
+    if task == BEGIN:
+        return _begin(march, system, work)
+    return _advance(march, report, budget, system, work)

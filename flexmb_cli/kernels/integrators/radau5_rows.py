@@ -4,6 +4,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
+from .hermite import cubic, quintic
 from .radau5_step import LAST, START
 
 
@@ -19,27 +20,10 @@ def between(system, march, x, point):
     coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
     coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], march.rates[START], rates[3])
     for i in range(nq):
-        point[i], rates[4, i] = _quintic(
+        point[i], rates[4, i] = quintic(
             x, old[i], z[i], h * rates[0, i], h * rates[2, i], h * h * rates[1, i], h * h * rates[3, i]
         )
         rates[4, i] /= h
     speeds_of_rates(bodies, point[:nq], rates[4], point[nq : nq + n])
     last = nq + n
-    point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
-
-
-@kernel
-def _quintic(x, a, b, v, w, p, r):
-    """Value and derivative at x; a, b, v, w, p, r: values, first and second derivatives at 0 and at 1."""
-    rest, slope, bend = b - a - v - 0.5 * p, w - v - p, r - p
-    c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
-    c4 = -15.0 * rest + 7.0 * slope - bend
-    c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
-    value = a + x * (v + x * (0.5 * p + x * (c3 + x * (c4 + x * c5))))
-    return value, v + x * (p + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
-
-
-@kernel
-def _cubic(x, a, b, da, db):
-    change = b - a
-    return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))
+    point[last] = cubic(x, old[last], z[last], h * march.memory[0]["old_power"], h * march.memory[0]["power"])

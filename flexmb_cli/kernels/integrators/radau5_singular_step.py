@@ -84,7 +84,7 @@ def _unexpected(march, expected):
 @kernel
 def _spread_power(march, power):
     """Powers of the stages between that at the start and that at the end; returns the change."""
-    before = march.clock[0]["power"]
+    before = march.memory[0]["power"]
     for stage in range(STAGES):
         march.powers[stage] = before + TIMES[stage] * (power - before)
     return power - before

@@ -102,7 +102,7 @@ def solve_step(system, work, march, h):
     if not prepare(march, work.jacobian.shape[1] - work.rank[0], h):
         return False
     predict(system, march, h)
-    left, before = clock["left"] ** CAUTION, 0.0
+    left, before = march.memory[0]["left"] ** CAUTION, 0.0
     for iteration in range(MOST_ITERATIONS):
         for stage in range(STAGES):
             clock["evaluations"] += 1
@@ -117,7 +117,7 @@ def solve_step(system, work, march, h):
             weakest = SECOND if iteration == 1 else 1.0
             if not (contraction < weakest or size < FLOOR / clock["rtol"]):
                 return False
-            left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
+            left = march.memory[0]["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         enough = max(min(0.03, clock["rtol"] ** 0.5), FLOOR / clock["rtol"])
         if left * size < enough * blur(work, clock["rtol"]):
             return True
@@ -292,8 +292,7 @@ def step_error(system, work, march, h):
 @kernel
 def work_error(march, h):
     """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
-    clock = march.clock[0]
-    error = REAL * h * clock["power"]
+    error = REAL * h * march.memory[0]["power"]
     for stage in range(STAGES):
         for j in range(STAGES):
             error += h * ERROR[stage] * WEIGHTS[stage, j] * march.powers[j]

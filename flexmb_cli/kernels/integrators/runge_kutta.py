@@ -1,13 +1,11 @@
 """The parts of an explicit Runge-Kutta step that do not know what is integrated: DOP853.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), sections
-II.4-II.6.  The caller evaluates the stages and drives; see `tree_march`.
+II.4-II.6.  The caller evaluates the stages: see `dop853`.
 """
 
-import math
-
 from .._jit import kernel
-from .dop853_table import ALL_STAGES, DENSE_TERMS, DENSE_WEIGHTS, ERROR_3, ERROR_5, STAGE_WEIGHTS, STAGES
+from .dop853_table import ALL_STAGES, DENSE_TERMS, DENSE_WEIGHTS, STAGE_WEIGHTS, STAGES
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 10.0
 ERROR_EXPONENT = -1.0 / 8.0
@@ -23,30 +21,6 @@ def set_stage(z, slopes, stage, h, out):
         if weight != 0.0:
             for i in range(z.shape[0]):
                 out[i] += weight * slopes[j, i]
-
-
-@kernel
-def step_error(z, new, slopes, h, rtol, atol, counted):
-    """Error of a step against the tolerance over the first `counted` places: (norm, worst place)."""
-    square_5 = square_3 = worst_share = 0.0
-    worst = 0
-    for i in range(counted):
-        scale = atol + rtol * max(abs(z[i]), abs(new[i]))
-        e5 = e3 = 0.0
-        for j in range(STAGES):
-            e5 += ERROR_5[j] * slopes[j, i]
-            e3 += ERROR_3[j] * slopes[j, i]
-        e5 /= scale
-        e3 /= scale
-        square_5 += e5 * e5
-        square_3 += e3 * e3
-        # `not <=` lets a nan through as the worst place.
-        if not abs(e5) <= worst_share:
-            worst_share = abs(e5)
-            worst = i
-    if square_5 == 0.0:
-        return 0.0, worst
-    return abs(h) * square_5 / math.sqrt((square_5 + 0.01 * square_3) * counted), worst
 
 
 @kernel
@@ -82,12 +56,3 @@ def interpolate(z, dense, x, out):
         for term in range(DENSE_TERMS - 1, -1, -1):
             total = (total + dense[term, i]) * (x if term % 2 == 0 else 1.0 - x)
         out[i] = z[i] + total
-
-
-@kernel
-def scaled_norm(z, a, rtol, atol, counted):
-    """Root mean square of the first `counted` places of a, place by place against the tolerance at z."""
-    total = 0.0
-    for i in range(counted):
-        total += (a[i] / (atol + rtol * abs(z[i]))) ** 2
-    return (total / counted) ** 0.5

@@ -61,7 +61,7 @@ class GeneralisedAlpha:
         from ...kernels.integrators import generalised_alpha
 
         march = generalised_alpha.new_march(work, turns)
-        march.clock["rho"], march.clock["fixed"] = self.radius, self.length
+        march.memory["rho"], march.memory["fixed"] = self.radius, self.length
         return march
 
     def doubts(self, clock) -> list[Fault]:

@@ -1,0 +1,75 @@
+"""The loop through time of every integrator: report rows where they are due, and steps between them.
+
+A method gives its parts as kernels; numba has no cheap functions as arguments, so the loop is compiled
+once for each method.  Steps do not depend on how the report rows are cut into calls.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from .._jit import kernel
+from .clock import AT_STOP, PAUSED, READY, ROWS_FULL, SMALLEST_STEP, STEP_SHORT, STEP_VANISHED
+
+# Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
+# some 1e-8 s: steps so short follow that blow, and the speeds jump.
+SHORT = 1e-6
+
+
+class Method(NamedTuple):
+    """The parts of an integrator: kernels of (march, ..., *arrays).
+
+    `arrays` are those of the system and of the work on it; `march.clock` is of CLOCK.
+    """
+
+    length: Callable  # (march, *arrays): length of the step to try, s, 0 if there is none
+    attempt: Callable  # (march, h, *arrays): factor on the next length; minus that of another try; 0: none
+    accept: Callable  # (march, factor, *arrays): make the end of the step the state; READY or another code
+    reject: Callable  # (march, h, factor, *arrays): prepare another try, of factor times h
+    fill_row: Callable  # (march, t, report, *arrays): fill a report row up to the state; a code
+
+
+def time_loop(method: Method, same: float = 0.0) -> Callable:
+    """Return the kernel (march, report, budget, *arrays) that fills the rows of a report.
+
+    It makes at most `budget` evaluations and those of one step, and returns a code of `clock`; clock["row"]
+    counts the rows filled.  A row that is `same` steps ahead of the state is that of the state.
+    """
+    length, attempt, accept, reject, fill_row = method
+
+    @kernel
+    def take_step(march, *arrays):
+        """Make one step; a code."""
+        clock = march.clock[0]
+        while True:
+            h = length(march, *arrays)
+            # `not >` refuses a nan.
+            if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+                return STEP_VANISHED
+            clock["length"] = h
+            factor = attempt(march, h, *arrays)
+            if factor > 0.0:
+                return accept(march, factor, *arrays)
+            if factor == 0.0:
+                return STEP_VANISHED
+            reject(march, h, -factor, *arrays)
+
+    @kernel
+    def advance(march, report, budget, *arrays):
+        clock = march.clock[0]
+        clock["row"], code = 0, READY
+        spent = clock["evaluations"] + budget
+        while code == READY and clock["row"] < report.times.shape[0]:
+            t = clock["next"] = report.times[clock["row"]]
+            if t <= clock["t"] + same * clock["step"]:
+                code = fill_row(march, t, report, *arrays)
+            elif clock["t"] >= clock["stop"]:
+                return AT_STOP
+            elif clock["evaluations"] >= spent:
+                return PAUSED
+            elif clock["step"] < SHORT * clock["longest"] and clock["excused"] == 0:
+                return STEP_SHORT
+            else:
+                code = take_step(march, *arrays)
+        return ROWS_FULL if code == READY else code
+
+    return advance
