@@ -3,7 +3,7 @@
 import numpy as np
 
 # Tasks: start at the state z, or integrate on to the report times.
-BEGIN, MARCH = 0, 1
+BEGIN, INTEGRATION = 0, 1
 # Return codes: ready for steps; all rows filled; at the stop; evaluations of this call used up; no step of
 # any length; steps so short that the caller must agree; equations that repeated others contradict them;
 # coordinates without inertia.

@@ -22,17 +22,19 @@ HOPELESS = 1e10  # error of a step that cannot be made
 
 
 class Equations(NamedTuple):
-    """What DOP853 asks of a system: kernels of (march, ..., *arrays).
+    """What DOP853 asks of a system: kernels of (integration, ..., *arrays).
 
-    The march has clock, z, old, trial (N,), slopes (16, N), dense (7, N) and units (N,).
+    The integration has clock, z, old, trial (N,), slopes (16, N), dense (7, N) and units (N,).
     """
 
-    slope: Callable  # (march, stage, t, *arrays): fill slopes[stage] at `trial`; whether there is one
-    normalise: Callable  # (march, *arrays): bring the Euler parameters of `trial` to length one
-    finish: Callable  # (march, h, *arrays): project the end of a step, fill its slope; see `Method.attempt`
-    watch: Callable  # (march, *arrays): look at the accepted step, for events; a code
-    close: Callable  # (march, *arrays): bring its end onto loops, fill slopes[0] of the next; a code
-    fill_row: Callable  # (march, t, report, *arrays): see `Method`
+    slope: Callable  # (integration, stage, t, *arrays): fill slopes[stage] at `trial`; whether there is one
+    normalise: Callable  # (integration, *arrays): bring the Euler parameters of `trial` to length one
+    finish: (
+        Callable  # (integration, h, *arrays): project the end of a step, fill its slope; see `Method.attempt`
+    )
+    watch: Callable  # (integration, *arrays): look at the accepted step, for events; a code
+    close: Callable  # (integration, *arrays): bring its end onto loops, fill slopes[0] of the next; a code
+    fill_row: Callable  # (integration, t, report, *arrays): see `Method`
 
 
 def dop853(equations: Equations) -> Callable:
@@ -40,40 +42,47 @@ def dop853(equations: Equations) -> Callable:
     slope, normalise, finish, watch, close, fill_row = equations
 
     @kernel
-    def length(march, *arrays):
-        clock = march.clock[0]
+    def length(integration, *arrays):
+        clock = integration.clock[0]
         return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
     @kernel
-    def attempt(march, h, *arrays):
-        clock = march.clock[0]
+    def attempt(integration, h, *arrays):
+        clock = integration.clock[0]
         for stage in range(1, STAGES):
-            set_stage(march.z, march.slopes, stage, h, march.trial)
-            if not slope(march, stage, clock["t"] + h * STAGE_TIMES[stage], *arrays):
+            set_stage(integration.z, integration.slopes, stage, h, integration.trial)
+            if not slope(integration, stage, clock["t"] + h * STAGE_TIMES[stage], *arrays):
                 return -SLOWEST
-        set_stage(march.z, march.slopes, STAGES, h, march.trial)
-        normalise(march, *arrays)
-        error, clock["worst"] = step_error(march, h)
+        set_stage(integration.z, integration.slopes, STAGES, h, integration.trial)
+        normalise(integration, *arrays)
+        error, clock["worst"] = step_error(integration, h)
         clock["error"] = error
         # `not <` rejects a nan as well.
         if not error < _largest_error(clock, h):
             return -next_factor(error, 1) if error < HOPELESS else -SLOWEST
-        return finish(march, h, *arrays)
+        return finish(integration, h, *arrays)
 
     @kernel
-    def accept(march, factor, *arrays):
-        clock = march.clock[0]
-        _end_step(march, factor)
-        code = watch(march, *arrays)
+    def accept(integration, factor, *arrays):
+        clock = integration.clock[0]
+        _end_step(integration, factor)
+        code = watch(integration, *arrays)
         if code == READY and clock["next"] < clock["t"]:
             for stage in range(STAGES + 1, ALL_STAGES):
-                set_stage(march.old, march.slopes, stage, clock["step_length"], march.trial)
+                set_stage(integration.old, integration.slopes, stage, clock["step_length"], integration.trial)
                 fault = clock["fault"]
-                slope(march, stage, clock["step_start"] + clock["step_length"] * STAGE_TIMES[stage], *arrays)
+                slope(
+                    integration,
+                    stage,
+                    clock["step_start"] + clock["step_length"] * STAGE_TIMES[stage],
+                    *arrays,
+                )
                 # Both ends were solved; where a point between them is not, its slope stays as it is.
                 clock["fault"] = fault
-            set_dense(march.old, march.z, march.slopes, clock["step_length"], march.dense)
-        return close(march, *arrays) if code == READY else code
+            set_dense(
+                integration.old, integration.z, integration.slopes, clock["step_length"], integration.dense
+            )
+        return close(integration, *arrays) if code == READY else code
 
     return time_loop(Method(length, attempt, accept, _reject, fill_row))
 
@@ -85,12 +94,12 @@ def _largest_error(clock, h):
 
 
 @kernel
-def _end_step(march, factor):
+def _end_step(integration, factor):
     """Make the end of a step, which is in `trial`, the state."""
-    clock, h = march.clock[0], march.clock[0]["length"]
-    for i in range(march.z.shape[0]):
-        march.old[i] = march.z[i]
-        march.z[i] = march.trial[i]
+    clock, h = integration.clock[0], integration.clock[0]["length"]
+    for i in range(integration.z.shape[0]):
+        integration.old[i] = integration.z[i]
+        integration.z[i] = integration.trial[i]
     clock["step"] = h * factor
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, clock["rejected"]
     last = h >= clock["stop"] - clock["t"]
@@ -100,15 +109,15 @@ def _end_step(march, factor):
 
 
 @kernel
-def _reject(march, h, factor, *arrays):
-    clock = march.clock[0]
+def _reject(integration, h, factor, *arrays):
+    clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
     clock["rejected"], clock["strayed"] = 1, 0
 
 
 @kernel
-def first_step(march, slope):
+def first_step(integration, slope):
     """Length of the first step by the state z and its slope (N,) alone, s."""
-    size, speed = scaled_norm(march, march.z), scaled_norm(march, slope)
+    size, speed = scaled_norm(integration, integration.z), scaled_norm(integration, slope)
     return 0.01 * size / speed if size > 1e-5 and speed > 1e-5 else 1e-6

@@ -11,9 +11,9 @@ from collections import namedtuple
 import numpy as np
 
 from .._jit import kernel
-from ..constrained.angle_unwrapping import NEAR, OLD, note_turns
+from ..constrained.angle_unwrapping import EXPECTED, OLD, unwrap_angles
 from ..constrained.angle_unwrapping import NEW as TURNED
-from ..constrained.body_vectors import geometry_of, place_arms
+from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.system import A
@@ -56,29 +56,30 @@ MEMORY = np.dtype(
     ]
 )
 
-AlphaMarch = namedtuple(
-    "AlphaMarch", "clock memory z old trial units turns rates missing step shift gaps newton"
+AlphaIntegration = namedtuple(
+    "AlphaIntegration", "clock memory z old trial units angles rates missing step shift gaps newton"
 )
-AlphaMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers, m equations.
+AlphaIntegration.__doc__ = """What an integration keeps from call to call, for n speeds, states of N numbers,
+m equations.
 
 clock (1,) CLOCK.  memory (1,) MEMORY.  z, old, trial, units (N,): state, that at the start of the last step,
-the one tried or reported, a state's unit.  turns (3, screws): see `screw_turns`.  rates (5, n): see
+the one tried or reported, a state's unit.  angles (3, screws): see `screw_turns`.  rates (5, n): see
 `generalised_alpha`.  missing, step, shift (n,), gaps (3, m):
 of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
 
 
-def new_march(work, turns):
-    """A march at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+def new_integration(work, angles):
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return AlphaMarch(
+    return AlphaIntegration(
         new_clock(),
         np.zeros(1, MEMORY),
         *states,
         np.ones(size),
-        np.zeros((3, turns)),
+        np.zeros((3, angles)),
         np.zeros((5, n)),
         *(np.zeros(n) for _ in range(3)),
         np.zeros((3, m)),
@@ -87,101 +88,105 @@ def new_march(work, turns):
 
 
 @kernel
-def _begin(march, system, work):
-    clock, memory, rates = march.clock[0], march.memory[0], march.rates
+def _begin(integration, system, work):
+    clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
     memory["start"] = clock["step_start"] = clock["t"]
     memory["left"], memory["span"] = 1.0, clock["stop"] - clock["t"]
-    copy(march.z, march.trial)
-    if not iterate(system, work, march, clock["t"], 0.0, 0.0, 0.0):
+    copy(integration.z, integration.trial)
+    if not iterate(system, work, integration, clock["t"], 0.0, 0.0, 0.0):
         return STEP_VANISHED
     memory["power"] = memory["new_power"]
-    copy(march.trial, march.z)
-    copy(march.z, march.old)
+    copy(integration.trial, integration.z)
+    copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
         copy(rates[NEW], rates[kind])
-    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else _first_step(system, march)
+    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else _first_step(system, integration)
     memory["passing"] = clock["step"]
     return READY
 
 
 @kernel
-def _first_step(system, march):
+def _first_step(system, integration):
     """A hundredth of the time in which the accelerations make the speeds."""
-    clock, fastest = march.clock[0], fastest_change(system, march)
+    clock, fastest = integration.clock[0], fastest_change(system, integration)
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel
-def _length(march, system, work):
-    return next_length(march.clock[0], march.memory[0])
+def _length(integration, system, work):
+    return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(march, h, system, work):
+def _attempt(integration, h, system, work):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
-    clock, memory = march.clock[0], march.memory[0]
-    if not solve_step(system, work, march, h):
+    clock, memory = integration.clock[0], integration.memory[0]
+    if not solve_step(system, work, integration, h):
         return -0.25
-    if memory["fixed"] == 0.0 and not _holds(system, march, h):
+    if memory["fixed"] == 0.0 and not _holds(system, integration, h):
         return -(factor_of(clock, memory) if clock["error"] < 1e10 else SLOWEST)
     return 1.0
 
 
 @kernel
-def _reject(march, h, factor, system, work):
-    retreat(march.clock[0], march.memory[0], h, h * factor)
+def _reject(integration, h, factor, system, work):
+    retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 
 @kernel
-def _holds(system, march, h):
+def _holds(system, integration, h):
     """Return whether a step of length h is within the tolerance, and turns no body too far."""
-    bodies, first = system.masses.shape[0], march.z.shape[0] - 1 - march.rates.shape[1]
-    clock, memory = march.clock[0], march.memory[0]
-    fastest = max(largest_turn(bodies, march.z[first:-1]), largest_turn(bodies, march.trial[first:-1]))
+    bodies, first = system.masses.shape[0], integration.z.shape[0] - 1 - integration.rates.shape[1]
+    clock, memory = integration.clock[0], integration.memory[0]
+    fastest = max(
+        largest_turn(bodies, integration.z[first:-1]), largest_turn(bodies, integration.trial[first:-1])
+    )
     memory["turned"] = h * fastest / LONGEST_TURN
     return clock["error"] < 1.0 and memory["turned"] < 1.0
 
 
 @kernel
-def _accept(march, factor, system, work):
+def _accept(integration, factor, system, work):
     """Make the end of a step the state; a code."""
-    clock, memory, rates, z = march.clock[0], march.memory[0], march.rates, march.z
+    clock, memory, rates, z = integration.clock[0], integration.memory[0], integration.rates, integration.z
     last, h = z.shape[0] - 1, clock["length"]
-    copy(z, march.old)
-    copy(march.trial, z)
-    z[last] = march.old[last] + 0.5 * h * (memory["power"] + memory["new_power"])
+    copy(z, integration.old)
+    copy(integration.trial, z)
+    z[last] = integration.old[last] + 0.5 * h * (memory["power"] + memory["new_power"])
     memory["old_power"], memory["power"] = memory["power"], memory["new_power"]
     copy(rates[LAST], rates[BEFORE])
     copy(rates[NEW], rates[LAST])
     copy(rates[NEW_MEAN], rates[MEAN])
     advance(clock, memory, h)
     clock["gap"], clock["equation"] = largest_gap(system, work)
-    if march.turns.shape[1] > 0:
+    if integration.angles.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
         rotation_matrices(q, work.rotations[A])
-        place_arms(geometry_of(system, work), q)
-        note_turns(system, work, march)
+        place_vectors(geometry_of(system, work), q)
+        unwrap_angles(system, work, integration)
     if memory["fixed"] == 0.0:
-        look_ahead(system, work, march, rates[LAST], memory["passing"])
+        look_ahead(system, work, integration, rates[LAST], memory["passing"])
     return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
 @kernel
-def _fill_row(march, t, report, system, work):
+def _fill_row(integration, t, report, system, work):
     """Fill a report row at a time up to the present one; a code."""
-    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
-    copy(march.z, march.trial)
+    clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
+    copy(integration.z, integration.trial)
     if t < clock["t"] - SAME * clock["step_length"]:
         x = (t - clock["step_start"]) / clock["step_length"]
-        _between(system, march, x, march.trial)
-    for s in range(turns.shape[1]):
-        turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[TURNED, s]
-    copy(turns[NEAR], work.turns)
-    if not iterate(system, work, march, t, 0.0, 0.0, 0.0):
+        _between(system, integration, x, integration.trial)
+    for s in range(angles.shape[1]):
+        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[TURNED, s]
+    copy(angles[EXPECTED], work.angles)
+    if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
         return STEP_VANISHED
-    copy(march.trial, report.states[row])
-    copy(march.rates[NEW], report.rates[row])
-    complete(system, work, march.trial, t, turns[NEAR], march.memory[0]["new_power"], report, row)
+    copy(integration.trial, report.states[row])
+    copy(integration.rates[NEW], report.rates[row])
+    complete(
+        system, work, integration.trial, t, angles[EXPECTED], integration.memory[0]["new_power"], report, row
+    )
     clock["row"] += 1
     return READY
 
@@ -190,24 +195,24 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAM
 
 
 @kernel
-def march_rows(task, system, work, march, report, budget):
+def integrate_rows(task, system, work, integration, report, budget):
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
     """
     if task == BEGIN:
-        return _begin(march, system, work)
-    return _advance(march, report, budget, system, work)
+        return _begin(integration, system, work)
+    return _advance(integration, report, budget, system, work)
 
 
 @kernel
-def _between(system, march, x, point):
+def _between(system, integration, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, memory, old, z, n = (
-        march.clock[0],
-        march.memory[0],
-        march.old,
-        march.z,
+        integration.clock[0],
+        integration.memory[0],
+        integration.old,
+        integration.z,
         system.speed_scale.shape[0],
     )
     nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
@@ -227,6 +232,6 @@ def _between(system, march, x, point):
     turn_exactly(bodies, point[:nq], shift)
     for k in range(n):
         i = nq + k
-        point[i] = cubic(x, old[i], z[i], h * march.rates[BEFORE, k], h * march.rates[LAST, k])
+        point[i] = cubic(x, old[i], z[i], h * integration.rates[BEFORE, k], h * integration.rates[LAST, k])
     last = nq + n
     point[last] = cubic(x, old[last], z[last], h * memory["old_power"], h * memory["power"])

@@ -12,7 +12,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..constrained.accelerations import factorise_constraints
-from ..constrained.angle_unwrapping import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
+from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, OLD, expect_angles, unwrap_angles
 from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
@@ -21,9 +21,9 @@ from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, CONTRADICTION, READY, STEP_VANISHED, new_clock
 from .constrained_dop853 import MOST_MOVED, REPEATED_GAP
-from .radau5_projection import close_gaps, moved, settle
+from .radau5_projection import close_gaps, moved, project_state
 from .radau5_rows import between
-from .radau5_singular_step import leap
+from .radau5_singular_step import singular_step
 from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error, work_error
 from .radau5_table import STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
@@ -50,15 +50,15 @@ MEMORY = np.dtype(
     ]
 )
 
-RadauMarch = namedtuple(
-    "RadauMarch",
-    "clock memory z old trial units turns rates speeds slopes shifts steps momenta missing powers rest "
+RadauIntegration = namedtuple(
+    "RadauIntegration",
+    "clock memory z old trial units angles rates speeds slopes shifts steps momenta missing powers rest "
     "motions matrices complex real_part complex_part newton",
 )
-RadauMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers.
+RadauIntegration.__doc__ = """What an integration keeps from call to call, for n speeds, states of N numbers.
 
 clock (1,) CLOCK.  memory (1,) MEMORY.  z, old, trial, units (N,): state, that at the start of the last step,
-the one tried or reported, a state's unit.  turns (3, angles): see `angle_unwrapping`.  rates (8, n): see
+the one tried or reported, a state's unit.  angles (3, angles): see `angle_unwrapping`.  rates (8, n): see
 `radau5_step`.
 Of the three stages: speeds, shifts and their rates slopes, steps of an iteration, momenta M u (3, n), powers
 (3,), rest (3, n) in free motions, motions (3, n, n).  missing (n,).  matrices (3, n, n): see `radau_step`.
@@ -66,17 +66,17 @@ complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose 
 """
 
 
-def new_march(work, turns):
-    """A march at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+def new_integration(work, angles):
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return RadauMarch(
+    return RadauIntegration(
         new_clock(),
         np.zeros(1, MEMORY),
         *states,
         np.ones(size),
-        np.zeros((3, turns)),
+        np.zeros((3, angles)),
         np.zeros((2 * (STAGES + 1), n)),
         *(np.zeros((STAGES, n)) for _ in range(5)),
         np.zeros(n),
@@ -92,92 +92,92 @@ def new_march(work, turns):
 
 
 @kernel
-def _begin(march, system, work):
-    clock, memory, rates = march.clock[0], march.memory[0], march.rates
+def _begin(integration, system, work):
+    clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
     clock["step_start"], memory["left"] = clock["t"], 1.0
-    copy(march.z, march.trial)
-    copy(march.turns[NEW], march.turns[NEAR])
-    code = _renew(system, work, march)
-    if code == SOLVED and not prepare(march, work.jacobian.shape[1] - work.rank[0], 0.0):
+    copy(integration.z, integration.trial)
+    copy(integration.angles[NEW], integration.angles[EXPECTED])
+    code = _renew(system, work, integration)
+    if code == SOLVED and not prepare(integration, work.jacobian.shape[1] - work.rank[0], 0.0):
         code = NO_INERTIA
     if code == SOLVED:
-        code, memory["power"] = settle(system, work, march, clock["t"], rates[START])
+        code, memory["power"] = project_state(system, work, integration, clock["t"], rates[START])
     clock["fault"] = code
     if code != SOLVED:
         return STEP_VANISHED
-    copy(march.trial, march.z)
-    copy(march.z, march.old)
+    copy(integration.trial, integration.z)
+    copy(integration.z, integration.old)
     memory["branching"] = min(BRANCHING, BRANCHING_START * smallest_pivot(work.factors, work.rank[0]))
     for node in range(STAGES + 1):
         copy(rates[START], rates[LAST + node])
-    clock["step"] = _first_step(system, march)
+    clock["step"] = _first_step(system, integration)
     return READY
 
 
 @kernel
-def _first_step(system, march):
+def _first_step(system, integration):
     """A hundredth of the time in which the accelerations make the speeds."""
-    clock, n = march.clock[0], system.speed_scale.shape[0]
-    u = coordinates_and_speeds(system, march.z)[1]
+    clock, n = integration.clock[0], system.speed_scale.shape[0]
+    u = coordinates_and_speeds(system, integration.z)[1]
     fastest = 0.0
     for k in range(n):
-        fastest = max(fastest, abs(march.rates[START, k]) / (system.speed_scale[k] + abs(u[k])))
+        fastest = max(fastest, abs(integration.rates[START, k]) / (system.speed_scale[k] + abs(u[k])))
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel
-def _renew(system, work, march):
+def _renew(system, work, integration):
     """The matrices of the state z anew; a code."""
-    q = coordinates_and_speeds(system, march.z)[0]
+    q = coordinates_and_speeds(system, integration.z)[0]
     code = factorise_constraints(system, work, q)
     if code == SOLVED:
         mass_matrices(system, work, q)
-        renew_matrices(system, work, march.matrices)
-        march.memory[0]["quality"] = work.quality[0]
+        renew_matrices(system, work, integration.matrices)
+        integration.memory[0]["quality"] = work.quality[0]
     return code
 
 
 @kernel
-def _length(march, system, work):
+def _length(integration, system, work):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
-    clock = march.clock[0]
-    copy(march.turns[NEW], work.turns)
-    if not _is_current(march, system, work):
+    clock = integration.clock[0]
+    copy(integration.angles[NEW], work.angles)
+    if not _is_current(integration, system, work):
         return 0.0
     return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
 
 @kernel
-def _is_current(march, system, work):
+def _is_current(integration, system, work):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
-    if work.quality[0] != march.memory[0]["quality"]:
-        march.clock[0]["fault"] = _renew(system, work, march)
-        return march.clock[0]["fault"] == SOLVED
+    if work.quality[0] != integration.memory[0]["quality"]:
+        integration.clock[0]["fault"] = _renew(system, work, integration)
+        return integration.clock[0]["fault"] == SOLVED
     return True
 
 
 @kernel
-def _attempt(march, h, system, work):
+def _attempt(integration, h, system, work):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
-    clock, memory, factor = march.clock[0], march.memory[0], 0.0
+    clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
     over = min(2.0 * way, left) if 0.0 < way < h and clock["step_length"] > 0.0 else 0.0
-    if over > way and leap(system, work, march, over):
+    if over > way and singular_step(system, work, integration, over):
         clock["length"], factor = over, 1.0
     else:
         if over > way:
-            copy(march.turns[NEW], work.turns)
-            if not _is_current(march, system, work):
+            copy(integration.angles[NEW], work.angles)
+            if not _is_current(integration, system, work):
                 return -0.5
-        factor = _try_step(system, work, march, h)
+        factor = _try_step(system, work, integration, h)
     if factor > 0.0 and smallest_pivot(work.factors, work.rank[0]) < memory["branching"]:
         return 0.0 if _is_singular(work, clock, memory) else -0.5
     return factor
 
 
 @kernel
-def _reject(march, h, factor, system, work):
-    clock, memory = march.clock[0], march.memory[0]
+def _reject(integration, h, factor, system, work):
+    clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
     clock["rejected"] += 1
@@ -185,37 +185,39 @@ def _reject(march, h, factor, system, work):
 
 
 @kernel
-def _try_step(system, work, march, h):
+def _try_step(system, work, integration, h):
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
-    clock = march.clock[0]
-    if not solve_step(system, work, march, h):
+    clock = integration.clock[0]
+    if not solve_step(system, work, integration, h):
         return -0.5
     blurred = blur(work, clock["rtol"])
-    clock["error"] = error = max(step_error(system, work, march, h), work_error(march, h)) / blurred
-    turns = _turns_left(system, march)
-    factor = min(_factor(clock, march.memory[0], h, error), SAFETY * turns)
-    if not (error < 1.0 and turns > 1.0):
+    clock["error"] = error = (
+        max(step_error(system, work, integration, h), work_error(integration, h)) / blurred
+    )
+    angles = _turns_left(system, integration)
+    factor = min(_factor(clock, integration.memory[0], h, error), SAFETY * angles)
+    if not (error < 1.0 and angles > 1.0):
         return -max(SLOWEST, factor) if error < 1e10 else -SLOWEST
-    place_trial(system, march, STAGES - 1)
-    if not expect_turns(system, work, march, h) < MOST_TURNED:
+    place_trial(system, integration, STAGES - 1)
+    if not expect_angles(system, work, integration, h) < MOST_TURNED:
         return -0.5
-    found = march.trial.copy()
-    clock["fault"] = close_gaps(system, work, march, clock["t"] + h)
+    found = integration.trial.copy()
+    clock["fault"] = close_gaps(system, work, integration, clock["t"] + h)
     if clock["fault"] != SOLVED:
         return -0.25
-    if not moved(march, found) < MOST_MOVED * blurred:
+    if not moved(integration, found) < MOST_MOVED * blurred:
         return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 
 
 @kernel
-def _turns_left(system, march):
+def _turns_left(system, integration):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
     """
-    turn = largest_turn(system.masses.shape[0], march.shifts[STAGES - 1])
-    longest = min(LONGEST_TURN, 2.0 * (720.0 / STEEPEST * march.clock[0]["rtol"]) ** 0.2)
+    turn = largest_turn(system.masses.shape[0], integration.shifts[STAGES - 1])
+    longest = min(LONGEST_TURN, 2.0 * (720.0 / STEEPEST * integration.clock[0]["rtol"]) ** 0.2)
     return longest / turn if turn > 0.0 else np.inf
 
 
@@ -232,17 +234,23 @@ def _factor(clock, memory, h, error):
 
 
 @kernel
-def _accept(march, factor, system, work):
+def _accept(integration, factor, system, work):
     """Make the end of a step the state; a code."""
-    clock, memory, rates, z, end = march.clock[0], march.memory[0], march.rates, march.z, march.z.shape[0] - 1
+    clock, memory, rates, z, end = (
+        integration.clock[0],
+        integration.memory[0],
+        integration.rates,
+        integration.z,
+        integration.z.shape[0] - 1,
+    )
     h = clock["length"]
     last = h >= clock["stop"] - clock["t"]
-    copy(z, march.old)
-    copy(march.trial, z)
-    z[end] = march.old[end]
+    copy(z, integration.old)
+    copy(integration.trial, z)
+    z[end] = integration.old[end]
     for stage in range(STAGES):
-        z[end] += h * WEIGHTS[STAGES - 1, stage] * march.powers[stage]
-    memory["old_power"], memory["power"] = memory["power"], march.powers[STAGES - 1]
+        z[end] += h * WEIGHTS[STAGES - 1, stage] * integration.powers[stage]
+    memory["old_power"], memory["power"] = memory["power"], integration.powers[STAGES - 1]
     for node in range(STAGES + 1):
         copy(rates[START + node], rates[LAST + node])
     copy(rates[LAST + STAGES], rates[START])
@@ -252,11 +260,11 @@ def _accept(march, factor, system, work):
     clock["rejected"], memory["last_error"] = 0, clock["error"]
     clock["steps"] += 1
     clock["gap"], clock["equation"] = largest_gap(system, work)
-    note_turns(system, work, march)
+    unwrap_angles(system, work, integration)
     if memory["left"] > SLOW or work.quality[0] != memory["quality"]:
-        renew_matrices(system, work, march.matrices)
+        renew_matrices(system, work, integration.matrices)
         memory["quality"] = work.quality[0]
-    look_ahead(system, work, march, rates[START], clock["step"])
+    look_ahead(system, work, integration, rates[START], clock["step"])
     return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
@@ -270,21 +278,21 @@ def _is_singular(work, clock, memory):
 
 
 @kernel
-def _fill_row(march, t, report, system, work):
+def _fill_row(integration, t, report, system, work):
     """Fill a report row at a time up to the present one; a code."""
-    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
-    copy(march.z, march.trial)
+    clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
+    copy(integration.z, integration.trial)
     if t < clock["t"]:
         x = (t - clock["step_start"]) / clock["step_length"]
-        between(system, march, x, march.trial)
-    for s in range(turns.shape[1]):
-        turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[NEW, s]
-    clock["fault"], power = settle(system, work, march, t, report.rates[row])
-    blind = BLIND * march.memory[0]["branching"]
+        between(system, integration, x, integration.trial)
+    for s in range(angles.shape[1]):
+        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[NEW, s]
+    clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
+    blind = BLIND * integration.memory[0]["branching"]
     if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
         return STEP_VANISHED
-    copy(march.trial, report.states[row])
-    complete(system, work, march.trial, t, turns[NEAR], power, report, row)
+    copy(integration.trial, report.states[row])
+    complete(system, work, integration.trial, t, angles[EXPECTED], power, report, row)
     clock["row"] += 1
     return READY
 
@@ -293,11 +301,11 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 
 
 @kernel
-def march_rows(task, system, work, march, report, budget):
+def integrate_rows(task, system, work, integration, report, budget):
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
     """
     if task == BEGIN:
-        return _begin(march, system, work)
-    return _advance(march, report, budget, system, work)
+        return _begin(integration, system, work)
+    return _advance(integration, report, budget, system, work)

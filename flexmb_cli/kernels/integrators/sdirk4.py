@@ -322,12 +322,12 @@ _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 
 
 @kernel
-def march_rows(tree, work, coordinates, march, report, budget):
+def integrate_rows(tree, work, coordinates, integration, report, budget):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code.
 
     `march.before` holds the slope at z.
     """
-    return _advance(march, report, budget, tree, work, coordinates)
+    return _advance(integration, report, budget, tree, work, coordinates)
 
 
 @kernel

@@ -16,20 +16,24 @@ SHORT = 1e-6
 
 
 class Method(NamedTuple):
-    """The parts of an integrator: kernels of (march, ..., *arrays).
+    """The parts of an integrator: kernels of (integration, ..., *arrays).
 
     `arrays` are those of the system and of the work on it; `march.clock` is of CLOCK.
     """
 
-    length: Callable  # (march, *arrays): length of the step to try, s, 0 if there is none
-    attempt: Callable  # (march, h, *arrays): factor on the next length; minus that of another try; 0: none
-    accept: Callable  # (march, factor, *arrays): make the end of the step the state; READY or another code
-    reject: Callable  # (march, h, factor, *arrays): prepare another try, of factor times h
-    fill_row: Callable  # (march, t, report, *arrays): fill a report row up to the state; a code
+    length: Callable  # (integration, *arrays): length of the step to try, s, 0 if there is none
+    attempt: (
+        Callable  # (integration, h, *arrays): factor on the next length; minus that of another try; 0: none
+    )
+    accept: (
+        Callable  # (integration, factor, *arrays): make the end of the step the state; READY or another code
+    )
+    reject: Callable  # (integration, h, factor, *arrays): prepare another try, of factor times h
+    fill_row: Callable  # (integration, t, report, *arrays): fill a report row up to the state; a code
 
 
 def time_loop(method: Method, same: float = 0.0) -> Callable:
-    """Return the kernel (march, report, budget, *arrays) that fills the rows of a report.
+    """Return the kernel (integration, report, budget, *arrays) that fills the rows of a report.
 
     It makes at most `budget` evaluations and those of one step, and returns a code of `clock`; clock["row"]
     counts the rows filled.  A row that is `same` steps ahead of the state is that of the state.
@@ -37,31 +41,31 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
     length, attempt, accept, reject, fill_row = method
 
     @kernel
-    def take_step(march, *arrays):
+    def take_step(integration, *arrays):
         """Make one step; a code."""
-        clock = march.clock[0]
+        clock = integration.clock[0]
         while True:
-            h = length(march, *arrays)
+            h = length(integration, *arrays)
             # `not >` refuses a nan.
             if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
                 return STEP_VANISHED
             clock["length"] = h
-            factor = attempt(march, h, *arrays)
+            factor = attempt(integration, h, *arrays)
             if factor > 0.0:
-                return accept(march, factor, *arrays)
+                return accept(integration, factor, *arrays)
             if factor == 0.0:
                 return STEP_VANISHED
-            reject(march, h, -factor, *arrays)
+            reject(integration, h, -factor, *arrays)
 
     @kernel
-    def advance(march, report, budget, *arrays):
-        clock = march.clock[0]
+    def advance(integration, report, budget, *arrays):
+        clock = integration.clock[0]
         clock["row"], code = 0, READY
         spent = clock["evaluations"] + budget
         while code == READY and clock["row"] < report.times.shape[0]:
             t = clock["next"] = report.times[clock["row"]]
             if t <= clock["t"] + same * clock["step"]:
-                code = fill_row(march, t, report, *arrays)
+                code = fill_row(integration, t, report, *arrays)
             elif clock["t"] >= clock["stop"]:
                 return AT_STOP
             elif clock["evaluations"] >= spent:
@@ -69,7 +73,7 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
             elif clock["step"] < SHORT * clock["longest"] and clock["excused"] == 0:
                 return STEP_SHORT
             else:
-                code = take_step(march, *arrays)
+                code = take_step(integration, *arrays)
         return ROWS_FULL if code == READY else code
 
     return advance

@@ -19,13 +19,13 @@ from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .explicit_error import scaled_norm
 from .runge_kutta import interpolate, next_factor
 
-# Tasks besides BEGIN and MARCH of `clock`: close the loops of z; go on at z with a known step.
+# Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
 CLOSE, GO_ON = 2, 3
 # Place in `slopes` of what is not a stage.
 ASIDE = ALL_STAGES
 
 
-class March(NamedTuple):
+class Integration(NamedTuple):
     """What an integration keeps from call to call, for states of n numbers."""
 
     clock: np.ndarray  # one record of CLOCK
@@ -37,106 +37,111 @@ class March(NamedTuple):
     units: np.ndarray  # (n,) a state's unit, of which the absolute tolerance is
 
 
-def new_march(n: int) -> March:
-    """A march at time 0 with an empty state."""
+def new_integration(n: int) -> Integration:
+    """An integration at time 0 with an empty state."""
     clock = new_clock()
     clock["fault"] = SOLVED
     states = [np.zeros(n) for _ in range(3)]
-    return March(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))
+    return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))
 
 
 @kernel
-def evaluate(march, slope, t, tree, work, coordinates):
+def evaluate(integration, slope, t, tree, work, coordinates):
     """Fill the slope (n,) of `trial`; return whether there is one."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     clock["evaluations"] += 1
-    clock["fault"] = derivative(tree, work, coordinates, t, march.trial, slope)
+    clock["fault"] = derivative(tree, work, coordinates, t, integration.trial, slope)
     return clock["fault"] == SOLVED
 
 
 @kernel
-def _slope(march, stage, t, tree, work, coordinates):
-    return evaluate(march, march.slopes[stage], t, tree, work, coordinates)
+def _slope(integration, stage, t, tree, work, coordinates):
+    return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
 
 
 @kernel
-def _normalise(march, tree, work, coordinates):
-    normalise_attitudes(tree, march.trial)
+def _normalise(integration, tree, work, coordinates):
+    normalise_attitudes(tree, integration.trial)
 
 
 @kernel
-def _finish(march, h, tree, work, coordinates):
-    clock = march.clock[0]
-    if not _slope(march, STAGES, clock["t"] + h, tree, work, coordinates):
+def _finish(integration, h, tree, work, coordinates):
+    clock = integration.clock[0]
+    if not _slope(integration, STAGES, clock["t"] + h, tree, work, coordinates):
         return -0.2
     return next_factor(clock["error"], clock["rejected"])
 
 
 @kernel
-def _watch(march, tree, work, coordinates):
+def _watch(integration, tree, work, coordinates):
     """Tables of loads end the steps by `stop`: there are no other events."""
     return READY
 
 
 @kernel
-def _close(march, tree, work, coordinates):
+def _close(integration, tree, work, coordinates):
     """Close the loops at the end of a step, whose slope then is that at the start of the next; a code."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     if tree.closures.shape[0] == 0:
-        copy(march.slopes[STAGES], march.slopes[0])
+        copy(integration.slopes[STAGES], integration.slopes[0])
         return READY
-    copy(march.z, march.trial)
+    copy(integration.z, integration.trial)
     # slopes[0] is needed again where the step must be taken back.
-    if not _slope(march, ASIDE, clock["t"], tree, work, coordinates):
+    if not _slope(integration, ASIDE, clock["t"], tree, work, coordinates):
         return NO_INERTIA
-    project(tree, work, coordinates, march.trial)
-    place = strayed(march.z, march.trial, clock)
+    project(tree, work, coordinates, integration.trial)
+    place = strayed(integration.z, integration.trial, clock)
     if place >= 0:
-        _take_back(march, place)
+        _take_back(integration, place)
         return READY
     clock["gap"] = largest_gap(tree.closures)
-    copy(march.trial, march.z)
-    return READY if _slope(march, 0, clock["t"], tree, work, coordinates) else NO_INERTIA
+    copy(integration.trial, integration.z)
+    return READY if _slope(integration, 0, clock["t"], tree, work, coordinates) else NO_INERTIA
 
 
 @kernel
-def _take_back(march, place):
+def _take_back(integration, place):
     """Go back to the start of the last step, for closing the loops moved its end too far."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
     # A resumed run begins with the shorter step too.
     clock["step_length"], clock["rejected"], clock["step_rejected"] = clock["step"], 1, 1
     clock["worst"], clock["strayed"] = place, 1
     clock["rejections"] += 1
     clock["steps"] -= 1
-    copy(march.old, march.z)
+    copy(integration.old, integration.z)
 
 
 @kernel
-def _fill_row(march, t, report, tree, work, coordinates):
+def _fill_row(integration, t, report, tree, work, coordinates):
     """Fill a report row at a time up to the present one; a code."""
-    clock = march.clock[0]
-    copy(march.z, march.trial)
+    clock = integration.clock[0]
+    copy(integration.z, integration.trial)
     if t < clock["t"]:
-        interpolate(march.old, march.dense, (t - clock["step_start"]) / clock["step_length"], march.trial)
-        normalise_attitudes(tree, march.trial)
-    return observe_trial(march, march.slopes[ASIDE], t, report, tree, work, coordinates)
+        interpolate(
+            integration.old,
+            integration.dense,
+            (t - clock["step_start"]) / clock["step_length"],
+            integration.trial,
+        )
+        normalise_attitudes(tree, integration.trial)
+    return observe_trial(integration, integration.slopes[ASIDE], t, report, tree, work, coordinates)
 
 
 @kernel
-def observe_trial(march, slope, t, report, tree, work, coordinates):
+def observe_trial(integration, slope, t, report, tree, work, coordinates):
     """Fill a report row from `trial`, its loops closed first; a code."""
-    fault = march.clock[0]["fault"]
-    found = evaluate(march, slope, t, tree, work, coordinates)
+    fault = integration.clock[0]["fault"]
+    found = evaluate(integration, slope, t, tree, work, coordinates)
     if tree.closures.shape[0] > 0:
         if not found:
             return NO_INERTIA
-        project(tree, work, coordinates, march.trial)
-        evaluate(march, slope, t, tree, work, coordinates)
+        project(tree, work, coordinates, integration.trial)
+        evaluate(integration, slope, t, tree, work, coordinates)
     # The ends of the step had inertia; a row between them that has none is not worth a failure.
-    march.clock[0]["fault"] = fault
-    observe(tree, work, coordinates, march.trial, report, march.clock[0]["row"])
-    march.clock[0]["row"] += 1
+    integration.clock[0]["fault"] = fault
+    observe(tree, work, coordinates, integration.trial, report, integration.clock[0]["row"])
+    integration.clock[0]["row"] += 1
     return READY
 
 
@@ -144,39 +149,42 @@ _advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_r
 
 
 @kernel
-def march_rows(tree, work, coordinates, march, report, budget):
+def integrate_rows(tree, work, coordinates, integration, report, budget):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code."""
-    return _advance(march, report, budget, tree, work, coordinates)
+    return _advance(integration, report, budget, tree, work, coordinates)
 
 
 @kernel
-def begin(task, tree, work, coordinates, march):
+def begin(task, tree, work, coordinates, integration):
     """Do a task that makes no steps; a code."""
-    clock = march.clock[0]
-    copy(march.z, march.trial)
-    if not _slope(march, 0, clock["t"], tree, work, coordinates):
+    clock = integration.clock[0]
+    copy(integration.z, integration.trial)
+    if not _slope(integration, 0, clock["t"], tree, work, coordinates):
         return NO_INERTIA
     if task == CLOSE:
-        project(tree, work, coordinates, march.trial)
+        project(tree, work, coordinates, integration.trial)
         clock["gap"] = largest_gap(tree.closures)
-        copy(march.trial, march.z)
+        copy(integration.trial, integration.z)
     elif task != GO_ON:
-        return _choose_first_step(march, tree, work, coordinates)
+        return _choose_first_step(integration, tree, work, coordinates)
     return READY
 
 
 @kernel
-def _choose_first_step(march, tree, work, coordinates):
+def _choose_first_step(integration, tree, work, coordinates):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
-    clock, counted = march.clock[0], march.z.shape[0] - 1
-    first = first_step(march, march.slopes[0])
-    for i in range(march.z.shape[0]):
-        march.trial[i] = march.z[i] + first * march.slopes[0, i]
-    if not _slope(march, 1, clock["t"] + first, tree, work, coordinates):
+    clock, counted = integration.clock[0], integration.z.shape[0] - 1
+    first = first_step(integration, integration.slopes[0])
+    for i in range(integration.z.shape[0]):
+        integration.trial[i] = integration.z[i] + first * integration.slopes[0, i]
+    if not _slope(integration, 1, clock["t"] + first, tree, work, coordinates):
         return NO_INERTIA
     for i in range(counted):
-        march.slopes[1, i] -= march.slopes[0, i]
-    steepest = max(scaled_norm(march, march.slopes[0]), scaled_norm(march, march.slopes[1]) / first)
+        integration.slopes[1, i] -= integration.slopes[0, i]
+    steepest = max(
+        scaled_norm(integration, integration.slopes[0]),
+        scaled_norm(integration, integration.slopes[1]) / first,
+    )
     second = (0.01 / steepest) ** 0.125 if steepest > 1e-15 else max(1e-6, 1e-3 * first)
     clock["step"] = min(100.0 * first, second)
     clock["step_start"], clock["step_length"] = clock["t"], clock["step"]

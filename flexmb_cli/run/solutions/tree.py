@@ -45,7 +45,7 @@ def kane_analysis(tree: Tree, run: Run):
     """Return the analysis by Kane's equations."""
     from ...solvers.tree.analysis import TreeAnalysis
 
-    tell_of_compiling(run.listener, "integrators.tree_dop853.march_rows")
+    tell_of_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     return TreeAnalysis(tree)
 
 
@@ -53,7 +53,7 @@ def absolute_analysis(tree: Tree, run: Run):
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
-    tell_of_compiling(run.listener, "integrators.constrained_dop853.march_rows")
+    tell_of_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
     return AbsoluteTree(tree)
 
 

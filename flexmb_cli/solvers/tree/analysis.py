@@ -1,6 +1,6 @@
 """Dynamic analysis of a tree: report rows of its motion, block by block.
 
-Torque laws are linear between the breakpoints of their tables; the integration stops at each, so
+Torque functions are linear between the breakpoints of their tables; the integration stops at each, so
 that no step straddles a jump.
 """
 
@@ -37,9 +37,9 @@ class TreeAnalysis:
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
         start = initial_state(tree)
         self.coordinates["held"] = self.arrays.given
-        self.march = tree_dop853.new_march(start.size)
-        self.march.z[:] = start
-        self.clock = self.march.clock
+        self.integration = tree_dop853.new_integration(start.size)
+        self.integration.z[:] = start
+        self.clock = self.integration.clock
         self.clock["t"] = self.clock["step_start"] = tree.time.start
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row, self.attitude = 0, None
@@ -51,7 +51,7 @@ class TreeAnalysis:
     @property
     def state(self) -> np.ndarray:
         """State (n,) at the end of the last step: speeds, coordinates, Euler parameters, work."""
-        return self.march.z
+        return self.integration.z
 
     @property
     def checkpoint(self) -> dict:
@@ -64,13 +64,18 @@ class TreeAnalysis:
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
-        return {"row": self.row, "clock": clock, "state": self.march.old.copy(), "attitude": self.attitude}
+        return {
+            "row": self.row,
+            "clock": clock,
+            "state": self.integration.old.copy(),
+            "attitude": self.attitude,
+        }
 
     def restore(self, checkpoint: Mapping) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
-        self.clock[:], self.march.z[:] = checkpoint["clock"], checkpoint["state"]
+        self.clock[:], self.integration.z[:] = checkpoint["clock"], checkpoint["state"]
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -92,7 +97,7 @@ class TreeAnalysis:
             self._start_interval(stop)
             method = self.tree.integration.method
             if method == "dop853":
-                yield from self.rows_of_steps(self.march_rows)
+                yield from self.rows_of_steps(self.integrate_rows)
             elif method == "sdirk4":
                 from .implicit import implicit_rows
 
@@ -102,12 +107,12 @@ class TreeAnalysis:
 
                 yield from library_rows(self, stop)
 
-    def rows_of_steps(self, march_rows: Callable) -> Iterator[TreeRows]:
-        """Yield report rows up to the next breakpoint by a compiled integrator, `march_rows(report)`."""
+    def rows_of_steps(self, integrate_rows: Callable) -> Iterator[TreeRows]:
+        """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
         code = codes.PAUSED
         while self.row < self.tree.time.rows and code != codes.AT_STOP:
             report = self._blank_report(self._times_of_block())
-            code = march_rows(report)
+            code = integrate_rows(report)
             filled = int(self.clock["row"][0])
             if filled:
                 yield self._rows_of(Report(*(part[:filled] for part in report)))
@@ -134,7 +139,7 @@ class TreeAnalysis:
         for time in times:
             report = self._blank_report(np.array([time]))
             self.clock["t"], self.state[:] = time, state_at(time)
-            self.march_rows(report)
+            self.integrate_rows(report)
             reports.append(report)
         self.clock["t"], self.state[:] = t, state
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
@@ -147,12 +152,14 @@ class TreeAnalysis:
 
     def call(self, task: int) -> int:
         """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
-        return tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.march)
+        return tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration)
 
-    def march_rows(self, report: Report) -> int:
+    def integrate_rows(self, report: Report) -> int:
         """Fill report rows by DOP853; its code."""
         budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        return tree_dop853.march_rows(self.arrays, self.work, self.coordinates, self.march, report, budget)
+        return tree_dop853.integrate_rows(
+            self.arrays, self.work, self.coordinates, self.integration, report, budget
+        )
 
     def _blank_report(self, times):
         rows, n = times.size, len(self.coordinates)
@@ -166,7 +173,7 @@ class TreeAnalysis:
         )
 
     def _start_interval(self, stop):
-        set_laws(self.tree, self.arrays, float(self.clock["t"][0]), stop)
+        set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
         self.clock["stop"] = stop
         if self.resumed:
             task = tree_dop853.GO_ON
@@ -175,7 +182,7 @@ class TreeAnalysis:
             if self.row == 0:
                 assemble_tree(self)
         self.resumed = False
-        self.march.old[:] = self.march.z
+        self.integration.old[:] = self.integration.z
         if self.call(task) == codes.NO_INERTIA:
             raise self.failure()
         if self.repeated is None:
@@ -202,25 +209,25 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
-    """Times inside (start, end) at which a law of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.law.times}
+    """Times inside (start, end) at which a function of the tree jumps or bends."""
+    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}
     return sorted(t for t in times if start < t < end)
 
 
-def set_laws(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
-    """Write the values c0 + c1 t that the laws have between two breakpoints into the arrays."""
-    for record, item in zip(arrays.laws, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.law, (begin + end) / 2)
+def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
+    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
+    for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
+        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)
 
 
-def _line(law: Table, t: float) -> tuple[float, float]:
+def _line(function: Table, t: float) -> tuple[float, float]:
     """Value at time 0 and slope of the piece of a table on which t lies."""
-    after = int(np.searchsorted(law.times, t))
+    after = int(np.searchsorted(function.times, t))
     if after == 0:
-        return law.values[0], 0.0
-    if after == len(law.times):
-        return law.values[-1], 0.0
-    (ta, tb), (va, vb) = law.times[after - 1 : after + 1], law.values[after - 1 : after + 1]
+        return function.values[0], 0.0
+    if after == len(function.times):
+        return function.values[-1], 0.0
+    (ta, tb), (va, vb) = function.times[after - 1 : after + 1], function.values[after - 1 : after + 1]
     slope = (vb - va) / (tb - ta)
     return va - slope * ta, slope
 

@@ -9,20 +9,22 @@ CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a se
 
 
 def implicit_rows(analysis) -> Iterator[TreeRows]:
-    """Report rows of a TreeAnalysis up to the next breakpoint, whose laws are set.
+    """Report rows of a TreeAnalysis up to the next breakpoint, whose functions are set.
 
     Raises AnalysisError as the other methods.
     """
     clock, n = analysis.clock[0], len(analysis.coordinates)
-    march = sdirk4.implicit_work(analysis.clock, analysis.state, n, analysis.arrays.closures)
-    march.before[:] = analysis.march.slopes[0]
+    integration = sdirk4.implicit_work(analysis.clock, analysis.state, n, analysis.arrays.closures)
+    integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + CALL_WORK // (1 + n * n)
 
-    def march_rows(report):
-        return sdirk4.march_rows(analysis.arrays, analysis.work, analysis.coordinates, march, report, budget)
+    def integrate_rows(report):
+        return sdirk4.integrate_rows(
+            analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
+        )
 
     start = clock["step_start"].copy(), clock["step_length"].copy()
-    for block in analysis.rows_of_steps(march_rows):
+    for block in analysis.rows_of_steps(integrate_rows):
         # A stopped run goes on from the last breakpoint: the matrix has no other memory.
         last = clock["step_start"].copy(), clock["step_length"].copy()
         clock["step_start"], clock["step_length"] = start

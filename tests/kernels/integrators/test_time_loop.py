@@ -26,26 +26,26 @@ from flexmb_cli.kernels.integrators.clock import (
 from flexmb_cli.kernels.integrators.time_loop import Method, time_loop
 
 RATE, LONGEST = 2.0, 0.5  # steps longer than that fail
-March = namedtuple("March", "clock z")
+Integration = namedtuple("Integration", "clock z")
 Report = namedtuple("Report", "times states")
 
 
 @kernel
-def length(march, rate):
-    clock = march.clock[0]
+def length(integration, rate):
+    clock = integration.clock[0]
     return min(clock["step"], clock["stop"] - clock["t"])
 
 
 @kernel
-def attempt(march, h, rate):
-    march.clock[0]["evaluations"] += 1
+def attempt(integration, h, rate):
+    integration.clock[0]["evaluations"] += 1
     return 2.0 if h <= LONGEST else -0.5
 
 
 @kernel
-def accept(march, factor, rate):
-    clock = march.clock[0]
-    march.z[0] += rate[0] * clock["length"]
+def accept(integration, factor, rate):
+    clock = integration.clock[0]
+    integration.z[0] += rate[0] * clock["length"]
     clock["t"] += clock["length"]
     clock["step"] = factor * clock["length"]
     clock["steps"] += 1
@@ -53,15 +53,15 @@ def accept(march, factor, rate):
 
 
 @kernel
-def reject(march, h, factor, rate):
-    march.clock[0]["step"] = factor * h
-    march.clock[0]["rejections"] += 1
+def reject(integration, h, factor, rate):
+    integration.clock[0]["step"] = factor * h
+    integration.clock[0]["rejections"] += 1
 
 
 @kernel
-def fill_row(march, t, report, rate):
-    clock = march.clock[0]
-    report.states[clock["row"]] = march.z[0] - rate[0] * (clock["t"] - t)
+def fill_row(integration, t, report, rate):
+    clock = integration.clock[0]
+    report.states[clock["row"]] = integration.z[0] - rate[0] * (clock["t"] - t)
     clock["row"] += 1
     return READY
 
@@ -70,8 +70,8 @@ _advance = time_loop(Method(length, attempt, accept, reject, fill_row))
 
 
 @kernel
-def advance(march, report, budget, rate):
-    return _advance(march, report, budget, rate)
+def advance(integration, report, budget, rate):
+    return _advance(integration, report, budget, rate)
 
 
 def march_at(step, **values):
@@ -79,43 +79,43 @@ def march_at(step, **values):
     clock["step"] = step
     for name, value in values.items():
         clock[name] = value
-    return March(clock, np.zeros(1))
+    return Integration(clock, np.zeros(1))
 
 
-def integrate(march, times, budget=1000):
+def integrate(integration, times, budget=1000):
     report = Report(np.array(times), np.full(len(times), np.nan))
-    return advance(march, report, budget, np.array([RATE])), report.states
+    return advance(integration, report, budget, np.array([RATE])), report.states
 
 
 def test_rows_between_and_at_the_ends_of_steps_lie_on_the_solution():
-    march, times = march_at(0.125), [0.0, 0.1, 0.125, 0.2, 1.0]
-    code, states = integrate(march, times)
+    integration, times = march_at(0.125), [0.0, 0.1, 0.125, 0.2, 1.0]
+    code, states = integrate(integration, times)
     assert code == ROWS_FULL
     np.testing.assert_allclose(states, RATE * np.array(times), rtol=1e-15)
-    assert march.clock["next"][0] == times[-1]
+    assert integration.clock["next"][0] == times[-1]
 
 
 def test_a_failed_attempt_is_made_again_shorter():
     """A step of 1.5 s fails, so do 0.75 s; 0.375 s goes well, and twice as much fails again."""
-    march = march_at(1.5)
-    integrate(march, [0.6])
-    clock = march.clock[0]
+    integration = march_at(1.5)
+    integrate(integration, [0.6])
+    clock = integration.clock[0]
     assert (clock["steps"], clock["rejections"], clock["t"]) == (2, 3, 0.75)
 
 
 def test_no_step_goes_over_the_stop_and_rows_behind_it_wait():
-    march = march_at(0.25, stop=0.4)
-    code, states = integrate(march, [0.3, 0.5])
+    integration = march_at(0.25, stop=0.4)
+    code, states = integrate(integration, [0.3, 0.5])
     assert code == AT_STOP
-    assert march.clock["t"][0] == 0.4
+    assert integration.clock["t"][0] == 0.4
     assert np.isnan(states[1])
 
 
 def test_a_call_pauses_when_its_evaluations_are_used_up_and_the_next_goes_on():
-    march = march_at(0.125)
-    assert integrate(march, [1.0], budget=2)[0] == PAUSED
-    assert march.clock["evaluations"][0] == 2
-    code, states = integrate(march, [1.0])
+    integration = march_at(0.125)
+    assert integrate(integration, [1.0], budget=2)[0] == PAUSED
+    assert integration.clock["evaluations"][0] == 2
+    code, states = integrate(integration, [1.0])
     assert (code, states[0]) == (ROWS_FULL, 2.0)
 
 
@@ -131,11 +131,11 @@ def test_steps_much_shorter_than_the_longest_need_the_agreement_of_the_caller():
 @pytest.mark.parametrize(
     "march_type",
     [
-        constrained_dop853.March,
-        generalised_alpha.AlphaMarch,
-        radau5.RadauMarch,
+        constrained_dop853.Integration,
+        generalised_alpha.AlphaIntegration,
+        radau5.RadauIntegration,
         sdirk4.Implicit,
-        tree_dop853.March,
+        tree_dop853.Integration,
     ],
 )
 def test_every_method_keeps_the_same_clock(march_type):
