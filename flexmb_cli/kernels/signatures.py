@@ -120,7 +120,9 @@ UNITS = {
     "radau": {"integrators.radau5.integrate_rows": "int System Work RadauIntegration Report int"},
     "trees": {
         "integrators.tree_dop853.begin": "int Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration",
-        "integrators.tree_dop853.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration TreeReport int",
+        "integrators.tree_dop853.integrate_rows": (
+            "Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration TreeReport int"
+        ),
         "tree.motion.derivative": "Tree FRAME_WORK1 COORDINATE_WORK1 float f1 f1",
         "tree.motion.normalise_attitudes": "Tree f1",
         "tree.motion.turn_attitudes": "Tree f1 f2 f2",

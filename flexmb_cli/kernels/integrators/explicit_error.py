@@ -11,16 +11,7 @@ from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD
 from .dop853_table import ERROR_3, ERROR_5, STAGES
-
-
-@kernel
-def scaled_norm(integration, a):
-    """Root mean square of a state's changes a (N,), the work left out, against the tolerance at z."""
-    clock, total, counted = integration.clock[0], 0.0, a.shape[0] - 1
-    for i in range(counted):
-        scale = clock["atol"] * integration.units[i] + clock["rtol"] * abs(integration.z[i])
-        total += (a[i] / scale) ** 2
-    return (total / counted) ** 0.5
+from .error_norm import displacement_tolerance, tolerance
 
 
 @kernel
@@ -30,7 +21,7 @@ def step_error(integration, h):
     counted, worst, largest = z.shape[0] - 1, 0, 0.0
     square_5 = square_3 = 0.0
     for i in range(counted):
-        scale = clock["atol"] * integration.units[i] + clock["rtol"] * max(abs(z[i]), abs(new[i]))
+        scale = tolerance(clock, integration.units[i], max(abs(z[i]), abs(new[i])))
         error_5 = _weighted(ERROR_5, integration.slopes, i) / scale
         square_5 += error_5**2
         square_3 += (_weighted(ERROR_3, integration.slopes, i) / scale) ** 2
@@ -62,8 +53,8 @@ def error_on_constraints(system, work, integration, h):
         _keep_allowed(system, work, of_speeds)
         for k in range(n):
             unit = integration.units[first + k]
-            square += (of_position[k] / ((clock["atol"] + clock["rtol"]) * unit)) ** 2
-            square += (of_speeds[k] / (clock["atol"] * unit + clock["rtol"] * abs(u[k]))) ** 2
+            square += (of_position[k] / displacement_tolerance(clock, unit)) ** 2
+            square += (of_speeds[k] / tolerance(clock, unit, abs(u[k]))) ** 2
         if order:
             square_3 = square
         else:

@@ -11,28 +11,17 @@ from collections import namedtuple
 import numpy as np
 
 from .._jit import kernel
-from ..constrained.angle_unwrapping import EXPECTED, OLD, unwrap_angles
-from ..constrained.angle_unwrapping import NEW as TURNED
+from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
-from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.system import A
 from ..linalg.copying import copy
 from ..linalg.rotation import rotation_matrices
-from .clock import BEGIN, CONTRADICTION, READY, STEP_VANISHED, new_clock
-from .constrained_dop853 import REPEATED_GAP
+from .clock import BEGIN, READY, STEP_VANISHED, new_clock
+from .constrained_equations import code_of_gap, interpolate_angles, note_gap
 from .generalised_alpha_control import SAME, SLOWEST, advance, factor_of, next_length, retreat
-from .generalised_alpha_step import (
-    BEFORE,
-    LAST,
-    MEAN,
-    NEW,
-    NEW_MEAN,
-    fastest_change,
-    iterate,
-    solve_step,
-    turn_exactly,
-)
+from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
+from .generalised_alpha_step import iterate, solve_step, turn_exactly
 from .hermite import cubic
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 from .singular_ahead import look_ahead
@@ -158,7 +147,7 @@ def _accept(integration, factor, system, work):
     copy(rates[NEW], rates[LAST])
     copy(rates[NEW_MEAN], rates[MEAN])
     advance(clock, memory, h)
-    clock["gap"], clock["equation"] = largest_gap(system, work)
+    note_gap(integration, system, work)
     if integration.angles.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
         rotation_matrices(q, work.rotations[A])
@@ -166,7 +155,7 @@ def _accept(integration, factor, system, work):
         unwrap_angles(system, work, integration)
     if memory["fixed"] == 0.0:
         look_ahead(system, work, integration, rates[LAST], memory["passing"])
-    return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+    return code_of_gap(integration)
 
 
 @kernel
@@ -177,8 +166,7 @@ def _fill_row(integration, t, report, system, work):
     if t < clock["t"] - SAME * clock["step_length"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         _between(system, integration, x, integration.trial)
-    for s in range(angles.shape[1]):
-        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[TURNED, s]
+    interpolate_angles(integration, x)
     copy(angles[EXPECTED], work.angles)
     if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
         return STEP_VANISHED

@@ -29,10 +29,17 @@ from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRO
 from ..constrained.tangent import tangent_times
 from ..linalg.rank_revealing_lu import cholesky
 from .generalised_alpha_control import left_over, share_of
+from .generalised_alpha_error import (
+    BEFORE,
+    LAST,
+    MEAN,
+    NEW,
+    NEW_MEAN,
+    correction_size,
+    fastest_change,
+    step_error,
+)
 
-# Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
-# before; the means at both ends.
-NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
 # Rows of what is missing in the equations (3, m).
 POSITION, SPEED, ACCELERATION = 0, 1, 2
 
@@ -106,18 +113,6 @@ def iterate(system, work, integration, t, by_position, by_speed, h):
             return True
         before = size
     return False
-
-
-@kernel
-def fastest_change(system, integration):
-    """The largest rate at which accelerations change speeds, 1/s."""
-    n = system.speed_scale.shape[0]
-    first = integration.z.shape[0] - 1 - n
-    fastest = 0.0
-    for k in range(n):
-        size = system.speed_scale[k] + abs(integration.z[first + k])
-        fastest = max(fastest, abs(integration.rates[LAST, k]) / size)
-    return fastest
 
 
 @part
@@ -233,7 +228,7 @@ def _correct(system, work, integration, by_position, by_speed):
         integration.rates[NEW, k] += step[k]
         u[k] += by_speed * step[k]
         integration.missing[k] = 0.0
-    size = _size(system, integration, by_speed)
+    size = correction_size(system, integration, by_speed)
     for k in range(n):
         step[k] *= by_position
     for row in range(gaps.shape[1]):
@@ -258,44 +253,6 @@ def _largest(system, gaps):
         for row in range(gaps.shape[1]):
             found = max(found, abs(gaps[kind, row]) / system.row_scale[row])
     return found
-
-
-@part
-def _size(system, integration, by_speed):
-    """The change of the speeds by `step` in tolerances."""
-    clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
-    first = integration.z.shape[0] - 1 - n
-    for k in range(n):
-        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
-            integration.trial[first + k]
-        )
-        total += (by_speed * integration.step[k] / scale) ** 2
-    return (total / n) ** 0.5
-
-
-@part
-def step_error(system, integration, h):
-    """Error of the step in tolerances, from the growth of the accelerations.
-
-    By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
-    (1/12 - s²/2) h³ d²(ud)/dt² in speeds.
-    """
-    clock, rates, n = integration.clock[0], integration.rates, system.speed_scale.shape[0]
-    first, rho = integration.z.shape[0] - 1 - n, integration.memory[0]["rho"]
-    s = (rho - 1.0) / (rho + 1.0)
-    of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 - 0.5 * s * s) * h
-    length, total = clock["step_length"], 0.0
-    for k in range(n):
-        growth = rates[NEW, k] - rates[LAST, k]
-        bend = growth
-        if length > 0.0:
-            bend = 2.0 * h / (h + length) * (growth - (rates[LAST, k] - rates[BEFORE, k]) * h / length)
-        total += (of_position * growth / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
-        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
-            integration.trial[first + k]
-        )
-        total += (of_speed * bend / scale) ** 2
-    return (0.5 * total / n) ** 0.5
 
 
 @part

@@ -12,28 +12,23 @@ import numpy as np
 
 from .._jit import kernel
 from ..constrained.accelerations import factorise_constraints
-from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, OLD, expect_angles, unwrap_angles
+from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
 from ..constrained.mass_matrix import mass_matrices
-from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.system import NO_INERTIA, SOLVED
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
-from .clock import BEGIN, CONTRADICTION, READY, STEP_VANISHED, new_clock
-from .constrained_dop853 import MOST_MOVED, REPEATED_GAP
-from .radau5_projection import close_gaps, moved, project_state
-from .radau5_rows import between
+from .clock import BEGIN, READY, STEP_VANISHED, new_clock
+from .constrained_equations import MOST_MOVED, code_of_gap, interpolate_angles, note_gap
+from .radau5_error import FASTEST, SAFETY, SLOWEST, next_factor, step_error, turns_left, work_error
+from .radau5_projection import between, close_gaps, moved, project_state
 from .radau5_singular_step import singular_step
-from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solve_step, step_error, work_error
+from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solve_step
 from .radau5_table import STAGES, WEIGHTS
-from .rotation_increments import LONGEST_TURN, largest_turn
 from .singular_ahead import blur, laid_out, look_ahead
 from .time_loop import Method, time_loop
 
-SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
-CALM = 1e-2  # error in tolerances below which it has not grown
 SLOW = 0.01  # what an iteration may leave before the matrices are renewed
-STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular
 BLIND = 30.0  # of that pivot, in front of which a row has no accelerations but those of round-off
 SHARE = 0.45  # of a step in front of a singular position
@@ -194,8 +189,8 @@ def _try_step(system, work, integration, h):
     clock["error"] = error = (
         max(step_error(system, work, integration, h), work_error(integration, h)) / blurred
     )
-    angles = _turns_left(system, integration)
-    factor = min(_factor(clock, integration.memory[0], h, error), SAFETY * angles)
+    angles = turns_left(system, integration)
+    factor = min(next_factor(clock, integration.memory[0], h, error), SAFETY * angles)
     if not (error < 1.0 and angles > 1.0):
         return -max(SLOWEST, factor) if error < 1e10 else -SLOWEST
     place_trial(system, integration, STAGES - 1)
@@ -208,29 +203,6 @@ def _try_step(system, work, integration, h):
     if not moved(integration, found) < MOST_MOVED * blurred:
         return -0.5
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
-
-
-@kernel
-def _turns_left(system, integration):
-    """Return how many steps like this one a body may turn in one, for rows between its ends.
-
-    A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
-    """
-    turn = largest_turn(system.masses.shape[0], integration.shifts[STAGES - 1])
-    longest = min(LONGEST_TURN, 2.0 * (720.0 / STEEPEST * integration.clock[0]["rtol"]) ** 0.2)
-    return longest / turn if turn > 0.0 else np.inf
-
-
-@kernel
-def _factor(clock, memory, h, error):
-    """Factor on the step length: by the error of this step, and by its growth since the last."""
-    if not error > 0.0:
-        return FASTEST
-    factor = SAFETY * error**-0.25
-    if memory["last_error"] > 0.0:
-        growth = max(memory["last_error"], CALM) / error
-        factor *= min(1.0, h / clock["step_length"] * growth**0.25)
-    return factor
 
 
 @kernel
@@ -259,13 +231,13 @@ def _accept(integration, factor, system, work):
     clock["step"] = h * factor
     clock["rejected"], memory["last_error"] = 0, clock["error"]
     clock["steps"] += 1
-    clock["gap"], clock["equation"] = largest_gap(system, work)
+    note_gap(integration, system, work)
     unwrap_angles(system, work, integration)
     if memory["left"] > SLOW or work.quality[0] != memory["quality"]:
         renew_matrices(system, work, integration.matrices)
         memory["quality"] = work.quality[0]
     look_ahead(system, work, integration, rates[START], clock["step"])
-    return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+    return code_of_gap(integration)
 
 
 @kernel
@@ -285,8 +257,7 @@ def _fill_row(integration, t, report, system, work):
     if t < clock["t"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         between(system, integration, x, integration.trial)
-    for s in range(angles.shape[1]):
-        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[NEW, s]
+    interpolate_angles(integration, x)
     clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
     blind = BLIND * integration.memory[0]["branching"]
     if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:

@@ -18,18 +18,19 @@ SHORT = 1e-6
 class Method(NamedTuple):
     """The parts of an integrator: kernels of (integration, ..., *arrays).
 
-    `arrays` are those of the system and of the work on it; `march.clock` is of CLOCK.
+    `arrays` are those of the system and of the work on it; `integration.clock` is of CLOCK.
     """
 
-    length: Callable  # (integration, *arrays): length of the step to try, s, 0 if there is none
-    attempt: (
-        Callable  # (integration, h, *arrays): factor on the next length; minus that of another try; 0: none
-    )
-    accept: (
-        Callable  # (integration, factor, *arrays): make the end of the step the state; READY or another code
-    )
-    reject: Callable  # (integration, h, factor, *arrays): prepare another try, of factor times h
-    fill_row: Callable  # (integration, t, report, *arrays): fill a report row up to the state; a code
+    # (integration, *arrays): length of the step to try, s, 0 where there is none
+    length: Callable
+    # (integration, h, *arrays): factor on the next length; minus that of another try; 0: no step can be made
+    attempt: Callable
+    # (integration, factor, *arrays): make the end of the step the state; READY or another code
+    accept: Callable
+    # (integration, h, factor, *arrays): prepare another try, of factor times h
+    reject: Callable
+    # (integration, t, report, *arrays): fill a report row at a time up to the state; a code
+    fill_row: Callable
 
 
 def time_loop(method: Method, same: float = 0.0) -> Callable:
@@ -38,24 +39,7 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
     It makes at most `budget` evaluations and those of one step, and returns a code of `clock`; clock["row"]
     counts the rows filled.  A row that is `same` steps ahead of the state is that of the state.
     """
-    length, attempt, accept, reject, fill_row = method
-
-    @kernel
-    def take_step(integration, *arrays):
-        """Make one step; a code."""
-        clock = integration.clock[0]
-        while True:
-            h = length(integration, *arrays)
-            # `not >` refuses a nan.
-            if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
-                return STEP_VANISHED
-            clock["length"] = h
-            factor = attempt(integration, h, *arrays)
-            if factor > 0.0:
-                return accept(integration, factor, *arrays)
-            if factor == 0.0:
-                return STEP_VANISHED
-            reject(integration, h, -factor, *arrays)
+    take_step, fill_row = _steps(method), method.fill_row
 
     @kernel
     def advance(integration, report, budget, *arrays):
@@ -77,3 +61,26 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
         return ROWS_FULL if code == READY else code
 
     return advance
+
+
+def _steps(method):
+    length, attempt, accept, reject, _ = method
+
+    @kernel
+    def take_step(integration, *arrays):
+        """Make one step; a code."""
+        clock = integration.clock[0]
+        while True:
+            h = length(integration, *arrays)
+            # `not >` refuses a nan.
+            if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+                return STEP_VANISHED
+            clock["length"] = h
+            factor = attempt(integration, h, *arrays)
+            if factor > 0.0:
+                return accept(integration, factor, *arrays)
+            if factor == 0.0:
+                return STEP_VANISHED
+            reject(integration, h, -factor, *arrays)
+
+    return take_step

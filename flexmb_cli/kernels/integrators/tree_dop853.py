@@ -11,13 +11,12 @@ from .._jit import kernel
 from ..linalg.copying import copy
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative, normalise_attitudes
-from ..tree.projection import largest_gap, project, strayed
+from ..tree.projection import largest_gap, project
 from ..tree.report import observe
 from .clock import NO_INERTIA, READY, new_clock
-from .dop853 import Equations, dop853, first_step
+from .dop853 import Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
-from .explicit_error import scaled_norm
-from .runge_kutta import interpolate, next_factor
+from .error_norm import scaled_norm, strayed
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
 CLOSE, GO_ON = 2, 3
@@ -182,8 +181,8 @@ def _choose_first_step(integration, tree, work, coordinates):
     for i in range(counted):
         integration.slopes[1, i] -= integration.slopes[0, i]
     steepest = max(
-        scaled_norm(integration, integration.slopes[0]),
-        scaled_norm(integration, integration.slopes[1]) / first,
+        scaled_norm(integration, integration.z, integration.slopes[0]),
+        scaled_norm(integration, integration.z, integration.slopes[1]) / first,
     )
     second = (0.01 / steepest) ** 0.125 if steepest > 1e-15 else max(1e-6, 1e-3 * first)
     clock["step"] = min(100.0 * first, second)

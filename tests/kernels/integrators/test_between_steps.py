@@ -6,9 +6,9 @@ from numpy.polynomial import Polynomial
 
 from flexmb_cli.kernels.integrators import sdirk4
 from flexmb_cli.kernels.integrators.clock import new_clock
+from flexmb_cli.kernels.integrators.dop853 import interpolate, set_dense
 from flexmb_cli.kernels.integrators.dop853_table import DENSE_TERMS, STAGE_TIMES
 from flexmb_cli.kernels.integrators.hermite import cubic, quintic
-from flexmb_cli.kernels.integrators.runge_kutta import interpolate, set_dense
 from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
 from flexmb_cli.model.arrays.tree import CLOSURE_ROW
 
