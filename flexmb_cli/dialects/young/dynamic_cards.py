@@ -23,18 +23,12 @@ from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
 from .shape_cards import SHAPE_CARDS
+from .unread_lines import cards_behind_end, unread_lines
 
 MARKER = re.compile(
     r"\s*(?:DYNAMICS\s+(?P<analysis>INVERSE|FORWARD)|(?P<shapes>GEOMETRY))\s*(\{[^}]*\}\s*)?", re.IGNORECASE
 )
 NAME = re.compile("DYNAMICS|GEOM", re.IGNORECASE)
-# One word behind DYNAMICS, or none, is a slip rather than prose; so is a card GEOM that nothing opens.
-NEARLY = re.compile(
-    r"\s*(DYNAMICS(?:\s+[^\s{]+)?|GEOMETRY\s+[^\s{]+|GEOM(?:\s+[0-9+\-.]+)+)\s*(\{[^}]*\}\s*)?", re.IGNORECASE
-)
-# A misspelt DYNAMICS, told from prose by the word behind it.
-MISSPELT = re.compile(r"^[ \t]*([A-Z]{6,10}[:=,]?[ \t]+(?:inverse|forward))\b", re.IGNORECASE | re.MULTILINE)
-ALIKE = 0.75  # of the letters of two words
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 # A card without comments: its keyword and its numbers.
@@ -136,8 +130,6 @@ CARDS = (
     *SHAPE_CARDS,
 )
 BY_KEYWORD = {card.keyword: card for card in CARDS}
-# A line that begins like a card.
-BEGINNING = re.compile(rf"^[ \t]*({'|'.join(BY_KEYWORD)})[ \t]+[-+.]?\d", re.IGNORECASE | re.MULTILINE)
 
 
 def read_young_deck(source: DeckText) -> Deck:
@@ -148,7 +140,8 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = read_young(source)
     opening = _opening(deck)
     if opening is None:
-        return replace(deck, warnings=(*deck.warnings, *_nearly_opening(deck)))
+        last = deck.one("time").at("step").place.line
+        return replace(deck, warnings=(*deck.warnings, *unread_lines(source.lines, last, BY_KEYWORD)))
     cards = _Cards(source, opening)
     cards.read()
     if any(fault.severity == "error" for fault in cards.faults):
@@ -189,44 +182,6 @@ def _lines_behind(deck):
             yield n, line
 
 
-def _nearly_opening(deck):
-    """A warning for every line that looks like the opening one and is not."""
-    message = (
-        "this line is read as prose; DYNAMICS inverse or DYNAMICS forward opens cards with masses and loads, "
-        "GEOMETRY cards with shapes alone"
-    )
-    near = False
-    for n, line in _lines_behind(deck):
-        if found := NEARLY.fullmatch(line):
-            near = True
-            yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))), id="YOUNG-019")
-    lines = deck.source.lines
-    behind = lines.start_of(deck.one("time").at("step").place.line)
-    for found in () if near else MISSPELT.finditer(lines.text, behind):
-        if _resembles(found.group(1)):
-            near = True
-            place = Place(*lines.place_of(found.start(1)), len(found.group(1)))
-            yield Fault("warning", message, place, id="YOUNG-153")
-    if not near:
-        yield from _idle_card(lines, behind, "no line DYNAMICS inverse or DYNAMICS forward stands above it")
-
-
-def _resembles(words):
-    """Whether the first of two words was probably meant to be DYNAMICS."""
-    from difflib import SequenceMatcher
-
-    first = words.split()[0].rstrip(":=,").upper()
-    return SequenceMatcher(None, first, "DYNAMICS").ratio() >= ALIKE
-
-
-def _idle_card(lines, start, why):
-    """Warn of the first line behind `start` that begins like a card, and is read as prose."""
-    if found := BEGINNING.search(lines.text, start):
-        keyword = found.group(1)
-        message = f"this line begins like the card {keyword.upper()}, but is read as prose: {why}"
-        yield Fault("warning", message, Place(*lines.place_of(found.start(1)), len(keyword)), id="YOUNG-154")
-
-
 @dataclass
 class _Cards:
     """The cards of a deck as they are read, and the faults found on the way."""
@@ -260,8 +215,7 @@ class _Cards:
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == LAST_CARD:
-                    behind = self.source.lines.start_of(word.line)
-                    self.faults.extend(_idle_card(self.source.lines, behind, f"{LAST_CARD} closes the cards"))
+                    self.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
                     return
             elif card:
                 card.append(word)
