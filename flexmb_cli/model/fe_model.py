@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
+from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionLaw
 
@@ -93,13 +94,17 @@ class NodeJoint:
 
 @dataclass(frozen=True)
 class Pin:
-    """Global directions of a node held at `point`; None: where the node is at t = 0."""
+    """Global directions of a node held at `point`; None: where the node is at t = 0.
+
+    `laws` of time add displacements to it along x, y, z, m.
+    """
 
     name: str
     end: End
     directions: tuple[bool, bool, bool]
     point: Vector | None
     place: Place | None = None
+    laws: tuple[MotionLaw | None, MotionLaw | None, MotionLaw | None] = (None, None, None)
 
 
 @dataclass(frozen=True)
@@ -190,6 +195,7 @@ class VsdfModel:
     gravity: Vector = (0.0, 0.0, 0.0)
     outputs: tuple[End, ...] = ()
     stresses: tuple[StressSelection, ...] = ()
+    elements: JointElements = field(default_factory=JointElements)
 
     def global_position(self, end: End) -> np.ndarray:
         """Return where an end is at t = 0 (3,)."""

@@ -7,9 +7,10 @@ from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
+from ..quick_dataclass import dataclass, field
 from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
+from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionLaw
 
@@ -65,13 +66,14 @@ class PointJoint:
 
 @dataclass(frozen=True)
 class PointPin:
-    """Global `directions` of a point held at `target` (3,)."""
+    """Global `directions` of a point held at `target` (3,), to which `laws` add displacements."""
 
     name: str
     point: NodePoint
     directions: tuple[bool, bool, bool]
     target: np.ndarray
     place: Place | None = None
+    laws: tuple[MotionLaw | None, MotionLaw | None, MotionLaw | None] = (None, None, None)
 
 
 @dataclass(frozen=True)
@@ -132,3 +134,4 @@ class FlexibleMechanism:
     joint_springs: tuple[JointSpring, ...] = ()
     outputs: tuple[NodePoint, ...] = ()
     stresses: tuple[StressOutput, ...] = ()
+    elements: JointElements = field(default_factory=JointElements)

@@ -1,14 +1,21 @@
 """Drivers, springs, stops, bushings, couplings and friction at joints, and composite joints.
 
 A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
-along it, m; both are 0 at the deck's estimates.  Joints and drivers are numbered from 0 here.  Body -1 is the
-ground, whose axes are global.
+along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coordinates "rotation 1" to
+"translation 3" of the tree instead.  Joints and drivers are numbered from 0 here.  Body -1 is the ground,
+whose axes are global.
 """
+
+from typing import TYPE_CHECKING
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
 from .mechanism import Vector
 from .time_functions import MotionLaw
+
+if TYPE_CHECKING:
+    from .fe_model import End
+    from .flexible_mechanism import NodePoint
 
 ANGLE, STROKE = "angle", "stroke"
 # The coordinates that the joints of each kind have.
@@ -19,7 +26,15 @@ COORDINATES_OF = {
     "cylindrical": (ANGLE, STROKE),
     "translational": (STROKE,),
     "screw": (ANGLE, STROKE),
+    "fixed": (),
+    "revolute-spherical": (),
+    "spherical-spherical": (),
 }
+
+
+def is_angle(coordinate: str) -> bool:
+    """Whether a coordinate of a joint or hinge is an angle rather than a length."""
+    return coordinate == ANGLE or coordinate.startswith("rotation")
 
 
 @dataclass(frozen=True)
@@ -75,16 +90,17 @@ class JointSpring:
 
 @dataclass(frozen=True)
 class LineSpring:
-    """The same in the distance of two points; with `slack` only while it is longer than `rest`.
+    """The same in the distance of two points, of rigid bodies in body axes, or at nodes.
 
+    With `slack` it acts only while it is longer than `rest`.
     A slack element (a cable) pulls with stiffness s (1 + damping v), never less than 0.
     """
 
     name: str
     i: int
     j: int
-    P_i: Vector
-    P_j: Vector
+    P_i: "Vector | NodePoint | End"
+    P_j: "Vector | NodePoint | End"
     stiffness: float = 0.0
     rest: float = 0.0
     damping: float = 0.0
@@ -125,8 +141,8 @@ class Bushing:
     name: str
     i: int
     j: int
-    P_i: Vector
-    P_j: Vector
+    P_i: "Vector | NodePoint | End"
+    P_j: "Vector | NodePoint | End"
     stiffness: tuple[float, float, float, float, float, float]
     damping: tuple[float, float, float, float, float, float]
     place: Place | None = None
@@ -147,7 +163,7 @@ class JointFriction:
 
     At the sliding speed v (radius times rate of the angle, rate of the stroke, or the root of the sum of
     their squares) the force μ N opposes sliding, μ = (dynamic + (static - dynamic) exp(-(v/stribeck)²))
-    tanh(v/creep).
+    tanh(v/creep).  In a screw the force on the flanks of its square thread adds to N.
     """
 
     name: str

@@ -31,7 +31,7 @@ def add_applied_forces(system, work, u, t, f):
         if load["kind"] == LINE:
             power += _add_line(system, work, load, work.responses[k], f)
         elif load["kind"] == RELATIVE:
-            power += _add_relative(system, work, load, t, f)
+            power += _add_relative(system, work, load, work.responses[k], t, f)
         elif load["kind"] >= ELEMENT:
             power += add_element(system, work, k, f)
         else:
@@ -98,14 +98,18 @@ def _stretch(system, work, load):
 
 
 @kernel
-def _add_relative(system, work, load, t, f):
+def _add_relative(system, work, load, answer, t, f):
     """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
     geometry = geometry_of(system, work)
     rate = measure_rates(geometry, load["measure"])[0]
     push = -load["damping"] * rate
     if load["law"] >= 0:
         push += law_values(system.laws, system.knots, load["law"], t)[0]
-    add_measure_row(geometry, load["measure"], push - load["stiffness"] * _stretch(system, work, load), f)
+    stretch = _stretch(system, work, load)
+    effort = push - load["stiffness"] * stretch
+    answer[COORDINATE], answer[SPEED] = stretch + load["free_length"], rate
+    answer[EFFORT], answer[POWER] = effort, push * rate
+    add_measure_row(geometry, load["measure"], effort, f)
     return push * rate
 
 

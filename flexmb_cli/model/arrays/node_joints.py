@@ -145,7 +145,10 @@ def add_joints(table: MeasureTable, mechanism: FlexibleMechanism) -> None:
     for pin in mechanism.pins:
         target = table.arm(NONE, pin.target)
         gap = table.point(pin.point), target
-        parts = [("xyz"[k], True, table.product(gap, table.axis(k))) for k in range(3) if pin.directions[k]]
+        records = [table.product(gap, table.axis(k)) for k in range(3)]
+        for record, law in zip(records, pin.laws, strict=True):
+            record["law"] = NONE if law is None else table.law(law)
+        parts = [("xyz"[k], True, records[k]) for k in range(3) if pin.directions[k]]
         table.equations(pin.name, pin.place, NONE, pin.point.body, parts)
 
 
