@@ -148,7 +148,7 @@ class _Points:
 
     def _pin(self, pin):
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
-        return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.laws)
+        return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
     def _force(self, force):
         return PointForce(

@@ -11,7 +11,7 @@ from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
-from .time_functions import Motion, MotionLaw
+from .time_functions import Motion, MotionFunction
 
 GROUND = -1
 
@@ -96,7 +96,7 @@ class NodeJoint:
 class Pin:
     """Global directions of a node held at `point`; None: where the node is at t = 0.
 
-    `laws` of time add displacements to it along x, y, z, m.
+    `functions` of time add displacements to it along x, y, z, m.
     """
 
     name: str
@@ -104,7 +104,7 @@ class Pin:
     directions: tuple[bool, bool, bool]
     point: Vector | None
     place: Place | None = None
-    laws: tuple[MotionLaw | None, MotionLaw | None, MotionLaw | None] = (None, None, None)
+    functions: tuple[MotionFunction | None, MotionFunction | None, MotionFunction | None] = (None, None, None)
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class NodeForce:
     end: End
     force: Vector
     follows: bool
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 
@@ -127,7 +127,7 @@ class BodyTorque:
     body: int
     torque: Vector
     follows: bool
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 

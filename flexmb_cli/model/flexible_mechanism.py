@@ -12,7 +12,7 @@ from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
-from .time_functions import Motion, MotionLaw
+from .time_functions import Motion, MotionFunction
 
 
 @dataclass(frozen=True)
@@ -66,14 +66,14 @@ class PointJoint:
 
 @dataclass(frozen=True)
 class PointPin:
-    """Global `directions` of a point held at `target` (3,), to which `laws` add displacements."""
+    """Global `directions` of a point held at `target` (3,), to which `functions` add displacements."""
 
     name: str
     point: NodePoint
     directions: tuple[bool, bool, bool]
     target: np.ndarray
     place: Place | None = None
-    laws: tuple[MotionLaw | None, MotionLaw | None, MotionLaw | None] = (None, None, None)
+    functions: tuple[MotionFunction | None, MotionFunction | None, MotionFunction | None] = (None, None, None)
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class PointForce:
     point: NodePoint
     force: Vector
     follows: bool
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 

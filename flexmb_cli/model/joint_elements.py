@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
 from .mechanism import Vector
-from .time_functions import MotionLaw
+from .time_functions import MotionFunction
 
 if TYPE_CHECKING:
     from .fe_model import End
@@ -39,33 +39,35 @@ def is_angle(coordinate: str) -> bool:
 
 @dataclass(frozen=True)
 class JointDriver:
-    """A joint coordinate that follows a law."""
+    """A joint coordinate that follows a function."""
 
     name: str
     joint: int
     coordinate: str
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 
 @dataclass(frozen=True)
 class JointMotor:
-    """A force or torque of a law of time in a joint coordinate, N or N m, opposite on body i."""
+    """A force or torque of a function of time in a joint coordinate, N or N m, opposite on body i."""
 
     name: str
     joint: int
     coordinate: str
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 
 @dataclass(frozen=True)
 class DrivenItem:
-    """The driver, or the simplified constraint in direction 1 to 3, number `item`, which follows a law."""
+    """The driver, or the simplified constraint in direction 1 to 3, number `item`, which follows a
+    function.
+    """
 
     name: str
     item: int
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 
@@ -83,8 +85,8 @@ class JointSpring:
     rest: float = 0.0
     damping: float = 0.0
     preload: float = 0.0
-    curve: MotionLaw | None = None
-    damper: MotionLaw | None = None
+    curve: MotionFunction | None = None
+    damper: MotionFunction | None = None
     place: Place | None = None
 
 
@@ -105,8 +107,8 @@ class LineSpring:
     rest: float = 0.0
     damping: float = 0.0
     preload: float = 0.0
-    curve: MotionLaw | None = None
-    damper: MotionLaw | None = None
+    curve: MotionFunction | None = None
+    damper: MotionFunction | None = None
     slack: bool = False
     place: Place | None = None
 

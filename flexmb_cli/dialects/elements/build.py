@@ -27,7 +27,7 @@ from .functions import Functions
 
 _COORDINATES = {1: ANGLE, 2: STROKE}
 _A = {ANGLE: "an angle", STROKE: "a stroke"}
-_ONE_OF = {  # what there may be one of, and by what it is told apart
+_ONE_OF = {  # what there may be one of, and by what it is distinguished
     "driven": lambda item: item.item,
     "supports": lambda item: item.item,
     "drivers": lambda item: (item.joint, item.coordinate),
@@ -138,8 +138,8 @@ def joint_driver(coordinate: str | None) -> Callable:
     """What makes drivers of a coordinate."""
 
     def make(maker, record):
-        where, law = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
-        return JointDriver(record.subject, *where, law, record.place) if where and law else None
+        where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
+        return JointDriver(record.subject, *where, function, record.place) if where and function else None
 
     return make
 
@@ -148,8 +148,8 @@ def motor(coordinate: str | None) -> Callable:
     """What makes motors in a coordinate."""
 
     def make(maker, record):
-        where, law = maker.where(record, coordinate), maker.functions.law(record)
-        return JointMotor(record.subject, *where, law, record.place) if where and law else None
+        where, function = maker.where(record, coordinate), maker.functions.function(record)
+        return JointMotor(record.subject, *where, function, record.place) if where and function else None
 
     return make
 
@@ -246,8 +246,8 @@ def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
     found = maker.sliding(record)
     if found is None:
         return None
-    joint, turns = found
-    if turns and not record["radius"] > 0.0:
+    joint, revolutions = found
+    if revolutions and not record["radius"] > 0.0:
         message = "a joint that turns needs the radius of its bearing"
         maker.findings.error(record.subject, message, record.at("radius").place, id="ELEMENTS-011")
         return None

@@ -7,7 +7,15 @@ from ...deck.record import Number, Record
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
-from ...model.time_functions import SINE, MotionLaw, integral_of, piecewise, product_of, smoothness, sum_of
+from ...model.time_functions import (
+    SINE,
+    MotionFunction,
+    integral_of,
+    piecewise,
+    product_of,
+    smoothness,
+    sum_of,
+)
 from ...quick_dataclass import dataclass
 
 MOST_FACTORS = 1000  # of a product that is multiplied out
@@ -32,7 +40,7 @@ class Functions:
 
     def __init__(self, given: Iterable[GivenFunction], findings: Findings):
         self.findings = findings
-        self._laws: dict[int, MotionLaw] = {}
+        self._functions: dict[int, MotionFunction] = {}
         self._used: set[int] = set()
         self._records: dict[int, Record] = {}
         for function in given:
@@ -53,11 +61,11 @@ class Functions:
             message = f"{kind.name} takes {kind.wanted}; read {len(given.values)} numbers"
             self.findings.error(record.subject, message, record.place, id="ELEMENTS-013")
             return
-        law = kind.make(self, given)
-        if law is not None:
-            self._laws[number.value] = law
+        function = kind.make(self, given)
+        if function is not None:
+            self._functions[number.value] = function
 
-    def law(self, record: Record, key: str = "function") -> MotionLaw | None:
+    def function(self, record: Record, key: str = "function") -> MotionFunction | None:
         """The law that the number `key` of a record names; None for 0, and where there is none."""
         number = record.at(key)
         if number.value == 0 and key != "function":
@@ -67,11 +75,11 @@ class Functions:
             known = ", ".join(map(str, sorted(self._records))) or "none"
             message = f"there is no function {number.value:g}; the deck has {known}"
             self.findings.error(record.subject, message, number.place, id="ELEMENTS-014")
-        return self._laws.get(number.value)
+        return self._functions.get(number.value)
 
     def motion(
         self, record: Record, start: float, given: float = 0.0, key: str = "function"
-    ) -> MotionLaw | None:
+    ) -> MotionFunction | None:
         """The law that a driver's coordinate follows: the function, or its integral from `given` on."""
         by_rate = record.at("rate") if "rate" in record else None
         if by_rate is not None and by_rate.value not in (0, 1):
@@ -80,37 +88,37 @@ class Functions:
             return None
         if by_rate is not None and by_rate.value == 1:
             return self.integrated(record, start, given, key)
-        law = self.law(record, key)
-        if law is not None:
-            self._refuse_rough(record, law, 1, "the rate of a coordinate cannot jump", key)
-        return law
+        function = self.function(record, key)
+        if function is not None:
+            self._refuse_rough(record, function, 1, "the rate of a coordinate cannot jump", key)
+        return function
 
     def integrated(
         self, record: Record, start: float, given: float = 0.0, key: str = "function"
-    ) -> MotionLaw | None:
+    ) -> MotionFunction | None:
         """The integral of the function from `given` at the time `start` on."""
-        law = self.law(record, key)
-        if law is None:
+        function = self.function(record, key)
+        if function is None:
             return None
-        self._refuse_rough(record, law, 0, "a rate cannot jump", key)
-        found = integral_of(law, start)
+        self._refuse_rough(record, function, 0, "a rate cannot jump", key)
+        found = integral_of(function, start)
         if found is None:
             message = "flexmb has no integral of a product; give the coordinate itself (rate 0)"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-016")
             return None
         return sum_of([found, piecewise(polynomial([given]))]) if given else found
 
-    def curve(self, record: Record, key: str) -> MotionLaw | None:
+    def curve(self, record: Record, key: str) -> MotionFunction | None:
         """The law of a spring or damper over its stretch or rate, which must have an integral."""
-        law = self.law(record, key)
-        if law is not None and integral_of(law) is None:
+        function = self.function(record, key)
+        if function is not None and integral_of(function) is None:
             message = "a product is no characteristic of a spring; use TABLE, SPLINE or POLYNOMIAL"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-017")
             return None
-        return law
+        return function
 
-    def _refuse_rough(self, record, law, least, why, key):
-        if smoothness(law) < least:
+    def _refuse_rough(self, record, function, least, why, key):
+        if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record[key]:g} does; {remedy}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-018")
@@ -124,7 +132,7 @@ class Functions:
                 )
 
 
-def _points(functions, given, make: Callable) -> MotionLaw | None:
+def _points(functions, given, make: Callable) -> MotionFunction | None:
     times, found = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
@@ -141,7 +149,7 @@ def _polynomial(_functions, given):
 
 
 def _sine(_functions, given):
-    return MotionLaw(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))
+    return MotionFunction(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))
 
 
 def _between(functions, given, make):
@@ -158,17 +166,17 @@ def _ramp(t0, v0, t1, v1):
 
 
 def _combined(functions, given, combine):
-    laws = []
+    functions = []
     for k, value in enumerate(given.values):
         functions._used.add(value)
-        law = functions._laws.get(value)
-        if (law is None and value not in functions._records) or value == given.number.value:
+        function = functions._functions.get(value)
+        if (function is None and value not in functions._records) or value == given.number.value:
             message = f"function {value:g} must be given in a card above"
             functions.findings.error(given.record.subject, message, given.place(k), id="ELEMENTS-022")
-        laws.append(law)
-    if None in laws:
+        functions.append(function)
+    if None in functions:
         return None
-    found = combine(laws)
+    found = combine(functions)
     if len(found.terms) > MOST_FACTORS:
         many = f"multiplied out it has {len(found.terms)} terms, more than {MOST_FACTORS}; use fewer sums"
         functions.findings.error(given.record.subject, many, given.record.place, id="ELEMENTS-023")

@@ -45,8 +45,8 @@ def _points(record, numbers, tables, findings):
         message = f"{record['kind']} wants the number of a table; cards TABL give some"
         findings.error(record.subject, message, numbers[0].place, id="VSDF-101")
         return None
-    law = tables[numbers[0].value]  # None: it has a fault of its own
-    return law and [x for point in zip(law.times, law.values, strict=True) for x in point]
+    function = tables[numbers[0].value]  # None: it has a fault of its own
+    return function and [x for point in zip(function.times, function.values, strict=True) for x in point]
 
 
 def build_elements(
@@ -152,12 +152,12 @@ def moved_pins(
             findings.error(record.subject, message, number.place, id="VSDF-106")
         elif len(found) == len(values.section("pin")):
             k = number.value - 1
-            found[k] = replace(found[k], laws=_laws(record, found[k], functions, findings))
+            found[k] = replace(found[k], functions=_functions(record, found[k], functions, findings))
         seen.setdefault(number.value, record.subject)
     return tuple(found)
 
 
-def _laws(record, pin, functions, findings):
+def _functions(record, pin, functions, findings):
     for held, axis in zip(pin.directions, "xyz", strict=True):
         number = record.at(f"function.{axis}")
         if number.value and not held:

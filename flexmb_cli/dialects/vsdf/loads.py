@@ -6,7 +6,7 @@ from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeSpring
-from ...model.time_functions import MotionLaw
+from ...model.time_functions import MotionFunction
 from ..elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
@@ -19,11 +19,11 @@ class Factors:
         self.tables, self.functions, self.findings = tables, functions, findings
         self.numbers = {record["number"] for record in values.section("function")}
 
-    def of(self, record: Record) -> MotionLaw | None:
+    def of(self, record: Record) -> MotionFunction | None:
         """The factor of a load; None for 0, and where there is none."""
         number = record.at("table")
         if number.value and number.value in self.numbers:
-            return self.functions.law(record, "table")
+            return self.functions.function(record, "table")
         table = find_table(record, number, self.tables, self.findings) if number.value else None
         return table and table.of_factor
 

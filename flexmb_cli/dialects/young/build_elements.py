@@ -61,8 +61,8 @@ def _driven(maker, record):
         maker.findings.error(record.subject, message, record.at("driver").place, id="YOUNG-121")
         return None
     driver = drivers[number - 1]
-    law = maker.functions.motion(record, maker.start, driver.C)
-    return None if law is None else DrivenItem(record.subject, number - 1, law, record.place)
+    function = maker.functions.motion(record, maker.start, driver.C)
+    return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
 def _support(maker, record):
@@ -75,8 +75,8 @@ def _support(maker, record):
         message = f"simplified constraint {number} holds an angle; x, y, z (directions 1 to 3) can be moved"
         maker.findings.error(record.subject, message, record.at("simplified").place, id="YOUNG-123")
         return None
-    law = maker.functions.motion(record, maker.start)
-    return None if law is None else DrivenItem(record.subject, number - 1, law, record.place)
+    function = maker.functions.motion(record, maker.start)
+    return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
 def _composite(maker, record):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from .abaqus import read_abaqus
-from .calculix import read_calculix, read_freedoms
+from .calculix import read_calculix, read_dofs
 from .harwell_boeing import read_harwell_boeing, read_mapping
 from .matrix_file import FEFileFault, MatrixFile
 from .matrix_market import read_matrix_market
@@ -12,7 +12,7 @@ from .nastran_op4 import read_op4
 
 # The mapping that a format needs beside the matrix itself.
 NEEDS_MAPPING = {"HB": "ANS", "CCX": "CCX"}
-_MAPPINGS = {"ANS": read_mapping, "CCX": read_freedoms}
+_MAPPINGS = {"ANS": read_mapping, "CCX": read_dofs}
 
 
 def read_matrix(
@@ -20,8 +20,8 @@ def read_matrix(
 ) -> MatrixFile:
     """The matrix at `path` in format `form`; `letter` (M or K) tells which, where a file holds several.
 
-    Raises FEFileFault, also where a size is told that no free body with these entries has: memory is taken
-    by the size.
+    Raises FEFileFault, also where a size is declared that no free body with these entries has: memory is
+    taken by the size.
     """
     found = _read(path, form, letter, mapping, mapping_form)
     if found.size > len(found.values):

@@ -1,4 +1,4 @@
-"""Elements at joints, and between bodies → equations, measures and loads for the kernels.
+"""Elements at joints, and between bodies → equations, primitives and loads for the kernels.
 
 What a dialect calls a joint, and which coordinates it has, is left to the object `joints`: `PointJoints`, or
 the hinges of a tree.
@@ -13,9 +13,9 @@ from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, JointElements, is_angle
 from ..time_functions import integral_of
-from .constraint_table import MeasureTable
-from .node_joints import JointArms
-from .records import CABLE, ELEMENT, FRICTION, RELATIVE, SPRING, STOP, blank_load, line_measure
+from .constraint_table import PrimitiveTable
+from .node_joints import JointVectors
+from .records import CABLE, ELEMENT, FRICTION, RELATIVE, SPRING, STOP, blank_load, line_primitive
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,14 @@ class JointCoordinateName:
 class Joints(Protocol):
     """What the elements need to know of the joints, numbered from 0."""
 
-    def measure(self, joint: int, coordinate: str, near: float = 0.0) -> np.ndarray:
-        """The measure of a joint coordinate; `near`: an angle at the start, where it is not 0."""
+    def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
+        """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
 
     def bodies(self, joint: int) -> tuple[int, int]:
         """Its two bodies."""
 
     def axis(self, joint: int) -> int:
-        """The arm along the axis that its parts slide about and along."""
+        """The body vector along the axis that its parts slide about and along."""
 
     def sliding(self, joint: int) -> tuple[str | None, str | None]:
         """Its angle and its stroke in which there may be friction; None where it has none."""
@@ -48,27 +48,31 @@ class Joints(Protocol):
 class PointJoints:
     """Joints between points of bodies."""
 
-    def __init__(self, table: MeasureTable, joints: Sequence[PointJoint]):
+    def __init__(self, table: PrimitiveTable, joints: Sequence[PointJoint]):
         self.table, self.joints = table, joints
 
     def _arms(self, joint):
-        return JointArms(self.table, self.joints[joint])
+        return JointVectors(self.table, self.joints[joint])
 
-    def measure(self, joint: int, coordinate: str, near: float = 0.0) -> np.ndarray:
-        """The measure of a joint coordinate."""
-        arms = self._arms(joint)
-        return arms.stroke() if coordinate == STROKE else self.table.angle(*arms.turning(), near)
+    def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
+        """The primitive of a joint coordinate."""
+        body_vectors = self._arms(joint)
+        return (
+            body_vectors.stroke()
+            if coordinate == STROKE
+            else self.table.angle(*body_vectors.turning(), expected)
+        )
 
     def bodies(self, joint: int) -> tuple[int, int]:
         """Its bodies."""
         return self.joints[joint].a[0].body, self.joints[joint].b[0].body
 
     def axis(self, joint: int) -> int:
-        """The arm along the axis of body a."""
-        arms = self._arms(joint)
-        if arms.a[1].shape.size:
-            return arms.arm_of(arms.a)
-        return self.table.arm(arms.i, arms.s)
+        """The body vector along the axis of body a."""
+        body_vectors = self._arms(joint)
+        if body_vectors.a[1].shape.size:
+            return body_vectors.body_vector_of(body_vectors.a)
+        return self.table.body_vector(body_vectors.i, body_vectors.s)
 
     def sliding(self, joint: int) -> tuple[str | None, str | None]:
         """Its angle and its stroke."""
@@ -90,11 +94,11 @@ def coordinates_of_joints(joints: Sequence) -> list[JointCoordinateName]:
 
 
 class ElementTable:
-    """Fills a table of measures with elements, equations first."""
+    """Fills a table of primitives with elements, equations first."""
 
     def __init__(
         self,
-        table: MeasureTable,
+        table: PrimitiveTable,
         joints: Joints,
         elements: JointElements,
         reported: Sequence[JointCoordinateName],
@@ -104,7 +108,7 @@ class ElementTable:
     def add_couplings(self) -> None:
         """An equation for every coupling of joint coordinates."""
         for item in self.elements.couplings:
-            records = [self._scaled(self.joints.measure(*where), factor) for *where, factor in item.terms]
+            records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]
             is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
@@ -117,10 +121,10 @@ class ElementTable:
         return record
 
     def add_drivers(self, start: float) -> None:
-        """An equation for every joint driver, whose law has a value at the time `start`."""
+        """An equation for every joint driver, whose function has a value at the time `start`."""
         for item in self.elements.drivers:
-            record = self.joints.measure(item.joint, item.coordinate, item.law.at(start)[0])
-            record["law"] = self.table.law(item.law)
+            record = self.joints.primitive(item.joint, item.coordinate, item.function.at(start)[0])
+            record["function"] = self.table.function(item.function)
             part = item.coordinate, not is_angle(item.coordinate), record
             self.table.equations(item.name, item.place, *self.joints.bodies(item.joint), [part])
 
@@ -139,37 +143,39 @@ class ElementTable:
     def _at(self, joint, coordinate, shape):
         record = blank_load(ELEMENT)
         record["shape"] = shape
-        record["measure"] = self.table.spring(self.joints.measure(joint, coordinate))
+        record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
         return record
 
     def _motor(self, item):
         record = blank_load(RELATIVE)
-        record["measure"] = self.table.spring(self.joints.measure(item.joint, item.coordinate))
-        record["law"] = self.table.law(item.law)
+        record["primitive"] = self.table.spring(self.joints.primitive(item.joint, item.coordinate))
+        record["function"] = self.table.function(item.function)
         return record
 
     def _spring(self, item):
         return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
 
     def _end(self, body, point):
-        """The arm of an end: a node, or a point of a rigid body."""
-        return self.table.point(point) if isinstance(point, NodePoint) else self.table.arm(body, point)
+        """The body vector of an end: a node, or a point of a rigid body."""
+        return (
+            self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
+        )
 
     def _line(self, item):
         record = blank_load(ELEMENT)
         record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
-        record["measure"] = self.table.spring(line_measure(head, tail))
+        record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
     def _with_data(self, record, item):
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
-            record["curve"] = self.table.law(item.curve, of_time=False)
-            record["energy"] = self.table.law(integral_of(item.curve), of_time=False)
+            record["curve"] = self.table.function(item.curve, of_time=False)
+            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)
         if item.damper is not None:
-            record["damper"] = self.table.law(item.damper, of_time=False)
+            record["damper"] = self.table.function(item.damper, of_time=False)
         return record
 
     def _stop(self, item):
@@ -183,24 +189,24 @@ class ElementTable:
         table = self.table
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
         turned = table.A(item.j).T @ table.A(item.i)
-        axes = [table.arm(item.i, np.eye(3)[k]) for k in range(3)]
+        axes = [table.body_vector(item.i, np.eye(3)[k]) for k in range(3)]
         records = [table.product((head, tail), axes[k]) for k in range(3)]
         for k in range(3):
             after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
-            records.append(table.angle(after, last, table.arm(item.j, turned[:, (k + 1) % 3])))
+            records.append(table.angle(after, last, table.body_vector(item.j, turned[:, (k + 1) % 3])))
         for record, stiffness, damping in zip(records, item.stiffness, item.damping, strict=True):
             load = blank_load(ELEMENT)
-            load["shape"], load["measure"] = SPRING, table.spring(record)
+            load["shape"], load["primitive"] = SPRING, table.spring(record)
             load["stiffness"], load["damping"] = stiffness, damping
             yield load
 
     def _friction(self, item):
         record = blank_load(FRICTION)
         sliding = self.joints.sliding(item.joint)
-        for field, coordinate in zip(("measure", "stroke"), sliding, strict=True):
+        for field, coordinate in zip(("primitive", "stroke"), sliding, strict=True):
             if coordinate is not None:
-                record[field] = self.table.spring(self.joints.measure(item.joint, coordinate))
-        record["arm"], record["group"] = self.joints.axis(item.joint), item.joint
+                record[field] = self.table.spring(self.joints.primitive(item.joint, coordinate))
+        record["body_vector"], record["group"] = self.joints.axis(item.joint), item.joint
         for field in ("dynamic", "static", "stribeck", "creep", "radius", "preload"):
             record[field] = getattr(item, field)
         if pitch := self.joints.pitch(item.joint):

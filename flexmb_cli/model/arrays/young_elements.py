@@ -1,4 +1,6 @@
-"""Elements of a YOUNG deck that are equations of their own: laws of drivers, supports, composite joints."""
+"""Elements of a YOUNG deck that are equations of their own: functions of drivers, supports, composite
+joints.
+"""
 
 import numpy as np
 
@@ -7,16 +9,16 @@ from ..flexible_mechanism import NodePoint, PointJoint
 from ..joint_elements import CompositeJoint, JointElements
 from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
-from .constraint_table import MeasureTable
+from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
-from .node_joints import EQUATIONS_OF, JointArms
+from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
 
 def without_driven(mechanism: Mechanism, elements: JointElements) -> Mechanism:
-    """The mechanism without the drivers and supports that follow laws of their own."""
+    """The mechanism without the drivers and supports that follow functions of their own."""
     driven, supports = ({one.item for one in items} for items in (elements.driven, elements.supports))
     return replace(
         mechanism,
@@ -26,7 +28,7 @@ def without_driven(mechanism: Mechanism, elements: JointElements) -> Mechanism:
 
 
 def point_joint(joint: Joint) -> PointJoint:
-    """The joint between points P and P + s, as tables of measures have it."""
+    """The joint between points P and P + s, as tables of primitives have it."""
     ends = [
         (_point(body, P), _point(body, np.add(P, s)))
         for body, P, s in ((joint.i, joint.P_i, joint.s_i), (joint.j, joint.P_j, joint.s_j))
@@ -38,7 +40,7 @@ def _point(body, r0):
     return NodePoint("", body, np.asarray(r0, float), np.zeros((3, 0)))
 
 
-def young_elements(table: MeasureTable, model: DynamicModel) -> ElementTable:
+def young_elements(table: PrimitiveTable, model: DynamicModel) -> ElementTable:
     """The elements of a model, whose equations are in the table already."""
     joints = model.mechanism.joints
     found = ElementTable(
@@ -56,7 +58,7 @@ def young_elements(table: MeasureTable, model: DynamicModel) -> ElementTable:
 class _Equations:
     """The equations of drivers of the deck, supports and composite joints."""
 
-    def __init__(self, table: MeasureTable, model: DynamicModel):
+    def __init__(self, table: PrimitiveTable, model: DynamicModel):
         self.table, self.model, self.elements = table, model, model.elements
         self.start = model.mechanism.time.start
 
@@ -76,15 +78,15 @@ class _Equations:
             return
         axis = driver.direction - 4
         after, last = self.table.axis((axis + 1) % 3), self.table.axis((axis + 2) % 3)
-        own = self.table.arm(driver.body, np.eye(3)[(axis + 1) % 3])
-        record = self.table.angle(after, last, own, item.law.at(self.start)[0])
-        record["law"] = self.table.law(item.law)
+        own = self.table.body_vector(driver.body, np.eye(3)[(axis + 1) % 3])
+        record = self.table.angle(after, last, own, item.function.at(self.start)[0])
+        record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
     def _along_axis(self, name, body, direction, item):
-        origin = self.table.arm(body, np.zeros(3)), self.table.arm(NONE, np.zeros(3))
+        origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
-        record["law"] = self.table.law(item.law)
+        record["function"] = self.table.function(item.function)
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
     def _composite(self, item: CompositeJoint):
@@ -95,8 +97,10 @@ class _Equations:
         if item.kind == "revolute-cylindrical":
             parts = _revolute_cylindrical(self.table, *ends)
         else:
-            arms = JointArms(self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place))
-            parts = [part for make in EQUATIONS_OF[item.kind] for part in make(arms)]
+            body_vectors = JointVectors(
+                self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place)
+            )
+            parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
 
@@ -108,8 +112,8 @@ def _revolute_cylindrical(table, a, b):
     first /= np.linalg.norm(first)
     gap = table.point(a[0]), table.point(b[0])
     parts = [
-        (f"on the axis, {word}", True, table.product(gap, table.arm(b[0].body, across)))
+        (f"on the axis, {word}", True, table.product(gap, table.body_vector(b[0].body, across)))
         for word, across in (("1st", first), ("2nd", np.cross(s_j, first)))
     ]
-    axes = table.arm(a[0].body, s_i), table.arm(b[0].body, s_j)
+    axes = table.body_vector(a[0].body, s_i), table.body_vector(b[0].body, s_j)
     return [*parts, ("axes at right angles", False, table.product(*axes))]

@@ -12,7 +12,7 @@ from flexmb_cli.dialects.vsdf.build import build_vsdf
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.constrained.flexible_element_rows import FlexibleElementRows
-from tests.dialects.vsdf.vsdf_decks import read, told
+from tests.dialects.vsdf.vsdf_decks import read, reported
 from tests.solvers.constrained.element_decks import ARM
 from tests.solvers.constrained.element_decks import rows_of as young_rows
 
@@ -95,7 +95,7 @@ def rows_of(mechanism, end, step, cards, method="RK45"):
 
 def faults(cards):
     return [
-        line for line in told(f"{TURNING}{cards}\nTIME\n 1,0.1\nEND\nSTAR\nSTOP\n") if ": error: " in line
+        line for line in reported(f"{TURNING}{cards}\nTIME\n 1,0.1\nEND\nSTAR\nSTOP\n") if ": error: " in line
     ]
 
 
@@ -148,16 +148,16 @@ def test_a_braking_rotor_stops_when_friction_has_taken_its_spin():
 
 
 @pytest.mark.parametrize(
-    ("function", "law"),
+    ("function", "function"),
     [
         ("SINE,0.1,0.2,3,0.4", lambda t: 0.1 + 0.2 * math.sin(3 * t + 0.4)),
         ("STEP,0.2,0,0.8,1", lambda t: _step((t - 0.2) / 0.6)),
         ("POLY,0,1,2", lambda t: t + 2 * t * t),
     ],
 )
-def test_a_motion_follows_a_function(function, law):
+def test_a_motion_follows_a_function(function, function):
     rows = rows_of(TURNING, 1, 0.125, f"FUNC\n 3,{function}\nMOTN\n 1,ANGL,1,5,3\nOUTJ\n 1")
-    assert rows.joint_coordinate[:, 0] == pytest.approx([law(t) for t in rows.time], abs=1e-9)
+    assert rows.joint_coordinate[:, 0] == pytest.approx([function(t) for t in rows.time], abs=1e-9)
 
 
 def _step(s):

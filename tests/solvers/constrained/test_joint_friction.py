@@ -91,7 +91,8 @@ def test_a_mass_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
 @pytest.mark.parametrize(("sense", "sign"), [(1.0, 1.0), (-1.0, -1.0)])
 def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sign):
     """Shigley, Mechanical Engineering Design, section 8-2, square thread: to raise a load F by a thread of
-    radius r and lead angle λ takes T = F r (tan λ + μ)/(1 - μ tan λ), to lower it F r (μ - tan λ)/(1 + μ tan λ).
+    radius r and lead angle λ takes T = F r (tan λ + μ)/(1 - μ tan λ), to lower it F r (μ - tan λ)/(1 + μ tan
+    λ).
     """
     r, pitch, mu, load = 0.02, 0.003, 0.12, 2.0 * 9.81
     slope = pitch / r
