@@ -1,4 +1,4 @@
-"""Cards of functions to laws of time, for every dialect."""
+"""Cards of functions of time, for every dialect."""
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
@@ -66,7 +66,7 @@ class Functions:
             self._functions[number.value] = function
 
     def function(self, record: Record, key: str = "function") -> MotionFunction | None:
-        """The law that the number `key` of a record names; None for 0, and where there is none."""
+        """The function that the number `key` of a record names; None for 0, and where there is none."""
         number = record.at(key)
         if number.value == 0 and key != "function":
             return None
@@ -80,7 +80,7 @@ class Functions:
     def motion(
         self, record: Record, start: float, given: float = 0.0, key: str = "function"
     ) -> MotionFunction | None:
-        """The law that a driver's coordinate follows: the function, or its integral from `given` on."""
+        """The function that a driver's coordinate follows: the function, or its integral from `given` on."""
         by_rate = record.at("rate") if "rate" in record else None
         if by_rate is not None and by_rate.value not in (0, 1):
             message = f"rate must be 0 (the coordinate) or 1 (its rate); read {by_rate.value}"
@@ -109,7 +109,7 @@ class Functions:
         return sum_of([found, piecewise(polynomial([given]))]) if given else found
 
     def curve(self, record: Record, key: str) -> MotionFunction | None:
-        """The law of a spring or damper over its stretch or rate, which must have an integral."""
+        """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
         function = self.function(record, key)
         if function is not None and integral_of(function) is None:
             message = "a product is no characteristic of a spring; use TABLE, SPLINE or POLYNOMIAL"
@@ -165,28 +165,28 @@ def _ramp(t0, v0, t1, v1):
     return linear_table((t0, t1), (v0, v1))
 
 
-def _combined(functions, given, combine):
-    functions = []
+def _combined(known, given, combine):
+    parts = []
     for k, value in enumerate(given.values):
-        functions._used.add(value)
-        function = functions._functions.get(value)
-        if (function is None and value not in functions._records) or value == given.number.value:
+        known._used.add(value)
+        part = known._functions.get(value)
+        if (part is None and value not in known._records) or value == given.number.value:
             message = f"function {value:g} must be given in a card above"
-            functions.findings.error(given.record.subject, message, given.place(k), id="ELEMENTS-022")
-        functions.append(function)
-    if None in functions:
+            known.findings.error(given.record.subject, message, given.place(k), id="ELEMENTS-022")
+        parts.append(part)
+    if None in parts:
         return None
-    found = combine(functions)
+    found = combine(parts)
     if len(found.terms) > MOST_FACTORS:
         many = f"multiplied out it has {len(found.terms)} terms, more than {MOST_FACTORS}; use fewer sums"
-        functions.findings.error(given.record.subject, many, given.record.place, id="ELEMENTS-023")
+        known.findings.error(given.record.subject, many, given.record.place, id="ELEMENTS-023")
         return None
     return found
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of function: its name, what makes its law, and how many numbers define it.
+    """A kind of function: its name, what makes it, and how many numbers define it.
 
     `least` numbers or more, by `step`, up to `most` (0: any).
     """

@@ -148,16 +148,16 @@ def test_a_braking_rotor_stops_when_friction_has_taken_its_spin():
 
 
 @pytest.mark.parametrize(
-    ("function", "function"),
+    ("card", "value"),
     [
         ("SINE,0.1,0.2,3,0.4", lambda t: 0.1 + 0.2 * math.sin(3 * t + 0.4)),
         ("STEP,0.2,0,0.8,1", lambda t: _step((t - 0.2) / 0.6)),
         ("POLY,0,1,2", lambda t: t + 2 * t * t),
     ],
 )
-def test_a_motion_follows_a_function(function, function):
-    rows = rows_of(TURNING, 1, 0.125, f"FUNC\n 3,{function}\nMOTN\n 1,ANGL,1,5,3\nOUTJ\n 1")
-    assert rows.joint_coordinate[:, 0] == pytest.approx([function(t) for t in rows.time], abs=1e-9)
+def test_a_motion_follows_a_function(card, value):
+    rows = rows_of(TURNING, 1, 0.125, f"FUNC\n 3,{card}\nMOTN\n 1,ANGL,1,5,3\nOUTJ\n 1")
+    assert rows.joint_coordinate[:, 0] == pytest.approx([value(t) for t in rows.time], abs=1e-9)
 
 
 def _step(s):
