@@ -50,7 +50,7 @@ def examples(names, output_dir, everything, force, quiet):
         return
     for name in names:
         if name not in decks:
-            raise click.UsageError(f"there is no example {name!r}; `flexmb examples` lists them")
+            raise click.UsageError(f"there is no example {name!r}; {_similar(name, decks)}")
     for name in names:
         copied = _copy(decks[name], output_dir, force)
         if not quiet:
@@ -81,6 +81,17 @@ def _copy_all(output_dir, force):
     _refuse_taken([target], force)
     shutil.copytree(_folder(), target, dirs_exist_ok=True)
     return len(supplied())
+
+
+def _similar(name: str, decks: dict[str, Path]) -> str:
+    """Return the examples whose names are like `name`, or how to list them."""
+    from difflib import get_close_matches
+
+    by_letters = {known.lower(): known for known in decks}
+    close = [known for known in by_letters if known.startswith(name.lower())][:5]
+    close = close or get_close_matches(name.lower(), by_letters)
+    names = ", ".join(by_letters[known] for known in close)
+    return f"is one of these meant: {names}?" if names else "`flexmb examples` lists them"
 
 
 def _list(decks):
