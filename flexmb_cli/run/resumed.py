@@ -23,8 +23,8 @@ def restore(resume_file: ResumeFile, analysis, layout: Layout) -> None:
             raise OtherRun("row")
     except OtherRun as found:
         message = (
-            f"--resume: {resume_file.path} holds {found.args[0]!r} of another shape or type than this run "
-            "does; run without --resume to start anew"
+            f"--resume: {resume_file.path} holds {found.args[0]!r} of another shape or type than this run; "
+            "run without --resume to start anew"
         )
         raise ModelError([Fault("error", message, id="RUN-040")]) from found
 
