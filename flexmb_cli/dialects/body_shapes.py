@@ -29,7 +29,7 @@ def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: F
     number = record.at(keys.body)
     if not 0 <= number.value <= len(rigid):
         message = f"body number {number.value} is outside 0..{len(rigid)}"
-        findings.error(record.subject, message, number.place, id="DECK-017")
+        findings.error(record.subject, message, number.place, id="DECK-021")
         return False
     if number.value and not rigid[number.value - 1]:
         message = (
