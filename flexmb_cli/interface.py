@@ -6,6 +6,7 @@ Only `Result.save` leaves a file.  Units are SI; names of quantities are those o
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,8 @@ def read_deck(
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
     outcome = Outcome(os.fspath(path))
-    deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
+    with _naming(outcome.deck):
+        deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
     return OpenDeck(deck, outcome.deck, words, tuple(outcome.faults))
 
 
@@ -81,7 +83,8 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
 
     `options`: those of `flexmb run` that numbers depend on: `rtol`, `atol`, `method` of the integration;
     `tolerance`, `smallest_pivot`, `most_iterations` of the kinematics; `formulation` ("absolute") of trees.
-    Raises FlexmbError for a deck that cannot be solved.  A run that fails on its way raises AnalysisError,
+    Raises TypeError for another option, ValueError for a value out of range, FlexmbError for a deck that
+    cannot be solved.  A run that fails on its way raises AnalysisError,
     whose attribute `result` holds the rows so far.
     """
     from .run.context import Run
@@ -92,24 +95,40 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
 
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
-    refuse_foreign_method(opened.deck, run.options)
-    solution = solution_of(model_of(opened.deck, run), run)
-    doubts, blocks = solution.doubts(), []
-    try:
-        blocks.extend(solution.blocks_counted())
-    except AnalysisError as failure:
-        failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
-        raise
+    with _naming(opened.path):
+        refuse_foreign_method(opened.deck, run.options)
+        solution = solution_of(model_of(opened.deck, run), run)
+        doubts, blocks = solution.doubts(), []
+        try:
+            blocks.extend(solution.blocks_counted())
+        except AnalysisError as failure:
+            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
+            raise
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
 
 def _run_options(options):
     from .run.outcome import RunOptions
+    from .run.python_options import refuse_wrong
 
+    refuse_wrong(options)
     steps = {name: options.pop(name) for name in ("rtol", "atol", "method") if name in options}
     names = ("tolerance", "smallest_pivot", "most_iterations")
     solver = {name: options.pop(name) for name in names if name in options}
     return RunOptions(integration=steps, solver=solver, **options)
+
+
+@contextmanager
+def _naming(path):
+    """Put the deck, and the place in it, before what a failure says."""
+    try:
+        yield
+    except FlexmbError as failure:
+        if not failure.file:
+            fault = next((f for f in failure.faults if f.severity == "error"), failure.faults[0])
+            place = "".join(f":{number}" for number in fault.place[:2]) if fault.place else ""
+            failure.file, failure.args = path, (f"{path}{place}: {failure}",)
+        raise
 
 
 def _result(opened, solution, blocks, faults, failure):
@@ -208,7 +227,7 @@ class Result(Mapping):
             import h5py
 
             from .results.hdf5.result_file import ResultFile
-            from .results.quantities.quantities import ResultError, resolve
+            from .results.quantities.quantities import SHOWS_ALL, ResultError, resolve
 
             with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
                 path = os.path.join(folder, "empty.h5")
@@ -217,7 +236,7 @@ class Result(Mapping):
                     try:
                         self.found[name] = resolve(file, [name])
                     except ResultError as fault:
-                        raise KeyError(str(fault)) from None
+                        raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
         return self.found[name]
 
 

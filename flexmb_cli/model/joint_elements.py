@@ -215,6 +215,12 @@ class JointElements:
         return any(getattr(self, field.name) for field in fields(self))
 
     @property
+    def items(self) -> list:
+        """Every element, group by group."""
+        groups = (getattr(self, field.name) for field in fields(self))
+        return [item for group in groups if isinstance(group, tuple) for item in group]
+
+    @property
     def constrain(self) -> bool:
         """Whether some of them are equations."""
         return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))

@@ -112,7 +112,15 @@ class _Reader:
             self._fault(key, f"the table [{key}] is missing or empty; it has entries such as {example}")
             return []
         self.within = key
-        return list(table.items())
+        return [item for item in table.items() if not self._is_unquoted(*item)]
+
+    def _is_unquoted(self, name, given):
+        dotted = list(_names_in_tables(name, given))
+        for whole in dotted:
+            self._fault(
+                whole, f'a name with points needs quotes, which TOML else takes for tables: "{whole}"'
+            )
+        return bool(dotted)
 
     def _varied(self, name, given, sampled) -> Varied | None:
         if isinstance(given, dict):
@@ -188,6 +196,17 @@ class _Reader:
     @cached_property
     def _places(self):
         return key_places(self.source.lines)
+
+
+def _names_in_tables(name, given):
+    """Yield the names that TOML took apart into tables of tables, from `name` on."""
+    pending = [(name, given)]
+    while pending:
+        whole, value = pending.pop()
+        if isinstance(value, dict) and value and not value.keys() & set(RANGE_KEYS):
+            pending += [(f"{whole}.{key}", inner) for key, inner in reversed(value.items())]
+        elif whole != name and isinstance(value, (list, dict, str)):
+            yield whole
 
 
 def _names_a_column(name):

@@ -140,6 +140,7 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
         ("dafms/pendulum.DAT", "mjcf", "body 1: the body is flexible; --to mjcf is for rigid trees"),
         ("dafms/fourbar_rigid.DAT", "mjcf", "MuJoCo closes loops softly"),
         ("young/IN4-BAR.dat", "mjcf", "takes trees of bodies"),
+        ("young/dynamics/IN-BRICARD.dat", "mjcf", "with constraints; --to exudyn takes it"),
         ("young/IN4-BAR.dat", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
         ("vsdf/pendulum.vsdf", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
     ],
@@ -159,6 +160,19 @@ def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
     deck.write_text(re.sub(r"\nEND\b", "\nRAMP 1 0 0 1 1\nFORCE 1 0 0 0 0 0 1 0 1\nEND", text))
     done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
+
+
+def test_an_element_that_does_not_convert_is_named_with_its_card(tmp_path):
+    """JOINTS asks for results only, so that a deck with it converts."""
+    text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
+    deck, output = tmp_path / "sprung.dat", tmp_path / "m.py"
+    deck.write_text(re.sub(r"\nEND\b", "\nJOINTS\nTSPRING 2 1.5 0\nEND", text))
+    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(output)])
+    (fault,) = done.exception.faults
+    assert fault.place.line == deck.read_text().split("\n").index("TSPRING 2 1.5 0") + 1
+    assert fault.sentence.startswith("tspring 1: drivers, springs and other elements at joints do not")
+    deck.write_text(re.sub(r"\nEND\b", "\nJOINTS\nEND", text))
+    assert CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(output)]).exit_code == 0
 
 
 def test_a_supplied_mechanism_is_written_for_exudyn(tmp_path):

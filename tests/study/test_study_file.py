@@ -90,6 +90,21 @@ def test_faults_of_a_study(text, message, line):
     assert (faults[0].place.line if faults[0].place else None) == line
 
 
+@pytest.mark.parametrize(
+    ("change", "name", "place"),
+    [
+        (('"driver.1.B" =', "driver.1.B ="), "driver.1.B", (3, 1)),
+        (("top =", "point.top ="), "point.top", (6, 1)),
+    ],
+)
+def test_a_name_without_its_quotes_is_named_with_its_line(change, name, place):
+    with pytest.raises(DeckError) as caught:
+        study(GRID.replace(*change))
+    (fault,) = caught.value.faults
+    assert (fault.subject, fault.place[:2]) == (name, place)
+    assert fault.message.startswith("a name with points needs quotes")
+
+
 def test_all_faults_are_told_at_once():
     text = GRID.replace("[1, 2.5]", "[]").replace("max body", "most body")
     with pytest.raises(DeckError) as caught:

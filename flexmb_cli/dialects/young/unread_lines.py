@@ -52,7 +52,7 @@ def _cards(lines, behind, keywords, message):
     card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
         place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
-        yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-060")
+        yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-062")
 
 
 def _without_comments(lines, behind):

@@ -97,8 +97,8 @@ def _foreign(model) -> Iterator[tuple]:
     for spring in model.springs:
         if GROUND in (spring.i, spring.j):
             yield "springs to body 0 do not convert: end them on a grounded body", spring.place, spring.name
-    if model.elements:
-        yield "elements at joints do not convert", None, "deck"
+    for item in model.elements.items:
+        yield "drivers, springs and other elements at joints do not convert", item.place, item.name
 
 
 GROUND = -1  # body 0 of the cards

@@ -19,8 +19,8 @@ import numpy as np
 from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
-from .nearest_names import nearest
 from .quantity_names import TIME, families, folded, time_family
+from .unknown_names import hint_for
 
 NOTHING = "an empty name"
 TIMES_AT_ONCE = 2**20
@@ -254,7 +254,5 @@ def _matched_form(family, form, words):
 
 
 def _unknown(known, pattern):
-    forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
-    close = nearest(pattern.split("."), forms)
-    hint = f"; near it are {', '.join(close)}" if close else ""
-    return f"{pattern or NOTHING}: the result has no such quantity{hint}{SHOWS_ALL}"
+    hint = hint_for(pattern, known)
+    return f"{pattern or NOTHING}: the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"
