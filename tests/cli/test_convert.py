@@ -162,17 +162,13 @@ def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
     assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
 
 
-def test_an_element_that_does_not_convert_is_named_with_its_card(tmp_path):
-    """JOINTS asks for results only, so that a deck with it converts."""
+def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
     text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
-    deck, output = tmp_path / "sprung.dat", tmp_path / "m.py"
-    deck.write_text(re.sub(r"\nEND\b", "\nJOINTS\nTSPRING 2 1.5 0\nEND", text))
-    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(output)])
+    deck = tmp_path / "sprung.dat"
+    deck.write_text(re.sub(r"\nEND\b", "\nTSPRING 1 5 0\nEND", text))
+    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
     (fault,) = done.exception.faults
-    assert fault.place.line == deck.read_text().split("\n").index("TSPRING 2 1.5 0") + 1
-    assert fault.sentence.startswith("tspring 1: drivers, springs and other elements at joints do not")
-    deck.write_text(re.sub(r"\nEND\b", "\nJOINTS\nEND", text))
-    assert CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(output)]).exit_code == 0
+    assert (fault.subject, fault.place.line) == ("tspring 1", text[: text.index("\nEND")].count("\n") + 2)
 
 
 def test_a_supplied_mechanism_is_written_for_exudyn(tmp_path):

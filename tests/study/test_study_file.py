@@ -47,6 +47,7 @@ def test_logarithmic_steps_keep_their_ratio_and_their_ends():
         (HEAD + RESULTS, "the table [parameters] is missing or empty; it has entries such as", None),
         (GRID.replace("max body", "most body"), "TAKE one of last, first, max, min, mean, series", 6),
         (GRID.replace("max body.3.z", "max"), 'a result is written "TAKE QUANTITY"', 6),
+        (GRID.replace('"point.1.x"', "point.1.x"), 'stands in quotes: "point.1.x" = …', 4),
         (GRID.replace("[1, 2.5]", "[]"), "needs a list of numbers or a range", 3),
         (GRID.replace("[1, 2.5]", '[1, "2"]'), "a list holds finite numbers only", 3),
         (GRID.replace("[1, 2.5]", "[1, inf]"), "a list holds finite numbers only", 3),
@@ -88,21 +89,6 @@ def test_faults_of_a_study(text, message, line):
     faults = [fault for fault in caught.value.faults if message in fault.message]
     assert faults, [fault.message for fault in caught.value.faults]
     assert (faults[0].place.line if faults[0].place else None) == line
-
-
-@pytest.mark.parametrize(
-    ("change", "name", "place"),
-    [
-        (('"driver.1.B" =', "driver.1.B ="), "driver.1.B", (3, 1)),
-        (("top =", "point.top ="), "point.top", (6, 1)),
-    ],
-)
-def test_a_name_without_its_quotes_is_named_with_its_line(change, name, place):
-    with pytest.raises(DeckError) as caught:
-        study(GRID.replace(*change))
-    (fault,) = caught.value.faults
-    assert (fault.subject, fault.place[:2]) == (name, place)
-    assert fault.message.startswith("a name with points needs quotes")
 
 
 def test_all_faults_are_told_at_once():

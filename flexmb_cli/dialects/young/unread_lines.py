@@ -25,7 +25,9 @@ _NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
 def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
     """Warn of the lines behind line `behind` of a deck without dynamic cards that look like such cards."""
     slips = list(_like_openings(lines, behind))
-    message = "is read as prose: a card needs the line DYNAMICS inverse or DYNAMICS forward before it"
+    message = (
+        "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
+    )
     # Cards behind a misspelt opening line have that one cause.
     return iter(slips) if slips else _cards(lines, behind, keywords, message)
 
@@ -52,7 +54,7 @@ def _cards(lines, behind, keywords, message):
     card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
         place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
-        yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-062")
+        yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
 
 
 def _without_comments(lines, behind):
