@@ -23,16 +23,24 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 @click.option(
     "-o", "--output-dir", type=click.Path(path_type=Path), default=".", help="Folder of the copies."
 )
+@click.option("--all", "everything", is_flag=True,
+              help="Copy the whole folder `decks`: commands of the documentation work with it.")  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace files that are there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def examples(names, output_dir, force, quiet):
+def examples(names, output_dir, everything, force, quiet):
     """List the supplied decks, or copy those named, with the files they need.
 
     \b
     Example:
         flexmb examples
         flexmb examples IN4-BAR pendulum_ccx
+        flexmb examples --all
     """
+    if everything:
+        if names:
+            raise click.UsageError("--all copies all decks: name none, or leave it out")
+        _copy_all(output_dir, force, quiet)
+        return
     decks = supplied()
     if not names:
         _list(decks)
@@ -46,15 +54,20 @@ def examples(names, output_dir, force, quiet):
             click.echo(f"{name} → {', '.join(map(str, copied))}")
 
 
+def _folder() -> Path:
+    """Return the folder `decks` of this installation."""
+    folder = next((place for place in PLACES if place.is_dir()), None)
+    if folder is None:
+        raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
+    return folder
+
+
 def supplied() -> dict[str, Path]:
     """Return the supplied decks and studies by name.
 
     Decks of two dialects with one name are distinguished by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
     """
-    folder = next((place for place in PLACES if place.is_dir()), None)
-    if folder is None:
-        raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
-    found = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
+    found = sorted(path for path in _folder().rglob("*") if path.suffix in SUFFIXES and path.is_file())
     stems = [path.stem for path in found]
     return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
 
@@ -115,6 +128,19 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / deck.name).write_text(text, encoding="utf-8", newline="")
     return [folder / deck.name, *targets.values()]
+
+
+def _copy_all(folder: Path, force: bool, quiet: bool):
+    """Copy the folder `decks` with its folders, so that names in it stay as they are."""
+    source, target = _folder(), folder / "decks"
+    files = [path for path in sorted(source.rglob("*")) if path.is_file()]
+    targets = [target / path.relative_to(source) for path in files]
+    _refuse_taken(targets, force)
+    for path, to in zip(files, targets, strict=True):
+        to.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, to)
+    if not quiet:
+        click.echo(f"{target}: {len(files)} files")
 
 
 def _refuse_taken(targets, force):
