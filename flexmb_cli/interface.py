@@ -7,7 +7,6 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +64,7 @@ def read_deck(
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
     outcome = Outcome(os.fspath(path))
-    with _deck_named(outcome.deck):
+    with _naming(outcome.deck):
         deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
     return OpenDeck(deck, outcome.deck, words, tuple(outcome.faults))
 
@@ -84,7 +83,8 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
 
     `options`: those of `flexmb run` that numbers depend on: `rtol`, `atol`, `method` of the integration;
     `tolerance`, `smallest_pivot`, `most_iterations` of the kinematics; `formulation` ("absolute") of trees.
-    Raises FlexmbError for a deck that cannot be solved.  A run that fails on its way raises AnalysisError,
+    Raises TypeError for another option, ValueError for a value out of range, FlexmbError for a deck that
+    cannot be solved.  A run that fails on its way raises AnalysisError,
     whose attribute `result` holds the rows so far.
     """
     from .run.context import Run
@@ -95,50 +95,40 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
 
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
-    refuse_foreign_method(opened.deck, run.options)
-    with _deck_named(opened.path):
+    with _naming(opened.path):
+        refuse_foreign_method(opened.deck, run.options)
         solution = solution_of(model_of(opened.deck, run), run)
-    doubts, blocks = solution.doubts(), []
-    try:
-        blocks.extend(solution.blocks_counted())
-    except AnalysisError as failure:
-        failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
-        raise
+        doubts, blocks = solution.doubts(), []
+        try:
+            blocks.extend(solution.blocks_counted())
+        except AnalysisError as failure:
+            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
+            raise
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
-
-
-_OPTIONS = ("rtol", "atol", "method", "tolerance", "smallest_pivot", "most_iterations", "formulation")
-
-
-@contextmanager
-def _deck_named(path):
-    """Put the deck's name and the place of the fault before the words of a failure: a loop has many decks."""
-    try:
-        yield
-    except FlexmbError as failure:
-        place = next((f.place for f in failure.faults if f.place and f.severity == "error"), None)
-        failure.args = (":".join(map(str, (path, *(place or ())[:2]))) + f": {failure}",)
-        raise
-
-
-def _check_options(options):
-    for name, value in options.items():
-        if name not in _OPTIONS:
-            near = get_close_matches(name, _OPTIONS, 1)
-            meant = f"; is {near[0]} meant?" if near else ""
-            raise TypeError(f"solve has no option {name!r}, only {', '.join(_OPTIONS)}{meant}")
-        if name in ("rtol", "atol") and not 0.0 < value < 1.0:
-            raise ValueError(f"{name} must lie between 0 and 1; read {value}")
 
 
 def _run_options(options):
     from .run.outcome import RunOptions
+    from .run.python_options import refuse_wrong
 
-    _check_options(options)
+    refuse_wrong(options)
     steps = {name: options.pop(name) for name in ("rtol", "atol", "method") if name in options}
     names = ("tolerance", "smallest_pivot", "most_iterations")
     solver = {name: options.pop(name) for name in names if name in options}
     return RunOptions(integration=steps, solver=solver, **options)
+
+
+@contextmanager
+def _naming(path):
+    """Put the deck, and the place in it, before what a failure says."""
+    try:
+        yield
+    except FlexmbError as failure:
+        if not failure.file:
+            fault = next((f for f in failure.faults if f.severity == "error"), failure.faults[0])
+            place = "".join(f":{number}" for number in fault.place[:2]) if fault.place else ""
+            failure.file, failure.args = path, (f"{path}{place}: {failure}",)
+        raise
 
 
 def _result(opened, solution, blocks, faults, failure):

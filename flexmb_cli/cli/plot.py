@@ -96,10 +96,20 @@ def plot(
 def _plot_study(path, names, output, form, kind, title, quiet):
     from ..results.files.replaced_file import write_whole
     from ..study.cases_table import cases_table
+    from ..study.curve_family import curve_family, family_picture, names_series
     from ..study.figures import kind_for, study_picture
     from ..study.text import open_study
 
     with open_study(path) as file:
+        if kind == "auto" and names_series(file, names, path):
+            family = curve_family(file, names, path)
+            write_whole(
+                output, family_picture(family, form, family.cases.deck_name if title is None else title)
+            )
+            if not quiet:
+                left_out = f"; {family.cases.failed} failed cases are left out" if family.cases.failed else ""
+                tell(f"{path} → {output}, {len(family.times)} cases of {', '.join(family.series)}{left_out}")
+            return
         cases = cases_table(file, names, path)
     kind = kind_for(cases) if kind == "auto" else kind
     try:

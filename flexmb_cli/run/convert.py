@@ -79,6 +79,9 @@ def _mjcf(model, name):
 
     if analysis_of(model) != "tree":
         message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
+        message += "; --to exudyn takes it" * (
+            analysis_of(model) == "dynamic" and model.analysis == "forward"
+        )
         raise ModelError([Fault("error", message, id="RUN-027")])
     return mjcf(model, name)
 

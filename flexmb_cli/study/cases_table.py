@@ -35,7 +35,9 @@ class CasesTable:
         return len(pairs) == len(axes[0]) == sizes[0] * sizes[1]
 
 
-def cases_table(table: h5py.File, patterns: Iterable[str], file: str) -> CasesTable:
+def cases_table(
+    table: h5py.File, patterns: Iterable[str], file: str, with_results: bool = True
+) -> CasesTable:
     """Return the solved cases of an open study; `patterns` choose results, without any all single numbers.
 
     Raises ResultError for a pattern that names none, a series, and a study without a solved case.
@@ -43,9 +45,9 @@ def cases_table(table: h5py.File, patterns: Iterable[str], file: str) -> CasesTa
     columns = study_columns(table)
     wanted = [column for column in chosen_columns(columns, patterns, file) if _is(column, "result")]
     series = [column.name for column in wanted if column.length]
-    if series or not wanted:
+    if with_results and (series or not wanted):
         message = (
-            f"{series[0]} is a series of each case: see export"
+            f"{series[0]} is a series of each case: draw it alone"
             if series
             else "no result with one number is named"
         )
@@ -57,7 +59,7 @@ def cases_table(table: h5py.File, patterns: Iterable[str], file: str) -> CasesTa
     return CasesTable(
         table.attrs["deck_name"],
         {_head(column): table[column.path][:][solved] for column in parameters},
-        {_head(column): table[column.path][:][solved] for column in wanted},
+        {_head(column): table[column.path][:][solved] for column in wanted if with_results},
         int((~solved).sum()),
     )
 

@@ -1,6 +1,7 @@
 """Pictures of a study by matplotlib: curves, maps, scatter plots, parallel coordinates."""
 
 import io
+from collections.abc import Callable
 
 import numpy as np
 
@@ -23,15 +24,20 @@ def study_picture(cases: CasesTable, kind: str, form: str, title: str) -> bytes:
 
     Raises ValueError, in words for the user, where the study does not suit the kind.
     """
+    draw = {"curve": _curves, "map": _maps, "scatter": _scatter, "parallel": _parallel}[kind]
+    return drawn(lambda figure: draw(figure, cases), form, title)
+
+
+def drawn(draw: Callable, form: str, title: str) -> bytes:
+    """Return what `draw` puts on a figure, as a file of `form`."""
     import matplotlib
     from matplotlib.figure import Figure
 
-    draw = {"curve": _curves, "map": _maps, "scatter": _scatter, "parallel": _parallel}[kind]
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams["svg.hashsalt"] = "flexmb"
         figure = Figure(layout="constrained")
-        draw(figure, cases)
+        draw(figure)
         figure.suptitle(title.replace("$", r"\$"))
         stream = io.BytesIO()
         figure.savefig(stream, format=form, dpi=RESOLUTION, metadata=METADATA[form])

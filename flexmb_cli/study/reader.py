@@ -13,7 +13,7 @@ from ..dialects import DIALECTS
 from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
 from .key_places import key_places
-from .study import GRID, LATIN, SAMPLINGS, TAKES, TOGETHER, Kept, Study, Varied
+from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
 
 MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
@@ -81,7 +81,7 @@ class _Reader:
             self._choice("dialect", (AUTO, *reversed(DIALECTS)), AUTO),
             sampling,
             tuple(item for item in parameters if item),
-            tuple(item for item in results if item),
+            _with_times(tuple(item for item in results if item)),
             count or 0,
             self._whole("seed", 0, 2**32 - 1, 0),
         )
@@ -192,6 +192,13 @@ class _Reader:
     @cached_property
     def _places(self):
         return key_places(self.source.lines)
+
+
+def _with_times(results):
+    """The results, with the times of their series: a case may have others than the next."""
+    if all(item.take != SERIES for item in results) or any(item.name == "time" for item in results):
+        return results
+    return (*results, Kept("time", "time", SERIES))
 
 
 def _names_a_column(name):

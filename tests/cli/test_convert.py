@@ -140,6 +140,7 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
         ("dafms/pendulum.DAT", "mjcf", "body 1: the body is flexible; --to mjcf is for rigid trees"),
         ("dafms/fourbar_rigid.DAT", "mjcf", "MuJoCo closes loops softly"),
         ("young/IN4-BAR.dat", "mjcf", "takes trees of bodies"),
+        ("young/dynamics/IN-BRICARD.dat", "mjcf", "with constraints; --to exudyn takes it"),
         ("young/IN4-BAR.dat", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
         ("vsdf/pendulum.vsdf", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
     ],

@@ -5,6 +5,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+
+from flexmb_cli.cli.examples import examples
 
 pytestmark = pytest.mark.processes
 
@@ -35,6 +38,19 @@ def test_a_copied_study_finds_its_deck(tmp_path):
     flexmb(tmp_path, "examples", "rssr")
     assert {path.name for path in tmp_path.iterdir()} == {"rssr.toml", "IN-RSSR.dat"}
     assert 'deck = "IN-RSSR.dat"' in (tmp_path / "rssr.toml").read_text()
+
+
+def test_all_examples_keep_their_folders(tmp_path):
+    """The commands of README and tutorial name decks/young/IN4-BAR.dat."""
+    done = CliRunner().invoke(examples, ["--all", "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    copied = {path.relative_to(tmp_path / "decks") for path in tmp_path.rglob("*") if path.is_file()}
+    assert copied == {path.relative_to(DECKS) for path in DECKS.rglob("*") if path.is_file()}
+    assert (tmp_path / "decks/young/IN4-BAR.dat").read_bytes() == (DECKS / "young/IN4-BAR.dat").read_bytes()
+    again = CliRunner().invoke(examples, ["--all", "-o", str(tmp_path)])
+    assert again.exit_code == 2 and "--force replaces it" in again.stderr
+    both = CliRunner().invoke(examples, ["--all", "IN4-BAR"])
+    assert both.exit_code == 2 and "leave out the names" in both.stderr
 
 
 def test_nothing_of_the_user_is_replaced(tmp_path):

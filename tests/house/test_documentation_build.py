@@ -67,3 +67,10 @@ def test_every_figure_of_a_page_is_drawn_by_the_build_after_its_command(page):
     for match in re.finditer(r"\{(?:figure|image)\} (\S+)", text):
         name = Path(match[1]).name
         assert name == "four-bar.gif" or (name in drawn and "flexmb plot" in text[: match.start()]), match[0]
+
+
+def test_what_a_page_includes_is_linked_for_readers_of_the_files():
+    """A Git host shows the text of a page, not what Sphinx puts into it."""
+    included = [(page, name) for page in PAGES for name in re.findall(r"\{include\} (\S+)", page.read_text())]
+    assert len(included) > 3
+    assert not [page.name for page, name in included if f"]({name})" not in page.read_text()]

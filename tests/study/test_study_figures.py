@@ -11,6 +11,7 @@ from flexmb_cli.cli.export import export
 from flexmb_cli.cli.plot import plot
 from flexmb_cli.cli.report import report
 from flexmb_cli.study.cases_table import cases_table
+from flexmb_cli.study.curve_family import curve_family
 from flexmb_cli.study.figures import kind_for
 from flexmb_cli.study.table import Column, TableHead, write_table
 from flexmb_cli.study.text import open_study
@@ -56,6 +57,23 @@ def test_the_picture_suits_the_parameters(pairs, kind, tmp_path):
     assert (tmp_path / "again.svg").read_bytes() == (tmp_path / "s.svg").read_bytes()
 
 
+def test_series_are_drawn_over_their_times_coloured_by_the_parameter(tmp_path):
+    """Case n has the times n, 2 n, 3 n; the failed case is left out."""
+    pytest.importorskip("matplotlib")
+    times = Column("result/time", "s", "series of time", 3)
+    head = TableHead("a = 1", "deck", "a.dat", "0" * 64, (LENGTH, PATH, times), 3)
+    rows = [(n, int(n == 2), 3, "", [n / 10, np.full(3, n), n * np.arange(1, 4)]) for n in (1, 2, 3)]
+    write_table(str(tmp_path / "s.h5"), head, rows)
+    with open_study(tmp_path / "s.h5") as file:
+        family = curve_family(file, ["path"], "s.h5")
+    assert family.times.tolist() == [[1.0, 2.0, 3.0], [3.0, 6.0, 9.0]]
+    assert family.series["path [m]"][:, 0].tolist() == [1.0, 3.0]
+    done = called(plot, tmp_path / "s.h5", "path", "-o", tmp_path / "s.svg")
+    assert done.exit_code == 0 and "2 cases of path [m]; 1 failed cases are left out" in done.stderr
+    labels = re.findall(r"<!-- (.*?) -->", (tmp_path / "s.svg").read_text())
+    assert {"time [s]", "path [m]", "length [m]"} <= set(labels)
+
+
 def test_the_numbers_drawn_are_those_of_the_table(tmp_path):
     """Of a 3 by 2 grid with one failed case five cases are left, each with 10 length + rate."""
     path = study(tmp_path / "s.h5", GRID, failed=(4,))
@@ -72,7 +90,8 @@ def test_the_numbers_drawn_are_those_of_the_table(tmp_path):
     [
         (["--kind", "curve"], "a curve needs one parameter that varies"),
         (["--x", "length"], "the table of a study has no times"),
-        (["path"], "is a series of each case"),
+        (["path", "top"], "is a series of each case: draw it alone"),
+        (["path"], "its series have no times: solve the study again"),
         (["tip"], "no such parameter or result; near it are"),
     ],
 )

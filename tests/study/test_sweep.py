@@ -128,6 +128,7 @@ def test_a_case_that_locks_has_no_results_but_the_rows_before(tmp_path):
     for name in ("result/top", "result/start"):
         assert np.isnan(found[name]).tolist() == [False, True]
     assert np.isfinite(found["result/path"][1]).sum() == 12
+    np.testing.assert_allclose(found["result/time"][0], np.arange(26) * 0.1, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -2,15 +2,18 @@
 
 import errno
 import io
+import re
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from flexmb_cli.interface import solve
+from flexmb_cli import solve
 from flexmb_cli.results.quantities.quantities import ResultError, names, open_result, read, resolve
 from tests.results.results import SERIES, value, write_result
+
+DECKS = Path(__file__).resolve().parents[3] / "decks"
 
 
 @pytest.fixture
@@ -132,7 +135,6 @@ def test_a_body_with_two_rotations_has_no_single_angle(result):
     ("pattern", "near"),
     [
         ("body.2.omga.x", "body.2.omega.x"),
-        ("body.9.z", "body.1.z"),
         ("energy.totl", "energy.total"),
         ("coordinate.theta7", "coordinate.theta1"),
         ("bdy.1.velocity", "body.1.velocity"),
@@ -146,13 +148,25 @@ def test_an_unknown_name_is_answered_with_near_ones(result, pattern, near):
     assert near in hint
 
 
-@pytest.mark.parametrize(("name", "card"), [("coordinate", "JOINTS"), ("stress", "MATL and OUTS")])
-def test_a_quantity_that_decks_must_ask_for_is_answered_with_the_card(name, card, tmp_path):
-    """A plain deck of YOUNG, which has neither joint coordinates nor elements nor stresses."""
-    solve(Path(__file__).parents[3] / "decks/young/IN1-1-1.dat").save(tmp_path / "plain.h5")
-    told = pytest.raises(ResultError, match=f"stored where.*{card}")
-    with h5py.File(tmp_path / "plain.h5") as file, told:
-        resolve(file, [name])
+@pytest.mark.parametrize(
+    ("pattern", "hint"),
+    [
+        ("body.9.z", "it has body 1 to "),
+        ("body/position", "names are written with points, such as body.1.x"),
+        ("body[2].z", "names are written with points, such as body.2.z"),
+        ("stress", "stresses need the cards MATL and OUTS of a VSDF deck"),
+    ],
+)
+def test_a_name_of_what_the_result_lacks_is_answered_with_the_reason(result, pattern, hint):
+    with pytest.raises(ResultError, match=re.escape(f"no such quantity; {hint}")):
+        resolve(result, [pattern])
+
+
+def test_a_kinematic_result_names_what_joint_angles_and_reactions_need():
+    result = solve(DECKS / "young/IN4-BAR.dat")
+    for name, need in (("coordinate", "the card JOINTS"), ("reactions.1", "DYNAMICS inverse or DYNAMICS")):
+        with pytest.raises(KeyError, match=need):
+            result[name]
 
 
 def test_all_unknown_names_are_told_at_once(result):
@@ -199,7 +213,7 @@ def test_files_of_other_kinds_are_refused(tmp_path):
     for name, message in (
         ("none.h5", "no such file"),
         (".", "it is a folder"),
-        ("letter", "no HDF5 result that can be read"),
+        ("letter", "not an HDF5 result"),
         ("other.h5", "no result of flexmb: it has no dataset /time"),
     ):
         with pytest.raises(ResultError, match=message) as caught, open_result(tmp_path / name):

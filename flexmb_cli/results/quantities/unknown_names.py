@@ -1,0 +1,69 @@
+"""What is said of a name that a result does not have: near names, or why it has none of that kind."""
+
+import re
+from collections.abc import Sequence
+
+from .nearest_names import nearest
+from .quantity_names import Family
+
+FORCES = "in a YOUNG deck DYNAMICS inverse or DYNAMICS forward"
+# What a deck needs for the quantities that begin with a word.
+NEEDS = {
+    "coordinate": "joint coordinates need a tree, or the card JOINTS in a YOUNG deck with DYNAMICS",
+    "reaction": f"reactions need masses: {FORCES}",
+    "driver": f"efforts of drivers need masses: {FORCES}",
+    "energy": f"energies need masses: {FORCES}",
+    "element": f"elements need cards such as TSPRING or BUSHING: {FORCES}",
+    "elastic": "elastic displacements need a flexible body",
+    "modal": "modal amplitudes need a flexible body",
+    "stress": "stresses need the cards MATL and OUTS of a VSDF deck",
+    "strain": "strains need the cards MATL and OUTS of a VSDF deck",
+}
+_IN_BRACKETS = re.compile(r"\[(\d+)\]")
+
+
+def hint_for(pattern: str, families: Sequence[Family]) -> str:
+    """Return what may be meant by `pattern`, or what the result lacks; "" where nothing is known."""
+    if spelled := _with_points(pattern, families):
+        return f"names are written with points, such as {spelled}"
+    words = pattern.split(".")
+    if lacking := _lacking(words[0].lower(), families):
+        return lacking
+    if counted := _count(words, families):
+        return counted
+    close = nearest(words, [[slot.spellings for slot in form] for known in families for form in known.forms])
+    return f"near it are {', '.join(close)}" if close else ""
+
+
+def _with_points(pattern, families):
+    """Return a name for a path of a dataset or for a number in brackets."""
+    for family in families:
+        if family.path == pattern.strip("/"):
+            return family.name((0,) * len(family.shape))
+    dotted = _IN_BRACKETS.sub(r".\1", pattern)
+    return dotted if dotted != pattern else ""
+
+
+def _lacking(first, families):
+    wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
+    if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
+        return ""
+    return NEEDS[wanted]
+
+
+def _count(words, families):
+    """Return how many there are where a number is too large, or 0."""
+    if len(words) < 2 or not words[1].isdigit():
+        return ""
+    axes = [len(form[1].words) for family in families for form in family.forms if _is_numbered(form, words)]
+    if not axes or 1 <= int(words[1][:9]) <= max(axes):
+        return ""
+    return (
+        f"it has {words[0].lower()} 1 to {max(axes)}"
+        if max(axes) > 1
+        else f"it has {words[0].lower()} 1 only"
+    )
+
+
+def _is_numbered(form, words):
+    return len(form) > 1 and words[0].lower() in form[0].spellings and "1" in form[1].spellings

@@ -1,0 +1,47 @@
+"""The options of `solve`: what is refused, as the command line refuses it of `flexmb run`."""
+
+import math
+from collections.abc import Mapping
+
+from ..model.time_checks import FINEST
+
+FORMULATIONS = ("kane", "absolute")
+# Lowest and highest value, and whether they are allowed.
+RANGES = {
+    "rtol": (FINEST, True, 1.0, False),
+    "atol": (0.0, False, 1.0, False),
+    "tolerance": (0.0, True, math.inf, False),
+    "smallest_pivot": (0.0, True, 1.0, True),
+    "most_iterations": (1, True, math.inf, False),
+}
+KNOWN = (*RANGES, "method", "formulation", "as_printed")
+
+
+def refuse_wrong(options: Mapping[str, object]) -> None:
+    """Raise TypeError for an option that `solve` does not have, ValueError for a value out of its range."""
+    for name, value in options.items():
+        if name not in KNOWN:
+            raise TypeError(f"solve has no option {name!r}{_meant(name)}")
+        if name == "formulation" and value not in FORMULATIONS:
+            raise ValueError(f"formulation is one of {', '.join(FORMULATIONS)}; read {value!r}")
+        if name in RANGES:
+            _refuse_out_of_range(name, value)
+
+
+def _refuse_out_of_range(name, value):
+    low, with_low, high, with_high = RANGES[name]
+    sign_low, sign_high = "<=" if with_low else "<", "<=" if with_high else "<"
+    try:
+        fits = (low <= value if with_low else low < value) and (value <= high if with_high else value < high)
+    except TypeError:
+        fits = False
+    if not fits:
+        upper = f" {sign_high} {high:g}" if high < math.inf else ", finite"
+        raise ValueError(f"solve needs {low:g} {sign_low} {name}{upper}; read {value!r}")
+
+
+def _meant(name):
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, KNOWN, n=1)
+    return f"; is {close[0]} meant?" if close else f"; it has {', '.join(KNOWN)}"

@@ -1,0 +1,82 @@
+"""Series of a study as a family of curves: each case over its times, coloured by a parameter."""
+
+from collections.abc import Iterable
+
+import h5py
+import numpy as np
+
+from ..quick_dataclass import dataclass
+from ..results.quantities.quantities import ResultError
+from .cases_table import CasesTable, cases_table
+from .text import EXIT_CODE, StudyColumn, chosen_columns, study_columns
+
+TIMES = "result/time"
+MOST_CURVES = 500  # evenly chosen of more cases: further ones hide each other
+
+
+@dataclass(frozen=True)
+class CurveFamily:
+    """Series by their headings, arrays (cases, rows), over `times` (cases, rows), and the solved cases."""
+
+    cases: CasesTable
+    times: np.ndarray
+    series: dict[str, np.ndarray]
+
+
+def names_series(table: h5py.File, patterns: Iterable[str], file: str) -> bool:
+    """Whether `patterns` name series of cases only."""
+    patterns = list(patterns)
+    named = _named(table, patterns, file) if patterns else []
+    return bool(named) and all(column.length for column in named)
+
+
+def curve_family(table: h5py.File, patterns: Iterable[str], file: str) -> CurveFamily:
+    """Return the series that `patterns` name; raises ResultError where times or solved cases are missing."""
+    if TIMES not in table:
+        raise ResultError(file, "its series have no times: solve the study again", id="STUDY-027")
+    named = _named(table, patterns, file)
+    solved = np.flatnonzero(table[EXIT_CODE][:] == 0)
+    cases = cases_table(table, (), file, with_results=False)
+    chosen = np.unique(np.linspace(0, len(solved) - 1, min(MOST_CURVES, len(solved))).astype(int))
+    kept = {name: values[chosen] for name, values in cases.parameters.items()}
+    cases = CasesTable(cases.deck_name, kept, {}, cases.failed)
+    series = {_head(column): table[column.path][solved[chosen]] for column in named}
+    return CurveFamily(cases, table[TIMES][solved[chosen]], series)
+
+
+def family_picture(family: CurveFamily, form: str, title: str) -> bytes:
+    """Return the picture as a file of `form`.  Imports matplotlib."""
+    from ..results.figures.plots import HEIGHT, WIDTH
+    from .figures import drawn
+
+    def draw(figure):
+        figure.set_size_inches(WIDTH, HEIGHT * len(family.series) + 0.5)
+        axes = figure.subplots(len(family.series), squeeze=False, sharex=True)[:, 0]
+        for axis, (label, values) in zip(axes, family.series.items(), strict=True):
+            axis.set_ylabel(label.replace("$", r"\$"))
+            axis.grid(True, linewidth=0.4, color="#cccccc")
+            _draw_cases(figure, axis, family, values)
+        axes[-1].set_xlabel("time [s]")
+
+    return drawn(draw, form, title)
+
+
+def _draw_cases(figure, axis, family, values):
+    import matplotlib
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    name, parameter = next(iter((family.cases.varied or family.cases.parameters).items()))
+    colours = ScalarMappable(Normalize(parameter.min(), parameter.max()), matplotlib.colormaps["viridis"])
+    for times, curve, colour in zip(family.times, values, colours.to_rgba(parameter), strict=True):
+        axis.plot(times, curve, color=colour, linewidth=1.0)
+    figure.colorbar(colours, ax=axis, label=name.replace("$", r"\$"))
+
+
+def _named(table, patterns, file) -> list[StudyColumn]:
+    named = chosen_columns(study_columns(table), patterns, file)
+    return [column for column in named if column.path.startswith("result/")]
+
+
+def _head(column):
+    return f"{column.path.partition('/')[2]} [{column.unit}]"
