@@ -100,7 +100,7 @@ class KinematicAnalysis:
             "state": self.state,
             "motion": self.motion,
             "clock": self.clock,
-            "reported": np.array(self.singularities.reported),
+            "reported": np.array(self.singularities.notes.count),
             "warnings": reported(self.warnings),
         }
 
@@ -114,7 +114,7 @@ class KinematicAnalysis:
         self.state, self.motion, self.clock = (
             np.array(checkpoint[name]) for name in ("state", "motion", "clock")
         )
-        self.singularities.reported = int(checkpoint["reported"])
+        self.singularities.notes.count = int(checkpoint["reported"])
         self.warnings[:] = faults_reported(checkpoint["warnings"])
         return first
 
