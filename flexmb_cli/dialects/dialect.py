@@ -41,6 +41,12 @@ class Dialect(NamedTuple):
     form: str = ""  # class of the dialogue of `flexmb new`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
+    # For `convert`, of `model.exchange`: function of a Deck, a function that builds its model, and one that
+    # gives the Start of a model: the RigidModel; function of a RigidModel, a title and its units in words:
+    # the text of a deck.  Both raise ModelError for what they do not know.
+    rigid_model: str = ""
+    rigid_deck: str = ""
+    any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 
     @property

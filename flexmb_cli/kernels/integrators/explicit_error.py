@@ -10,6 +10,7 @@ from ..constrained.accelerations import solve
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD
+from ..linalg.rank_revealing_lu import row_times
 from .dop853_table import ERROR_3, ERROR_5, STAGES
 from .error_norm import displacement_tolerance, tolerance
 
@@ -67,10 +68,7 @@ def _keep_allowed(system, work, change):
     """Leave of a change (n,) of speeds what the constraints allow."""
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for row in range(gamma.shape[0]):
-        total = 0.0
-        for k in range(change.shape[0]):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * change[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, change, system.speed_scale)
         gamma[row] = -total * system.row_scale[row]
     for k in range(zero.shape[0]):
         zero[k] = 0.0

@@ -27,7 +27,7 @@ from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import move
 from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
 from ..constrained.tangent import tangent_times
-from ..linalg.rank_revealing_lu import cholesky
+from ..linalg.rank_revealing_lu import cholesky, row_times
 from .generalised_alpha_control import left_over, share_of
 from .generalised_alpha_error import (
     BEFORE,
@@ -187,10 +187,7 @@ def _evaluate(system, work, integration, t):
     power = fill_forces(system, work, q, u, t)
     fill_gamma(system, work, q, u, t)
     for row in range(gaps.shape[1]):
-        total = 0.0
-        for k in range(n):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[ACCELERATION, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
     forces, product = integration.missing, work.vectors[PRODUCT]
     mass_times(inertia_of(system, work), ud, product)

@@ -28,7 +28,7 @@ from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN
 from ..constrained.tangent import add_stiff
 from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
-from ..linalg.rank_revealing_lu import cholesky, cholesky_solve
+from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, row_times
 from .error_norm import displacement_tolerance, tolerance
 from .generalised_alpha_step import turn_exactly
 from .radau5_table import (
@@ -211,10 +211,7 @@ def _evaluate(system, work, integration, stage, t):
     fill_gamma(system, work, q, u, t)
     gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], integration.missing
     for row in range(gaps.shape[0]):
-        total = 0.0
-        for k in range(n):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[row] -= total * system.row_scale[row]
     mass_times(inertia_of(system, work), ud, product)
     for k in range(n):

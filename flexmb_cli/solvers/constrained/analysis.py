@@ -10,7 +10,7 @@ from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
-from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported
+from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
 from ..singular.dynamic_singularities import (
     PassedDynamicSingularities,
     is_singular,
@@ -113,11 +113,11 @@ class ConstrainedMotion:
         """
         self.start()
         self.row, self.resumed, self.singularities = (
-            int(checkpoint["row"]),
+            row_of(checkpoint),
             True,
             PassedDynamicSingularities(self),
         )
-        self.warnings[:] = faults_reported(checkpoint["warnings"])
+        self.warnings[:] = faults_reported(checkpoint)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
 

@@ -16,6 +16,7 @@ from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
+from ..checkpoint import row_of, taken
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
@@ -65,7 +66,7 @@ class TreeAnalysis:
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
         return {
-            "row": self.row,
+            "row": np.array(self.row),
             "clock": clock,
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
@@ -74,8 +75,10 @@ class TreeAnalysis:
     def restore(self, checkpoint: Mapping) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
-        self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
-        self.clock[:], self.integration.z[:] = checkpoint["clock"], checkpoint["state"]
+        self.row = row_of(checkpoint)
+        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
+        self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
+        self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
