@@ -58,11 +58,7 @@ def diff(a, b, update, junit, as_json, quiet, **options):
     if update and "-" in (a, b):
         raise click.UsageError("--update copies files; standard input is none")
     many = is_many(a), is_many(b)
-    if any(many) and not all(many):
-        single, other = (a, b) if many[1] else (b, a)
-        if single != "-" and not os.path.exists(single):
-            raise click.UsageError(f"{single}: no such file or folder")
-        raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
+    _refuse_unlike(a, b, many)
     tolerances = _tolerances(options)
     if are_same(a, b):
         message = f"{a} and {b} are the same, so that nothing can differ"
@@ -82,6 +78,15 @@ def diff(a, b, update, junit, as_json, quiet, **options):
     else:
         _print_report(summary.compared[0], update, as_json, quiet)
     sys.exit(summary.exit_code)
+
+
+def _refuse_unlike(a, b, many):
+    """Raise UsageError where one is a folder or a pattern, and the other a file."""
+    if any(many) and not all(many):
+        single, other = (a, b) if many[1] else (b, a)
+        if single != "-" and not os.path.exists(single):
+            raise click.UsageError(f"{single}: no such file or folder")
+        raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
 
 
 def _tolerances(options):

@@ -54,10 +54,7 @@ def plot(
         flexmb plot OUT4-BAR.h5 point.1.z --width 85 --font serif -o column.pdf
     """
     from ..extras import needed
-    from ..results.figures.curves import panels
     from ..results.figures.plots import FORMATS
-    from ..results.files.replaced_file import write_whole
-    from ..results.hdf5.stored_result import attribute
     from ..study.text import is_study
     from .options.output_file import refuse_inputs, refuse_standard_output
 
@@ -77,9 +74,18 @@ def plot(
         raise click.UsageError(f"--kind {kind} is for tables of studies, and {result} is none")
     paths = (result, *others)
     refuse_inputs(output, paths)
+    _plot_results(paths, names, output, across, (start, stop, every), title, width, quiet, print_options)
+
+
+def _plot_results(paths, names, output, across, part, title, width, quiet, print_options):
+    """Draw quantities of results over time, or across another; `part`: begin, end and stride of the rows."""
+    from ..results.figures.curves import panels
+    from ..results.files.replaced_file import write_whole
+    from ..results.hdf5.stored_result import attribute
+
     with contextlib.ExitStack() as open_files:
         sources = [
-            _source(open_files, path, label, names, across, (start, stop, every), quiet)
+            _source(open_files, path, label, names, across, part, quiet)
             for path, label in zip(paths, _labels(paths), strict=True)
         ]
         drawn = panels(sources)
@@ -87,10 +93,10 @@ def plot(
             title = ""
         if title is None:
             title = ", ".join(dict.fromkeys(attribute(one.result, "deck_name") for one in sources))
-    write_whole(output, _drawn(drawn, form, title, width, print_options))
+    write_whole(output, _drawn(drawn, Path(output).suffix[1:].lower(), title, width, print_options))
     if not quiet:
         curves = sum(len(panel.curves) for panel in drawn)
-        tell(f"{result} → {output}, {curves} curve{'s' * (curves != 1)}")
+        tell(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
 
 
 def _plot_study(path, names, output, form, kind, title, quiet):

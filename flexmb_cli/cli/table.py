@@ -49,13 +49,18 @@ def table(result, names, listing, start, stop, every, style, number, quiet):
             raise click.UsageError(f"{result} {message}")
         _print_study(result, names, listing, every, style, quiet)
         return
+    if listing and (start is not None or stop is not None or every > 1):
+        raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
+    _print_result(result, names, listing, (start, stop, every), style, number, quiet)
+
+
+def _print_result(result, names, listing, part, style, number, quiet):
+    """Print quantities of a run; `part`: begin, end and stride of the rows."""
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names
     from ..results.quantities.quantities import open_result, resolve
     from ..results.quantities.table import chosen_rows, function_cards, list_text, table_text
 
-    if listing and (start is not None or stop is not None or every > 1):
-        raise click.UsageError("--list shows names, not rows: --from, --to and --every do not go with it")
     with open_result(result) as file:
         if not names and not listing:
             raise click.UsageError(f"name at least one quantity; flexmb table {result} --list shows them all")
@@ -64,7 +69,7 @@ def table(result, names, listing, start, stop, every, style, number, quiet):
             _remark_settings(result, settings_of(file), quiet)
             show(list_text(quantities, style or "text"))
             return
-        rows = chosen_rows(file, start, stop, every)
+        rows = chosen_rows(file, *part)
         _remark(result, file, rows, quiet)
         if number:
             show(function_cards(file, quantities, rows, number))

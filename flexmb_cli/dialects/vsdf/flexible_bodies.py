@@ -30,12 +30,7 @@ def flexible_body(
     values: DeckValues, k: int, record: Record, pose: dict, folder: Path, findings: Findings
 ) -> VsdfBody:
     """Body k of the card `record`; `pose`: its place and first motion, `folder`: where its files are."""
-    for section, word in (("rigid", "RIGI"), ("node", "NODE")):
-        for given in values.section(section):
-            if given["body"] == k:
-                findings.error(
-                    given.subject, f"{word} is for RIGD bodies; body {k} is FLEX", given.place, id="VSDF-022"
-                )
+    _refuse_rigid_cards(values, k, findings)
     table = _node_table(values, k, record, folder, findings)
     files = {name: _file(values.record(name, k), folder) for name, _ in FLEXIBLE_ONLY[:4]}
     files |= matrices_of_elements(values, k, files)
@@ -67,6 +62,14 @@ def flexible_body(
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+
+
+def _refuse_rigid_cards(values, k, findings):
+    for section, word in (("rigid", "RIGI"), ("node", "NODE")):
+        for given in values.section(section):
+            if given["body"] == k:
+                message = f"{word} is for RIGD bodies; body {k} is FLEX"
+                findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
 def _or_density(values, k, files):

@@ -4,39 +4,28 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
+from ...errors import Fault
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
-from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
 from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
 from ..singular.dynamic_singularities import (
-    SINGULAR,
     PassedDynamicSingularities,
-    at_line,
-    has_gained_rank,
     is_singular,
-    repeating_here_only,
-    weakest_of_speeds,
 )
-from ..singular.mobility import Gap, Mobility, about
+from ..singular.mobility import Mobility
 from .coinciding_ends import refuse_coinciding_ends
+from .failures import repetition, step_failure
 from .integrators import ExplicitSteps
-from .start import inertia_failure, order_of_elimination
+from .start import order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
 SAME = 1e-9  # of a run: times this near to each other are one
-SHOWN_OWNERS = 6
-GO_ON = (
-    "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
-    "times as large or as small, or GALF"
-)
-STIFF = "; try RAD5 or GALF, or a smaller one"
 
 
 class ConstrainedMotion:
@@ -144,12 +133,12 @@ class ConstrainedMotion:
             if answer == codes.STEP_SHORT:
                 self._excuse_short_steps()
             elif answer not in (codes.ROWS_FULL, codes.PAUSED):
-                raise self._failure(answer, times[0] if times.size else np.inf)
+                raise step_failure(self, answer, times[0] if times.size else np.inf)
 
     def _excuse_short_steps(self):
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
         if is_singular(self, self.integration.z[: self._first.size], self._first):
-            raise self._failure(codes.STEP_VANISHED)
+            raise step_failure(self, codes.STEP_VANISHED)
         self.clock["excused"] = 1
 
     def _breakpoints(self, end) -> list[float]:
@@ -204,13 +193,13 @@ class ConstrainedMotion:
         integration.z[q.size : -1] = start_speeds(self, q, grid.start)
         refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
-            self.warnings.append(_repetition(found, self.usual_repetitions(q)))
+            self.warnings.append(repetition(found, self.usual_repetitions(q)))
         self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
         answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0)))
         if answer != codes.READY:
-            raise self._failure(answer)
+            raise step_failure(self, answer)
         return found
 
     def _call(self, task, report):
@@ -223,92 +212,6 @@ class ConstrainedMotion:
         angles = self.arrays.angles.copy()
         fill_angles(self.system, self.work, q, self.arrays.angles, angles)
         return angles
-
-    def _failure(self, answer, due: float = np.inf) -> AnalysisError:
-        """Return why no step, or no row that was `due` at that time, could be made."""
-        clock = self.clock[0]
-        t, step = float(clock["t"]), float(clock["step"])
-        norms = {"reached": t, "step": step}
-        if answer == codes.CONTRADICTION:
-            worst = self.arrays.equations[int(clock["equation"])]
-            gap = Gap(worst, float(clock["gap"]) * worst.scale)
-            reason = (
-                "they did so at the start only, which is a singular position (rods in line); begin elsewhere"
-                if has_gained_rank(self)
-                else "a driver or a joint asks for a motion that the others forbid"
-            )
-            message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
-            return AnalysisError(about("error", message, worst), t, norms)
-        if clock["fault"] == NO_INERTIA:
-            return inertia_failure(self, t)
-        if due <= t and (owners := self._weakest_at_row(norms)):
-            message = (
-                f"at t = {due:.6g} s a row stands on a singular position of {_names(owners)}, where "
-                "accelerations and reactions are not determined; choose other times"
-            )
-            return AnalysisError(about("error", message, owners[0]), t, norms)
-        reason, owners = self._why_steps_fall(norms)
-        message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
-        return AnalysisError(about("error", message, *owners[:1]), t, norms)
-
-    def _weakest_at_row(self, norms):
-        """The equations that are singular where a row could not be made; none where they are not."""
-        norms["condition"], owners = weakest_of_speeds(self, self.integration.trial)
-        return owners if norms["condition"] > SINGULAR else []
-
-    def _why_steps_fall(self, norms):
-        """The reason in words, and the equations it lies in; the condition goes into `norms`."""
-        condition, owners = weakest_of_speeds(self, self.integration.z)
-        norms["condition"] = condition
-        size = f"condition {condition:.0e}"
-        if condition > SINGULAR:
-            joints = _names(owners)
-            return (
-                f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",
-                owners,
-            )
-        if owners := repeating_here_only(self):
-            reason = (
-                f"this is a singular position of {_names(owners)} (rods in line), where equations repeat "
-                "others that they contradict beside it; begin elsewhere"
-            )
-            return reason, owners
-        return (
-            f"the joints are far from singular ({size}), so a load, stiffness or speed is too great{STIFF}",
-            [],
-        )
-
-
-def _names(equations):
-    return ", ".join(f"{one.owner}{at_line(one)}" for one in equations)
-
-
-def _repetition(found, usual):
-    """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
-
-    A warning, or a note where they are as many as `usual`.
-    """
-    if len(found.redundant) == usual:
-        message = (
-            f"planar mechanism of spatial joints: {usual} of {found.equations} equations repeat others, 3 a "
-            "loop, as they must; the motion is unique, reactions are those of least norm"
-        )
-        return Fault("note", message, id="SOLVE-034")
-    # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
-    repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
-    owners = list(dict.fromkeys(equation.owner for equation in repeated))
-    placed = [equation for equation in repeated if equation.place]
-    count = len(found.redundant)
-    shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
-    message = (
-        f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
-        "motion is unique, reactions are those of least norm"
-    )
-    return about("warning", message, *placed)
-
-
-def _in_deck(equation):
-    return equation.place or (0, 0), equation.owner, equation.part
 
 
 def _first(report, filled):

@@ -100,7 +100,7 @@ class KinematicAnalysis:
             "state": self.state,
             "motion": self.motion,
             "clock": self.clock,
-            "reported": np.array(self.singularities.reported),
+            "reported": np.array(self.singularities.notes.count),
             "warnings": reported(self.warnings),
         }
 
@@ -115,7 +115,7 @@ class KinematicAnalysis:
             np.array(taken(checkpoint, name, like.shape))
             for name, like in (("state", self.state), ("motion", self.motion), ("clock", self.clock))
         )
-        self.singularities.reported = int(taken(checkpoint, "reported", (), np.int64))
+        self.singularities.notes.count = int(taken(checkpoint, "reported", (), np.int64))
         self.warnings[:] = faults_reported(checkpoint)
         return first
 

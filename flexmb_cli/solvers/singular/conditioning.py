@@ -3,40 +3,24 @@
 import numpy as np
 
 from ...model.by_size import by_size
-from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
+from .weakest import SHARE, Conditioning, condition_text, conditioning_of, owners_text, weakest_owners
 
-SHARE = 0.2  # of the largest part of a combination: what is reported
 MOST_REPORTED = 3
 SWEEPS = 6  # of inverse iteration: each gains the distance to the next singular value, squared
 ROUND_OFF = 1e12  # larger conditions have no digit that is more than round-off
 TINY = 1e-14  # added to an exactly singular matrix, so that it has factors
 
 
-@dataclass(frozen=True)
-class Conditioning:
-    """The smallest singular value of the scaled Jacobian at a position.
-
-    `condition`: the largest over the smallest.  `motion` (coordinates,): the unit motion that the
-    equations resist least; `combination` (equations,): that of the equations which is nearest to nothing.
-    """
-
-    condition: float
-    motion: np.ndarray
-    combination: np.ndarray
-
-
 def conditioning(evaluator: Evaluator, q, t, expected) -> Conditioning:
     """The conditioning at q, for any number of equations that equals that of the coordinates."""
     evaluator.residual(q, t, expected)
-    return _of_sparse(evaluator.sparse_matrix(q)) if evaluator.is_large else _of_dense(evaluator.matrix(q))
-
-
-def _of_dense(matrix):
-    left, values, right = np.linalg.svd(matrix)
-    smallest = max(float(values[-1]), np.finfo(float).tiny)
-    return Conditioning(float(values[0]) / smallest, right[-1], left[:, -1])
+    return (
+        _of_sparse(evaluator.sparse_matrix(q))
+        if evaluator.is_large
+        else conditioning_of(evaluator.matrix(q), q.size)
+    )
 
 
 def _of_sparse(matrix):
@@ -68,26 +52,17 @@ def _largest_value(matrix, vector):
     return float(np.linalg.norm(matrix @ vector))
 
 
-def weakest_owners(evaluator: Evaluator, weak: Conditioning) -> list:
-    """The equations with the largest shares of the combination, one an owner: joints if there are some."""
-    size, owners = np.abs(weak.combination), {}
-    for row in by_size(size):
-        equation = evaluator.arrays.equations[row]
-        if size[row] < SHARE * size.max():
-            break
-        if equation.place is not None:
-            owners.setdefault(equation.owner, equation)
-    joints = [one for one in owners.values() if "joint" in one.owner or "distance" in one.owner]
-    # Shares that symmetry makes equal differ by round-off: the deck's order is the same everywhere.
-    return sorted((joints or list(owners.values()))[:MOST_REPORTED], key=lambda one: one.place)
+def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> list:
+    """The equations that are weakest, one a joint."""
+    return weakest_owners(evaluator.arrays.equations, weak.combination, MOST_REPORTED)
 
 
 def conditioning_text(evaluator: Evaluator, q, weak: Conditioning) -> str:
     """Joints with their lines, condition and the motion that is hardly determined, in words."""
-    owners = [f"{one.owner} (line {one.place.line})" for one in weakest_owners(evaluator, weak)]
-    joints = f" of {', '.join(owners)}" if owners else ""
-    size = f"{weak.condition:.0e}" if weak.condition < ROUND_OFF else f"above {ROUND_OFF:.0e}"
-    return f"{joints} (condition {size}; {_motion(evaluator, q, weak.motion)} is least determined)"
+    owners = weakest_joints(evaluator, weak)
+    joints = f" of {owners_text(owners)}" if owners else ""
+    size = condition_text(weak.condition, ROUND_OFF)
+    return f"{joints} ({size}; {_motion(evaluator, q, weak.motion)} is least determined)"
 
 
 def _motion(evaluator, q, motion):

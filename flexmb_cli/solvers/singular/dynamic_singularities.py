@@ -7,21 +7,18 @@ import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
-from ...model.by_size import by_size
 from ..checkpoint import OtherRun, taken
 from ..constrained.flexible_start import PositionGaps
 from ..constrained.system import new_work
-from .mobility import about
+from .weakest import SingularityNotes, condition_text, conditioning_of, owners_text, weakest_owners
 
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
 CROSSED = 1e5  # condition
 NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
-SHARE = 0.2  # of the largest part of a combination: what is reported
 BESIDE = 1e-5  # of the length scale, rad
 MOST_REPORTED = 6
 SOUGHT = 3  # rows between which a singular position is sought
-MOST_NOTES = 5
 LOOKS = 300  # rows of a run that are looked at
 MOST_WORK = 2_000_000  # multiplications of one look: larger mechanisms are not looked at
 CANDIDATE = 0.3  # of the usual smallest singular value, at a row where it is least
@@ -43,12 +40,11 @@ def weakest_of_speeds(analysis, state) -> tuple[float, list]:
 
 
 def _weakest(analysis, jacobian):
-    left, values, _ = np.linalg.svd(jacobian)
-    last = int(analysis.work.rank[0]) - 1
-    if last < 0:
+    rank = int(analysis.work.rank[0])
+    if rank < 1:
         return 1.0, []
-    condition = float(values[0] / max(values[last], np.finfo(float).tiny))
-    return condition, _owners(analysis.arrays.equations, np.abs(left[:, last]))
+    found = conditioning_of(jacobian, rank)
+    return found.condition, weakest_owners(analysis.arrays.equations, found.combination, MOST_REPORTED)
 
 
 def is_singular(analysis, q, start) -> bool:
@@ -87,7 +83,7 @@ def repeating_here_only(analysis) -> list:
     evaluate_jacobian(analysis.system, work, q)
     left, values, _ = np.linalg.svd(work.jacobian)
     if len(values) > rank and values[rank] > values[0] / SINGULAR**2:
-        return _owners(arrays.equations, np.abs(left[:, rank]))
+        return weakest_owners(arrays.equations, left[:, rank], MOST_REPORTED)
     return []
 
 
@@ -106,7 +102,7 @@ class PassedDynamicSingularities:
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
         self.active = 0 < work <= MOST_WORK
         self.stride = max(1, analysis.grid.rows // LOOKS)
-        self.seen, self.row, self.reported = [], 0, 0
+        self.seen, self.row, self.notes = [], 0, SingularityNotes(analysis.warnings)
         self.sorted: list[float] = []  # the values seen
 
     @property
@@ -114,7 +110,7 @@ class PassedDynamicSingularities:
         """What was seen, as arrays: of old rows only the value is needed."""
         last = self.seen[-SOUGHT:]
         return {
-            "seen/counts": np.array([self.row, self.reported]),
+            "seen/counts": np.array([self.row, self.notes.count]),
             "seen/values": np.array([value for _, _, value in self.seen]),
             "seen/times": np.array([t for t, _, _ in last]),
             "seen/positions": np.array([q for _, q, _ in last]),
@@ -122,7 +118,7 @@ class PassedDynamicSingularities:
 
     def restore(self, checkpoint: Mapping) -> None:
         """Go on from what was seen up to a checkpoint."""
-        self.row, self.reported = taken(checkpoint, "seen/counts", (2,), np.int64).tolist()
+        self.row, self.notes.count = taken(checkpoint, "seen/counts", (2,), np.int64).tolist()
         values, times = (taken(checkpoint, f"seen/{name}", (None,)).tolist() for name in ("values", "times"))
         size = self.analysis.arrays.coordinate_scale.size
         positions = taken(checkpoint, "seen/positions", (len(times), size) if times else (0,))
@@ -137,7 +133,7 @@ class PassedDynamicSingularities:
         """Look at report rows at `times`, in order, with coordinates first in `states`."""
         size = self.analysis.arrays.coordinate_scale.size
         for t, state in zip(times, states, strict=True):
-            if self.active and self.row % self.stride == 0 and self.reported < MOST_NOTES:
+            if self.active and self.row % self.stride == 0 and not self.notes.full:
                 value = self._smallest(state[:size].copy())
                 self.seen.append((float(t), state[:size].copy(), value))
                 insort(self.sorted, value)
@@ -191,28 +187,8 @@ class PassedDynamicSingularities:
 
     def _tell(self, t, q):
         condition, owners = _weakest(self.analysis, self.gaps.jacobian(q))
-        self.reported += 1
-        joints = ", ".join(f"{one.owner}{at_line(one)}" for one in owners)
-        last = "; later ones are not looked for" if self.reported == MOST_NOTES else ""
-        size = f"{condition:.0e}" if condition < ROUND_OFF else f"above {ROUND_OFF:.0e}"
-        message = (
-            f"near t = {t:.4g} s the motion passes a singular position of {joints} (condition {size}), where "
-            f"it could branch; it goes on smoothly{last}"
+        sentence = (
+            f"near t = {t:.4g} s the motion passes a singular position of {owners_text(owners)} "
+            f"({condition_text(condition, ROUND_OFF)}), where it could branch; it goes on smoothly"
         )
-        self.analysis.warnings.append(about("note", message, *owners))
-
-
-def _owners(equations, size):
-    """One equation of each owner with a large share, in the deck's order."""
-    found = {}
-    for row in by_size(size):
-        if size[row] < SHARE * size.max() or len(found) == MOST_REPORTED:
-            break
-        found.setdefault(equations[row].owner, equations[row])
-    joints = [one for one in found.values() if "joint" in one.owner or "hinge" in one.owner]
-    return sorted(joints or found.values(), key=lambda one: one.place or (0, 0))
-
-
-def at_line(equation) -> str:
-    """ "(line 7)", where an equation's owner has a place in the deck."""
-    return f" (line {equation.place.line})" if equation.place else ""
+        self.notes.add(sentence, owners)

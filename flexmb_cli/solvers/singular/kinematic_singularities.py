@@ -8,8 +8,8 @@ sign of det Φ_q has changed, are walked again step by step.
 import numpy as np
 
 from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
-from .conditioning import conditioning, conditioning_text, weakest_owners
-from .mobility import about
+from .conditioning import conditioning, conditioning_text, weakest_joints
+from .weakest import SingularityNotes
 
 # Iterations of a row that are many where others take few, and many anywhere.  A bifurcation takes ten or
 # more.
@@ -17,12 +17,11 @@ FEW, MANY = 8, 20
 # Condition, as a multiple of that where the block began: what is reported, and what leaves accelerations
 # without most of their digits.  Badly scaled mechanisms have a large one everywhere.
 NEARLY_SINGULAR, BLIND = 100.0, 1e5
-MOST_REPORTED = 5
 MOST_TRIED = 16  # of the shortest steps, among which the worst place is
 
 
 class PassedKinematicSingularities:
-    """Watches the blocks of a KinematicAnalysis; notes go to its warnings, `MOST_REPORTED` at most.
+    """Watches the blocks of a KinematicAnalysis; notes go to its warnings, `MOST_NOTES` at most.
 
     Not active, it looks for nothing: where equations repeat others, every position looks singular.
     """
@@ -30,7 +29,7 @@ class PassedKinematicSingularities:
     def __init__(self, analysis, active: bool = True):
         self.analysis = analysis
         self.active = active
-        self.reported = 0
+        self.notes = SingularityNotes(analysis.warnings)
 
     def memory(self):
         """Return where the continuation stands, to be walked again from."""
@@ -39,7 +38,7 @@ class PassedKinematicSingularities:
 
     def look(self, memory, rows) -> None:
         """Look for singular positions on the way from `memory` through the report `rows`."""
-        if self.reported >= MOST_REPORTED or not self.active:
+        if self.notes.full or not self.active:
             return
         changed = memory[2][SIGN] != self.analysis.clock[SIGN]
         for first, last in _busy_runs(rows.newton_iterations, changed):
@@ -69,7 +68,7 @@ class PassedKinematicSingularities:
         state, motion, clock = (part.copy() for part in memory)
         analysis.carry(integration, state, motion, clock, begin)
         steps, crossed = [], False
-        while clock[TIME] < end and self.reported < MOST_REPORTED:
+        while clock[TIME] < end and not self.notes.full:
             t, sign = clock[TIME], clock[SIGN]
             analysis.carry(integration, state, motion, clock, end, 1)
             if clock[TIME] > t:
@@ -94,18 +93,14 @@ class PassedKinematicSingularities:
         """Note that the continuation passes q at the time t: a bifurcation of two motions, or a narrow
         place.
         """
-        if self.reported >= MOST_REPORTED:
+        if self.notes.full:
             return
         evaluator = self.analysis.evaluator
         weak = conditioning(evaluator, q, t, expected)
-        self.reported += 1
         what = "a singular position" if bifurcation else "close to a singular position"
         more = "; two motions cross there, and the smooth one is followed" if bifurcation else ""
-        last = "; later ones are not looked for" if self.reported == MOST_REPORTED else ""
-        message = (
-            f"at t = {t:.6g} s the motion passes {what}{conditioning_text(evaluator, q, weak)}{more}{last}"
-        )
-        self.analysis.warnings.append(about("note", message, *weakest_owners(evaluator, weak)))
+        sentence = f"at t = {t:.6g} s the motion passes {what}{conditioning_text(evaluator, q, weak)}{more}"
+        self.notes.add(sentence, weakest_joints(evaluator, weak))
 
 
 def _busy_runs(iterations, changed):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import AnalysisError
-from .conditioning import conditioning, conditioning_text, weakest_owners
+from .conditioning import conditioning, conditioning_text, weakest_joints
 from .mobility import CLOSED, about, gap_norms, nearest_position, worst_gaps
 
 ASIDE = 0.05  # of the length scale, and of Euler parameters
@@ -60,7 +60,7 @@ def _singular(analysis, reached, t):
         f"{conditioning_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
     )
     norms = gap_norms(worst) | {"reached": reached, "condition": weak.condition}
-    return AnalysisError(about("error", message, *weakest_owners(evaluator, weak)), t, norms)
+    return AnalysisError(about("error", message, *weakest_joints(evaluator, weak)), t, norms)
 
 
 def singular_start(analysis, q, t) -> AnalysisError:
@@ -72,5 +72,5 @@ def singular_start(analysis, q, t) -> AnalysisError:
         f"{conditioning_text(evaluator, q, weak)}: a "
         "dead centre, or a place where motions branch; begin a little earlier or later"
     )
-    fault = about("error", message, *weakest_owners(evaluator, weak))
+    fault = about("error", message, *weakest_joints(evaluator, weak))
     return AnalysisError(fault, t, {"condition": weak.condition})

@@ -1,0 +1,108 @@
+"""Why a mechanism could not be integrated further, and what is said of equations that repeat others."""
+
+import numpy as np
+
+from ...errors import AnalysisError, Fault
+from ...kernels.constrained.system import NO_INERTIA
+from ...kernels.integrators.clock import CONTRADICTION
+from ..singular.dynamic_singularities import (
+    SINGULAR,
+    has_gained_rank,
+    repeating_here_only,
+    weakest_of_speeds,
+)
+from ..singular.mobility import Gap, about
+from ..singular.weakest import owners_text
+from .start import inertia_failure
+
+SHOWN_OWNERS = 6
+GO_ON = (
+    "; where the motion locks, free it or end the run before; where it should pass, try a tolerance ten "
+    "times as large or as small, or GALF"
+)
+STIFF = "; try RAD5 or GALF, or a smaller one"
+
+
+def step_failure(analysis, answer: int, due: float = np.inf) -> AnalysisError:
+    """Return why a ConstrainedMotion could make no step, or no row that was `due` at that time."""
+    clock = analysis.clock[0]
+    t, step = float(clock["t"]), float(clock["step"])
+    norms = {"reached": t, "step": step}
+    if answer == CONTRADICTION:
+        worst = analysis.arrays.equations[int(clock["equation"])]
+        gap = Gap(worst, float(clock["gap"]) * worst.scale)
+        reason = (
+            "they did so at the start only, which is a singular position (rods in line); begin elsewhere"
+            if has_gained_rank(analysis)
+            else "a driver or a joint asks for a motion that the others forbid"
+        )
+        message = f"at t = {t:.6g} s equations that repeated others contradict them: {gap.text}; {reason}"
+        return AnalysisError(about("error", message, worst), t, norms)
+    if clock["fault"] == NO_INERTIA:
+        return inertia_failure(analysis, t)
+    if due <= t and (owners := _weakest_at_row(analysis, norms)):
+        message = (
+            f"at t = {due:.6g} s a row stands on a singular position of {owners_text(owners)}, where "
+            "accelerations and reactions are not determined; choose other times"
+        )
+        return AnalysisError(about("error", message, owners[0]), t, norms)
+    reason, owners = _why_steps_fall(analysis, norms)
+    message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
+    return AnalysisError(about("error", message, *owners[:1]), t, norms)
+
+
+def _weakest_at_row(analysis, norms):
+    """The equations that are singular where a row could not be made; none where they are not."""
+    norms["condition"], owners = weakest_of_speeds(analysis, analysis.integration.trial)
+    return owners if norms["condition"] > SINGULAR else []
+
+
+def _why_steps_fall(analysis, norms):
+    """The reason in words, and the equations it lies in; the condition goes into `norms`."""
+    condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
+    norms["condition"] = condition
+    size = f"condition {condition:.0e}"
+    if condition > SINGULAR:
+        joints = owners_text(owners)
+        return (
+            f"a singular position of {joints} ({size}), a dead centre or a branching, is reached{GO_ON}",
+            owners,
+        )
+    if owners := repeating_here_only(analysis):
+        reason = (
+            f"this is a singular position of {owners_text(owners)} (rods in line), where equations repeat "
+            "others that they contradict beside it; begin elsewhere"
+        )
+        return reason, owners
+    return (
+        f"the joints are far from singular ({size}), so a load, stiffness or speed is too great{STIFF}",
+        [],
+    )
+
+
+def repetition(found, usual: int | None) -> Fault:
+    """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
+
+    A warning, or a note where they are as many as `usual`.
+    """
+    if len(found.redundant) == usual:
+        message = (
+            f"planar mechanism of spatial joints: {usual} of {found.equations} equations repeat others, 3 a "
+            "loop, as they must; the motion is unique, reactions are those of least norm"
+        )
+        return Fault("note", message, id="SOLVE-034")
+    # In the deck's order: shares that symmetry makes equal differ by round-off, another on every processor.
+    repeated = sorted({equation for group in found.redundant for equation in group}, key=_in_deck)
+    owners = list(dict.fromkeys(equation.owner for equation in repeated))
+    placed = [equation for equation in repeated if equation.place]
+    count = len(found.redundant)
+    shown = ", ".join(owners[:SHOWN_OWNERS]) + (" and others" if len(owners) > SHOWN_OWNERS else "")
+    message = (
+        f"{count} equation{' repeats' if count == 1 else 's repeat'} others, among those of {shown}; the "
+        "motion is unique, reactions are those of least norm"
+    )
+    return about("warning", message, *placed)
+
+
+def _in_deck(equation):
+    return equation.place or (0, 0), equation.owner, equation.part
