@@ -78,7 +78,10 @@ def _mjcf(model, name):
     from ..results.models.mjcf import mjcf
 
     if analysis_of(model) != "tree":
-        message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
+        message = (
+            "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints: take --to "
+            "exudyn, or convert an open chain into a deck of a tree first"
+        )
         raise ModelError([Fault("error", message, id="RUN-027")])
     return mjcf(model, name)
 
