@@ -1,8 +1,9 @@
 """What the rest of the program knows of a dialect: a record that names the parts in the dialect's folder."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..deck.record import Deck, DeckText, Record
@@ -34,6 +35,8 @@ class Dialect(NamedTuple):
     options: tuple[str, ...] = ()  # options of `run` on which only its numbers depend
     methods: tuple[str, ...] = ()  # integrators that `--method` names
     stepping: str = ""  # function of a Deck: whether its analysis takes time steps; all do where it is ""
+    # Words of joints and constraints: the names in `model/joints.py`.
+    joints: Mapping[str, str] = MappingProxyType({})
     curves: tuple[str, ...] = ()  # datasets drawn unasked, most telling first
     form: str = ""  # class of the dialogue of `flexmb new`
     new_name: str = ""  # of the deck that it writes

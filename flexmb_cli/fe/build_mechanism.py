@@ -40,7 +40,7 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
         raise ModelError(faults)
     faults += _step_doubts(model, bodies)
     stresses = stress_outputs(model, bodies)
-    return replace(_Points(model, bodies).mechanism(), stresses=stresses), faults
+    return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
 
 
 def _step_doubts(model, bodies):
