@@ -6,6 +6,7 @@ whole format is described for users in decks/vsdf/FORMAT.md.
 
 from ...quick_dataclass import dataclass
 from ...solvers.constrained.integrators import METHODS
+from . import DIALECT
 
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
@@ -80,7 +81,7 @@ def _node_list(word, section, what):
 NODE_FORMS = ("TXT", "CDB", "INP", "BDF")
 MATRIX_FORMS = ("MM", "HB", "CCX", "ABQ", "DMIG", "OP4")
 MAPPING_FORMS = ("ANS", "CCX")
-JOINTS = ("SPHE", "UNIV", "REVO", "CYLI", "TRAN", "SCRW", "FIXD", "RSPH", "DIST")
+JOINTS = tuple(DIALECT.joints)
 MOTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ", "ANGL", "STRK")
 STRESS_PLACES = ("NODE", "ELEM", "MAX")
 SHAPES = ("BOX", "CYLI", "TUBE", "CONE", "SPHE")

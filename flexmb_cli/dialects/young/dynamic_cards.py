@@ -23,15 +23,12 @@ from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
 from .shape_cards import SHAPE_CARDS
+from .unread_lines import cards_behind_end, unread_lines
 
 MARKER = re.compile(
     r"\s*(?:DYNAMICS\s+(?P<analysis>INVERSE|FORWARD)|(?P<shapes>GEOMETRY))\s*(\{[^}]*\}\s*)?", re.IGNORECASE
 )
 NAME = re.compile("DYNAMICS|GEOM", re.IGNORECASE)
-# One word behind DYNAMICS, or none, is a slip rather than prose; so is a card GEOM that nothing opens.
-NEARLY = re.compile(
-    r"\s*(DYNAMICS(?:\s+[^\s{]+)?|GEOMETRY\s+[^\s{]+|GEOM(?:\s+[0-9+\-.]+)+)\s*(\{[^}]*\}\s*)?", re.IGNORECASE
-)
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 # A card without comments: its keyword and its numbers.
@@ -143,7 +140,8 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = read_young(source)
     opening = _opening(deck)
     if opening is None:
-        return replace(deck, warnings=(*deck.warnings, *_nearly_opening(deck)))
+        last = deck.one("time").at("step").place.line
+        return replace(deck, warnings=(*deck.warnings, *unread_lines(source.lines, last, BY_KEYWORD)))
     cards = _Cards(source, opening)
     cards.read()
     if any(fault.severity == "error" for fault in cards.faults):
@@ -184,17 +182,6 @@ def _lines_behind(deck):
             yield n, line
 
 
-def _nearly_opening(deck):
-    """A warning for every line that looks like the opening one and is not."""
-    message = (
-        "this line is read as prose; DYNAMICS inverse or DYNAMICS forward opens cards with masses and loads, "
-        "GEOMETRY cards with shapes alone"
-    )
-    for n, line in _lines_behind(deck):
-        if found := NEARLY.fullmatch(line):
-            yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))), id="YOUNG-019")
-
-
 @dataclass
 class _Cards:
     """The cards of a deck as they are read, and the faults found on the way."""
@@ -228,6 +215,7 @@ class _Cards:
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == LAST_CARD:
+                    self.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
                     return
             elif card:
                 card.append(word)

@@ -28,6 +28,6 @@ def _primitive(record, keys, findings):
     number = record.at("shape")
     if not 1 <= number.value <= len(KINDS):
         message = f"shape must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.text}"
-        findings.error(record.subject, message, number.place, id="YOUNG-062")
+        findings.error(record.subject, message, number.place, id="YOUNG-155")
         return None
     return primitive_of(record, KINDS[number.value - 1], keys, findings)
