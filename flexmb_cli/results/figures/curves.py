@@ -21,6 +21,12 @@ TOTAL = "energy/total"
 MOST_CURVES = 12
 # A coordinate that moves less than this part of the farthest moving one tells nothing.
 STILL = 1e-9
+# What the quantities of a unit are called together, where they have nothing else in common.
+OF_UNIT = {
+    "m": "lengths", "rad": "angles", "m/s": "velocities", "rad/s": "angular velocities",
+    "m/s^2": "accelerations", "rad/s^2": "angular accelerations", "N": "forces", "N m": "torques",
+    "Pa": "stresses", "J": "energies", "W": "powers",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +74,7 @@ class Panel:
             if len(things) == 1 and all(things):
                 common += f" of {next(iter(things))}"
         changed = "change of " if self.of_changes else ""
+        common = common or OF_UNIT.get(self.unit, "")
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
