@@ -147,7 +147,7 @@ def test_wrong_cards_of_young_are_refused_at_their_place(folder, card, words):
 
 def test_a_shape_that_nothing_opens_is_warned_of(folder):
     Path("d.dat").write_text((DECKS / "young/IN4-BAR.dat").read_text() + "\nGEOM 1 1 1 1 1\n")
-    assert "this line is read as prose" in called(check, "d.dat").stderr
+    assert "GEOM is read as prose" in called(check, "d.dat").stderr
 
 
 def test_shapes_stand_behind_dynamics_too(folder):
