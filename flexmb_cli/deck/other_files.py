@@ -10,7 +10,7 @@ _TABLES = "open it in its program and save the deck as plain text"
 _BEGINNINGS = (
     (
         b"\x89HDF\r\n\x1a\n",
-        "an HDF5 file, as results are; give the deck, or read it with flexmb table, plot or report",
+        "an HDF5 file, as results are; flexmb table, plot and report read those",
     ),
     (b"PK\x03\x04", f"a zip archive or an office document; {_TABLES}"),
     (b"\xd0\xcf\x11\xe0", f"an office document; {_TABLES}"),

@@ -174,7 +174,7 @@ def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
         ("run", "IN4-BAR.dta"): "IN4-BAR.dta: error: no such file; is IN4-BAR.dat meant?",
         ("check", "time.step=1"): "no such file; is it a number to change, --set time.step=1?",
         ("run", "OUT4-BAR.h5"): "this is named like a result; give the deck it was computed from",
-        ("check", "OUT4-BAR.h5"): "this is no deck but an HDF5 file, as results are; give the deck",
+        ("check", "OUT4-BAR.h5"): "this is no deck but an HDF5 file, as results are; flexmb table",
         (
             "run",
             "OUT4-BAR.dat",
