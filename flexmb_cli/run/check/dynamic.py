@@ -14,7 +14,10 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     run.warn(unit_doubts(model))
     if model.analysis == "forward" or model.elements:
-        _check_forward(report, model, run)
+        from ...solvers.compilation import interpreting
+
+        with interpreting():
+            _check_forward(report, model, run)
         return
     from . import kinematic
 
@@ -22,9 +25,6 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
 
 
 def _check_forward(report, model, run):
-    from ...solvers import compilation
-
-    compilation.interpret()
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
