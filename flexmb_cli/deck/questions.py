@@ -5,6 +5,7 @@ from itertools import groupby
 
 from ..quick_dataclass import dataclass
 from . import number
+from .record import Value
 
 INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"
 _KINDS = {INTEGER: "an integer", REAL: "a number", TEXT: "text to the end of the line"}
