@@ -5,6 +5,7 @@ from itertools import groupby
 
 from ..quick_dataclass import dataclass
 from . import number
+from .record import Value
 
 INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"
 _KINDS = {INTEGER: "an integer", REAL: "a number", TEXT: "text to the end of the line"}
@@ -101,7 +102,7 @@ def _explained(cell, offered):
     return f"{cell.key}: {cell.meaning}{unit}; {cell.kind}{enter}"
 
 
-def spelled(cell: Cell, text: str) -> tuple[float | int | str, str]:
+def spelled(cell: Cell, text: str) -> tuple[Value, str]:
     """Value and doubt of a cell's text.  Raises Misspelt."""
     if cell.letter == TEXT and not text.isprintable():
         raise number.Misspelt(f"must be text that can be printed; read {number.shown(text)}")

@@ -3,10 +3,14 @@
 import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import cached_property, lru_cache
+from typing import Any
 
 from ..errors import Fault, Place
 from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
+
+# A float, an int or a str: the column of the number decides, which a type checker cannot know.
+Value = Any
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class Number:
     """
 
     key: str
-    value: float | int | str
+    value: Value
     meaning: str
     unit: str = ""
     place: Place | None = None
@@ -77,7 +81,7 @@ class Record:
         return self.numbers[0].place if self.numbers else None
 
     @cached_property
-    def values(self) -> tuple[float | int | str, ...]:
+    def values(self) -> tuple[Value, ...]:
         """Values of the numbers."""
         return tuple(number.value for number in self.numbers)
 
@@ -89,7 +93,7 @@ class Record:
     def __contains__(self, key: str) -> bool:
         return key in self.positions
 
-    def __getitem__(self, key: str):
+    def __getitem__(self, key: str) -> Value:
         """Value of the number called `key`."""
         return self.values[self.positions[key]]
 

@@ -1,5 +1,6 @@
 """A kernel as Python calls it: by compiled code, which is loaded or made when it is needed."""
 
+import functools
 import hashlib
 import importlib
 from collections.abc import Callable, Iterator
@@ -9,6 +10,7 @@ from ..collector import without_collector
 from ..memory import TO_COMPILE, require_memory
 from . import _cache, _objects
 from ._arguments import NotDescribedError, Words, describe, key_of
+from ._interpreted import is_interpreting, twin
 from .signatures import PROCESSORS, UNITS, unit_of, unit_parameters
 
 _PACKAGE = __package__ + "."
@@ -63,6 +65,8 @@ class Entry:
 
     def __call__(self, *values):
         """Call compiled code; the first call of an entry without any compiles it."""
+        if is_interpreting():
+            return self.interpreted(*values)
         for compiled in _functions.get(self._name, ()):
             fits, result = compiled.call(values)
             if fits:
@@ -118,6 +122,11 @@ class Entry:
             text = self.py_func.__code__.co_code + repr(self.py_func.__code__.co_consts).encode()
         return hashlib.sha256(_objects.kernel_digest().encode() + text).hexdigest()[:16]
 
+    @functools.cached_property
+    def interpreted(self) -> Callable:
+        """Return the function as plain Python, which calls other kernels as such."""
+        return twin(self.py_func)
+
     @property
     def dispatcher(self):
         """numba's own object, which is made, and numba imported, when it is first needed."""
@@ -141,6 +150,8 @@ class PlainEntry(Entry):
 
     def __call__(self, *values):
         """Call the function itself."""
+        if is_interpreting():
+            return self.interpreted(*values)
         return self.py_func(*values)
 
 

@@ -4,6 +4,7 @@ import functools
 from typing import NamedTuple
 
 from ...deck import number
+from ...deck.record import Value
 from .cards import WIDTHS, Column
 
 _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
@@ -69,7 +70,7 @@ def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
     return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
 
 
-def value(field: Field, column: Column) -> tuple[float | int | str, str]:
+def value(field: Field, column: Column) -> tuple[Value, str]:
     """The field's value and a doubt, "" for none.  Raises Unfit."""
     if not field.text:
         if column.default is None:

@@ -17,7 +17,10 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
         refuse_jacobian(
             jacobian, "it is printed of kinematics and inverse dynamics without elements at joints"
         )
-        _check_forward(report, model, run)
+        from ...solvers.compilation import interpreting
+
+        with interpreting():
+            _check_forward(report, model, run)
         return
     from . import kinematic
 
@@ -25,9 +28,6 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
 
 
 def _check_forward(report, model, run):
-    from ...solvers import compilation
-
-    compilation.interpret()
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 

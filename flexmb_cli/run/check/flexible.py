@@ -15,9 +15,14 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     refuse_jacobian(jacobian, "it is printed of mechanisms that drivers move, and of rigid bodies only")
     run.outcome.faults += unit_doubts(mechanism)
-    from ...solvers import compilation
+    from ...solvers.compilation import interpreting
 
-    compilation.interpret()
+    with interpreting():
+        _diagnose(report, mechanism)
+    run.warn(())
+
+
+def _diagnose(report, mechanism):
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)
@@ -39,7 +44,6 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
-    run.warn(())
 
 
 def _parts(mechanism):

@@ -25,7 +25,7 @@ def check(report: CheckReport, mechanism: Mechanism, run: Run, jacobian: str | N
 
 
 def _diagnose(report: CheckReport, mechanism, jacobian):
-    from ...solvers import compilation
+    from ...solvers.compilation import interpreting
 
     equations = 7 * len(mechanism.bodies)
     if equations > ASSEMBLY_LIMIT:
@@ -33,8 +33,11 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
         message = f"{equations} coordinates are more than the {ASSEMBLY_LIMIT} that check assembles; run does"
         report.outcome.faults.append(Fault("note", message, id="RUN-002"))
         return
-    if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
-        compilation.interpret()
+    with interpreting(equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian)):
+        _assemble(report, mechanism, jacobian, equations)
+
+
+def _assemble(report: CheckReport, mechanism, jacobian, equations):
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 

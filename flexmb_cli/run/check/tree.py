@@ -56,11 +56,10 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
-    if len(tree.coordinates) <= INTERPRETED_LIMIT:
-        from ...solvers import compilation
+    from ...solvers.compilation import interpreting
 
-        compilation.interpret()
-    _evaluate_start(report, tree)
+    with interpreting(len(tree.coordinates) <= INTERPRETED_LIMIT):
+        _evaluate_start(report, tree)
 
 
 def _counts(tree: Tree):
