@@ -111,7 +111,7 @@ _OPTIONS = ("rtol", "atol", "method", "tolerance", "smallest_pivot", "most_itera
 
 
 @contextmanager
-def _deck_named(path):
+def _deck_named(path: Any) -> Iterator[None]:
     """Put the deck's name and the place of the fault before the words of a failure: a loop has many decks."""
     try:
         yield
@@ -121,7 +121,7 @@ def _deck_named(path):
         raise
 
 
-def _check_options(options):
+def _check_options(options: Any) -> None:
     for name, value in options.items():
         if name not in _OPTIONS:
             near = get_close_matches(name, _OPTIONS, 1)
@@ -131,7 +131,7 @@ def _check_options(options):
             raise ValueError(f"{name} must lie between 0 and 1; read {value}")
 
 
-def _run_options(options):
+def _run_options(options: Any) -> Any:
     from .run.outcome import RunOptions
 
     _check_options(options)
@@ -141,7 +141,7 @@ def _run_options(options):
     return RunOptions(integration=steps, solver=solver, **options)
 
 
-def _result(opened, solution, blocks, faults, failure):
+def _result(opened: Any, solution: Any, blocks: Any, faults: Any, failure: Any) -> Any:
     layout = solution.layout()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]} if blocks else {}
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)
@@ -224,14 +224,14 @@ class Result(Mapping):
         }
         return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
 
-    def _quantity(self, name):
+    def _quantity(self, name: Any) -> Any:
         quantities = self._quantities(name)
         if len(quantities) > 1:
             several = ", ".join(quantity.name for quantity in quantities[:6])
             raise KeyError(f"{name} is more than one number: {several} …; name one, or use to_pandas")
         return quantities[0]
 
-    def _quantities(self, name):
+    def _quantities(self, name: Any) -> Any:
         """The quantities that a name means; they are looked up in a file without rows."""
         if name not in self.found:
             import h5py

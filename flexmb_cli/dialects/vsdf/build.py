@@ -1,6 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -16,6 +17,10 @@ from .loads import build_forces, build_joint_springs, build_outputs, build_sprin
 from .motion_angles import check_motion_functions
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MOST_ROWS = 10_000_000
 
@@ -57,7 +62,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values, bodies, folder, findings):
+def _shapes(values: "Any", bodies: "Any", folder: Path, findings: Findings) -> "Any":
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.
@@ -66,7 +71,7 @@ def _shapes(values, bodies, folder, findings):
     return build_shapes(values, bodies, folder, findings)
 
 
-def _time(values, findings):
+def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     record = values.record("time")
     if record is None:
         findings.error("", "card 'TIME' is missing", None, id="VSDF-010")
@@ -92,7 +97,7 @@ def _time(values, findings):
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values, findings):
+def _integrator(values: DeckValues, findings: Findings) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

@@ -1,12 +1,18 @@
 """YOUNG deck to the model that it describes: a mechanism, or one with masses and loads."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...deck.record import Deck
 from ...errors import Fault, ModelError
 from ...quick_dataclass import replace
 from .build import build_young
 from .dynamic_cards import analysis_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...model.mechanism import Mechanism
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
@@ -23,11 +29,11 @@ def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
     return model, doubts
 
 
-def _has_shapes(deck):
+def _has_shapes(deck: Deck) -> "Any":
     return bool(deck.section("shape") or deck.section("shape_file"))
 
 
-def _shaped(mechanism, deck, folder):
+def _shaped(mechanism: "Mechanism", deck: Deck, folder: Path) -> "Any":
     """The mechanism with its shapes; raises ModelError.  Few decks have any."""
     from ...model.diagnostics import Findings
     from .shapes import build_shapes

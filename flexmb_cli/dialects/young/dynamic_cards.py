@@ -11,6 +11,7 @@ from array import array
 from collections.abc import Sequence
 from functools import cached_property, partial
 from itertools import takewhile
+from typing import TYPE_CHECKING
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
@@ -24,6 +25,11 @@ from .reader import read_young
 from .sections import Column
 from .shape_cards import SHAPE_CARDS
 from .unread_lines import cards_behind_end, unread_lines
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 MARKER = re.compile(
     r"\s*(?:DYNAMICS\s+(?P<analysis>INVERSE|FORWARD)|(?P<shapes>GEOMETRY))\s*(\{[^}]*\}\s*)?", re.IGNORECASE
@@ -165,12 +171,12 @@ def has_elements(deck: Deck) -> bool:
     return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
 
 
-def _opening(deck):
+def _opening(deck: Deck) -> int | None:
     """Number of the line that opens the cards, None without one."""
     return next((n for n, line in _lines_behind(deck) if MARKER.fullmatch(line)), None)
 
 
-def _lines_behind(deck):
+def _lines_behind(deck: Deck) -> "Iterator[tuple[int, str]]":
     """Number and text of every line behind that of dT that names the cards."""
     lines = deck.source.lines
     last = deck.one("time").at("step").place.line
@@ -203,7 +209,7 @@ class _Cards:
             blocks.append(Block(section, len(starts), partial(_again, self.source, section, starts)))
         return ManyRecords(blocks)
 
-    def read(self):
+    def read(self) -> None:
         """Read all cards behind the opening line."""
         self.records.append(self._opening_record())
         card = []
@@ -224,10 +230,10 @@ class _Cards:
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
-    def error(self, place: Place, subject: str, message: str):
+    def error(self, place: Place, subject: str, message: str) -> None:
         self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
 
-    def _opening_record(self):
+    def _opening_record(self) -> Record:
         found = MARKER.fullmatch(self.source.lines[self.opening - 1])
         self.shapes_alone = found["shapes"] is not None
         key = "shapes" if self.shapes_alone else "analysis"
@@ -238,7 +244,7 @@ class _Cards:
         number = Number(key, found[key].lower(), meaning, "", place, found[key])
         return Record(section, 0, section, (number,))
 
-    def _finish(self, card):
+    def _finish(self, card: list[Word]) -> None:
         """Make a record of a keyword and the words behind it."""
         if not card or not card[0].text:
             return
@@ -282,7 +288,7 @@ class _Cards:
         ]
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
-    def _number(self, subject, column, word):
+    def _number(self, subject: str, column: Column, word: Word) -> Number:
         if column.is_text:
             return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
         value = 0
@@ -297,7 +303,7 @@ class _Cards:
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
 
 
-def _again(source, section, starts, index):
+def _again(source: DeckText, section: str, starts: "Any", index: int) -> "_ReadCard":
     kind = next(card for card in CARDS if card.section == section)
     return _ReadCard(source, kind, index + 1, starts[index])
 
@@ -346,7 +352,7 @@ class _ReadCard(Record):
         return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
 
     @cached_property
-    def _plain(self):
+    def _plain(self) -> re.Match[str] | None:
         """The card in the text; None where a comment stands in it or behind it."""
         if self._kind.begins_with_text:
             return None
@@ -354,17 +360,17 @@ class _ReadCard(Record):
         return found if found and not found[2] else None
 
 
-def _is_keyword(word):
+def _is_keyword(word: Word) -> bool:
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
 
 
-def _wants_text(card):
+def _wants_text(card: "Any") -> "Any":
     """Whether a keyword alone has been read, behind which a word is no keyword."""
     kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
     return kind is not None and kind.begins_with_text
 
 
-def _unknown(text):
+def _unknown(text: str) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(text.upper(), BY_KEYWORD, n=1)

@@ -1,5 +1,7 @@
 """A rigid model as a YOUNG deck with DYNAMICS forward, every number with all of its digits."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -7,9 +9,16 @@ from ...model.exchange.functions import constant, points_of, polynomial_of, simp
 from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
 from ...model.joint_elements import ANGLE
 from ...model.joints import JOINT_TYPES
-from ...model.time_functions import SINE
+from ...model.time_functions import SINE, MotionFunction
 from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
 from .sections import COUNTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    from ...model.loads import DynamicModel
+
 
 _LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}
 _KIND = {"fixed": "revolute"}  # whose angle a driver holds
@@ -32,7 +41,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
 class _Deck:
     """Numbers joints and functions while the sections are made; the ground is the last body."""
 
-    def __init__(self, model):
+    def __init__(self, model: "DynamicModel"):
         self.model, self.refusals = model, Refusals()
         self.functions: list[str] = []
         proper = [joint for joint in model.joints if joint.kind not in _LINKS]
@@ -44,7 +53,7 @@ class _Deck:
         order = [joint for joints in self.sorted.values() for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
-    def lines(self):
+    def lines(self) -> "Any":
         """The numbers of the 1996 program, then the cards of dynamics."""
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
@@ -69,7 +78,7 @@ class _Deck:
             "END",
         ]
 
-    def _counts(self):
+    def _counts(self) -> "Any":
         counts = {
             "NBODY": len(self.model.bodies) + self.with_ground,
             "NDRIVE": len(self.model.drivers),
@@ -79,11 +88,11 @@ class _Deck:
         counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
-    def _body(self, body):
+    def _body(self, body: "Any") -> "Any":
         """Number of a body of a joint proper, which the ground is, too."""
         return len(self.model.bodies) + 1 if body == GROUND else body + 1
 
-    def _joint(self, joint):
+    def _joint(self, joint: "Any") -> "Any":
         kind = next(each for each in JOINT_TYPES if each.name == _KIND.get(joint.kind, joint.kind))
         axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         if joint.kind == "fixed":
@@ -103,7 +112,7 @@ class _Deck:
         pitch = [joint.size] if joint.kind == "screw" else []
         return _line(self._body(joint.i), self._body(joint.j), *numbers, *pitch)
 
-    def _driver(self, n, item):
+    def _driver(self, n: "Any", item: "Any") -> "Any":
         """The record of a driver, and the card of one that follows a function."""
         c = polynomial_of(item.function)
         if c is not None and len(c) <= 3:
@@ -112,7 +121,7 @@ class _Deck:
         number = self._function(item.function, item)
         return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
 
-    def _function(self, function, item):
+    def _function(self, function: MotionFunction, item: "Any") -> "Any":
         """Number of a function card; 1 stands in where there is none."""
         function, number = simple(function), len(self.functions) + 1
         c, points = polynomial_of(function), points_of(function)
@@ -128,7 +137,7 @@ class _Deck:
             return 1
         return number
 
-    def _masses(self):
+    def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
             J = body.inertia
             moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
@@ -137,7 +146,7 @@ class _Deck:
             if any((*body.velocity, *body.omega)):
                 yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
 
-    def _loads(self):
+    def _loads(self) -> "Any":
         """The cards of loads, springs and drivers at joints."""
         model, cards = self.model, []
         for item in model.joints:
@@ -166,17 +175,17 @@ class _Deck:
             cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
         return cards
 
-    def _word(self, item, turning, sliding):
+    def _word(self, item: "Any", turning: "Any", sliding: "Any") -> "Any":
         number = self.joint_number[id(self.model.joints[item.joint])]
         return f"{turning if item.coordinate == ANGLE else sliding} {number}"
 
-    def _factor(self, load, item):
+    def _factor(self, load: "Any", item: "Any") -> "Any":
         value = value_of(item.factor)
         if value is not None:
             return [value * x for x in load], 0
         return load, self._function(item.factor, item)
 
-    def _method(self):
+    def _method(self) -> "Iterator[Any]":
         stepping = self.model.stepping
         yield f"TOLERANCE {_line(min(max(stepping.tolerance, LEAST_TOLERANCE), MOST_TOLERANCE))}"
         if stepping.method == ALPHA:
@@ -185,5 +194,5 @@ class _Deck:
             yield "RAD5"
 
 
-def _line(*values):
+def _line(*values: "Any") -> "Any":
     return " ".join(str(v) if isinstance(v, int) else repr(float(v) + 0.0) for v in values)

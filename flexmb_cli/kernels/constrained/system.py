@@ -49,7 +49,7 @@ SOLVED, SINGULAR, NO_INERTIA = 0, 1, 2
 
 
 @plain
-def make_work(system, angles):
+def make_work(system: System, angles: int) -> Work:
     """Work for a mechanism with `angles` angles."""
     bodies, m, n = system.masses.shape[0], system.row_scale.shape[0], system.speed_scale.shape[0]
     modal = 0
@@ -83,7 +83,7 @@ def make_work(system, angles):
 
 
 @plain
-def columns_of(system):
+def columns_of(system: System):
     """Columns (m, 1 + c) of each equation's Jacobian that may be other than zero, behind their number."""
     first, bodies = system.bodies.shape[0], system.masses.shape[0]
     found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
@@ -112,7 +112,7 @@ def columns_of(system):
 
 
 @plain
-def _speeds_of(parts, bodies):
+def _speeds_of(parts, bodies: int):
     """Sorted speeds that (body, first modal coordinate, number of modes) of some body vectors have; none at
     -1.
     """

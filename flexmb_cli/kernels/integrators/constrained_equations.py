@@ -14,7 +14,7 @@ from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
 from ..constrained.projection import largest_gap, project_position, project_speeds
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.speeds import coordinate_rates, normalise
-from ..constrained.system import SOLVED
+from ..constrained.system import SOLVED, System
 from ..linalg.copying import copy
 from .clock import CONTRADICTION, READY, STEP_VANISHED
 from .error_norm import scaled_norm
@@ -24,7 +24,7 @@ REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 
 
 @kernel
-def slope(integration, stage, t, system, work):
+def slope(integration, stage: int, t: float, system: System, work):
     """Fill the slope at `trial`; return whether there is one."""
     clock = integration.clock[0]
     clock["evaluations"] += 1
@@ -36,7 +36,7 @@ def slope(integration, stage, t, system, work):
 
 
 @kernel
-def differentiate(integration, stage, t, system, work):
+def differentiate(integration, stage: int, t: float, system: System, work) -> None:
     """Fill the slope at `trial`, whose factors are at hand."""
     out = integration.slopes[stage]
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -47,7 +47,7 @@ def differentiate(integration, stage, t, system, work):
 
 
 @kernel
-def project(integration, t, system, work):
+def project(integration, t: float, system: System, work):
     """Bring `trial` onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
@@ -67,7 +67,7 @@ def project(integration, t, system, work):
 
 
 @kernel
-def note_gap(integration, system, work):
+def note_gap(integration, system: System, work) -> None:
     """Note the largest gap, whose equations belong to the state."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
@@ -80,7 +80,7 @@ def code_of_gap(integration):
 
 
 @kernel
-def interpolate_angles(integration, x):
+def interpolate_angles(integration, x) -> None:
     """Fill the angles expected at the fraction x of the last step."""
     angles = integration.angles
     for s in range(angles.shape[1]):
@@ -88,7 +88,7 @@ def interpolate_angles(integration, x):
 
 
 @kernel
-def report_trial(integration, t, x, report, system, work):
+def report_trial(integration, t: float, x, report, system: System, work):
     """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code."""
     clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
     interpolate_angles(integration, x)
