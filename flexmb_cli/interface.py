@@ -103,7 +103,7 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
 
-def _run_options(options):
+def _run_options(options: Any) -> Any:
     from .run.outcome import RunOptions
 
     steps = {name: options.pop(name) for name in ("rtol", "atol", "method") if name in options}
@@ -112,7 +112,7 @@ def _run_options(options):
     return RunOptions(integration=steps, solver=solver, **options)
 
 
-def _result(opened, solution, blocks, faults, failure):
+def _result(opened: Any, solution: Any, blocks: Any, faults: Any, failure: Any) -> Any:
     layout = solution.layout()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]} if blocks else {}
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)
@@ -195,14 +195,14 @@ class Result(Mapping):
         }
         return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
 
-    def _quantity(self, name):
+    def _quantity(self, name: Any) -> Any:
         quantities = self._quantities(name)
         if len(quantities) > 1:
             several = ", ".join(quantity.name for quantity in quantities[:6])
             raise KeyError(f"{name} is more than one number: {several} …; name one, or use to_pandas")
         return quantities[0]
 
-    def _quantities(self, name):
+    def _quantities(self, name: Any) -> Any:
         """The quantities that a name means; they are looked up in a file without rows."""
         if name not in self.found:
             import h5py

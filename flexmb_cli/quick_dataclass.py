@@ -9,7 +9,13 @@ these classes, too.
 
 import dataclasses
 from dataclasses import MISSING, Field, FrozenInstanceError, field
-from typing import Any, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .model.flexible_body import Dropped
+
 
 __all__ = ["dataclass", "field", "fields", "replace"]
 
@@ -40,7 +46,7 @@ def replace(of: _Object, /, **changes: object) -> _Object:
     return type(of)(**kept, **changes)
 
 
-def _define(cls, frozen, eq):
+def _define(cls: type, frozen: bool, eq: bool) -> type:
     found = _fields_with_bases(cls)
     cls._quick_fields, cls._quick_options = found, {"frozen": frozen, "eq": eq}
     methods = {"__init__": _initialiser(cls, found), "__repr__": _representation}
@@ -60,7 +66,7 @@ def _define(cls, frozen, eq):
     return cls
 
 
-def _fields_with_bases(cls):
+def _fields_with_bases(cls: type) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
     found = {}
     for base in reversed(cls.__mro__[1:]):
@@ -73,7 +79,7 @@ def _fields_with_bases(cls):
     return found
 
 
-def _field(cls, name, kind):
+def _field(cls: type, name: str, kind: Any) -> Any:
     given = cls.__dict__.get(name, MISSING)
     one = given if isinstance(given, Field) else field(default=given)
     if type(one.default).__hash__ is None:
@@ -87,13 +93,13 @@ def _field(cls, name, kind):
     return one
 
 
-def _initialiser(cls, found):
+def _initialiser(cls: type, found: dict[str, Any]) -> "Callable[..., Any]":
     """The function __init__: positions and names, defaults, and what the class does afterwards."""
     names = [one.name for one in found.values() if one.init]
     rest = {one.name: one for one in found.values() if not one.init}
     after, whole, left = hasattr(cls, "__post_init__"), len(names), _MANY
 
-    def __init__(self, *given, **named):
+    def __init__(self: Any, *given: Any, **named: Any) -> None:
         nonlocal left
         left -= 1
         if not left:
@@ -109,7 +115,9 @@ def _initialiser(cls, found):
     return __init__
 
 
-def _set_others(self, names, surplus, named, found):
+def _set_others(
+    self: Any, names: list[str], surplus: tuple[Any, ...], named: dict[Any, Any], found: dict[str, Any]
+) -> None:
     """Set the fields that were not given by position: those `named`, defaults, those without argument."""
     if surplus:
         raise TypeError(f"{type(self).__qualname__}() takes {len(surplus)} arguments less")
@@ -129,17 +137,17 @@ def _set_others(self, names, surplus, named, found):
             _set(self, one.name, value)
 
 
-def _default(one):
+def _default(one: Any) -> Any:
     return one.default if one.default_factory is MISSING else one.default_factory()
 
 
-def _representation(self):
+def _representation(self: "Dropped") -> str:
     shown = (f"{one.name}={getattr(self, one.name)!r}" for one in self._quick_fields.values() if one.repr)
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
 
-def _comparison(names):
-    def __eq__(self, other):
+def _comparison(names: list[str]) -> "Callable[..., Any]":
+    def __eq__(self: Any, other: Any) -> Any:
         if type(other) is not type(self):
             return NotImplemented
         return [getattr(self, name) for name in names] == [getattr(other, name) for name in names]
@@ -147,14 +155,14 @@ def _comparison(names):
     return __eq__
 
 
-def _hashing(names):
+def _hashing(names: list[str]) -> "Callable[..., Any]":
     return lambda self: hash(tuple([getattr(self, name) for name in names]))
 
 
-def _refusal(cls, names, action, perform):
+def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
     """What stands for __setattr__ or __delattr__ of a frozen class."""
 
-    def refuse(self, name, *value):
+    def refuse(self: Any, name: Any, *value: Any) -> None:
         if type(self) is cls or name in names:
             raise FrozenInstanceError(f"cannot {action} field {name!r}")
         perform(self, name, *value)
@@ -162,14 +170,14 @@ def _refusal(cls, names, action, perform):
     return refuse
 
 
-def _twin(cls):
+def _twin(cls: type) -> type:
     """A class of the standard library with the same fields."""
     parts = [(one.name, one.type, one) for one in cls._quick_fields.values()]
     afterwards = {name: getattr(cls, name) for name in ("__post_init__",) if hasattr(cls, name)}
     return dataclasses.make_dataclass(cls.__name__, parts, namespace=afterwards, **cls._quick_options)
 
 
-def _take_compiled(cls):
+def _take_compiled(cls: type) -> None:
     """Give a class the functions that the standard library compiles, where it has no others of its own."""
     twin = _twin(cls)
     for name in ("__init__", "__eq__", "__hash__"):

@@ -2,18 +2,32 @@
 
 import json
 import sys
+from typing import TYPE_CHECKING
 
 import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..run.check.check import CheckReport
+
 
 @click.command()
 @DECK
 @deck_options
 @click.option("--jacobian", metavar="TIME|estimate", help="Print the Jacobian, rows and columns labelled.")
-def check(decks, changes, echo, as_json, quiet, jacobian, **options):
+def check(
+    decks: tuple[str],
+    changes: tuple[str, ...],
+    echo: bool,
+    as_json: bool,
+    quiet: bool,
+    jacobian: str | None,
+    **options: "Any",
+) -> None:
     """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
 
     \b
@@ -38,7 +52,7 @@ def check(decks, changes, echo, as_json, quiet, jacobian, **options):
     sys.exit(max(codes))
 
 
-def _check_jacobian_option(jacobian):
+def _check_jacobian_option(jacobian: str | None) -> None:
     from math import isfinite
 
     if jacobian in (None, "estimate"):
@@ -54,7 +68,7 @@ def _check_jacobian_option(jacobian):
         )
 
 
-def _print_check(report, with_echo):
+def _print_check(report: "CheckReport", with_echo: bool) -> None:
     from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
     from ..results.texts.check_tree_text import check_tree_text
@@ -68,7 +82,7 @@ def _print_check(report, with_echo):
         show(jacobian_text(report.jacobian))
 
 
-def _print_echo(report, err=False):
+def _print_echo(report: "CheckReport", err: bool = False) -> None:
     from ..results.texts.echo import echo
 
     show(echo(report.deck), err)

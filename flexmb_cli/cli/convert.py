@@ -1,10 +1,16 @@
 """`flexmb convert`: a deck's model for another program."""
 
+from typing import TYPE_CHECKING
+
 import click
 
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SUFFIX = {"mjcf": ".xml", "exudyn": ".py"}
 
@@ -18,7 +24,7 @@ SUFFIX = {"mjcf": ".xml", "exudyn": ".py"}
 @click.option("--set", "changes", metavar="NAME=VALUE", multiple=True,
               help="Give a number of the deck another value, by its readable name.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def convert(deck, form, output, changes, quiet):
+def convert(deck: str, form: str, output: str, changes: "tuple[Any, ...]", quiet: bool) -> None:
     """Write the model of DECK for another program, in SI units.
 
     What that program cannot hold is refused, with its place in the deck.

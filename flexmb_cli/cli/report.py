@@ -12,7 +12,7 @@ from .terminal.written_place import WrittenPlace
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
               help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result, output, quiet):
+def report(result: str, output: str | None, quiet: bool) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and shows the motion in any browser with WebGL 2: play, scrub, turn.
@@ -50,7 +50,7 @@ def _size(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
 
 
-def _result_page(path):
+def _result_page(path: str) -> tuple[bytes, str]:
     from ..results.figures.report_page import report_page
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
 
@@ -59,7 +59,7 @@ def _result_page(path):
         return report_page(file).encode("utf-8"), shortfall(file)
 
 
-def _study_page(path):
+def _study_page(path: str) -> bytes:
     from ..extras import needed
     from ..study.cases_table import cases_table
     from ..study.page import study_page

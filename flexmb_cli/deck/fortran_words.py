@@ -60,7 +60,7 @@ def overflows(value: float, edit: Edit) -> bool:
     return len(text.strip()) > edit.width
 
 
-def _columns(text, edits):
+def _columns(text: str, edits: list[Edit]) -> list[str] | None:
     """The fields by their columns, when each is right-justified there and nothing is left over."""
     words, start = [], 0
     text = text.rstrip()
@@ -74,5 +74,5 @@ def _columns(text, edits):
     return words if start == len(text) else None
 
 
-def _is_word(word, edit):
+def _is_word(word: str, edit: Edit) -> bool:
     return bool(_WORDS[edit.kind].fullmatch(word))

@@ -67,7 +67,7 @@ def integer(word: str) -> tuple[int, str]:
     return int(value), f"should be an integer; {shown(word)} is taken for {int(value)}"
 
 
-def _double(word, mantissa, exponent):
+def _double(word: str, mantissa: str, exponent: None) -> float:
     value = float(f"{mantissa}e{exponent}" if exponent else mantissa)
     if math.isinf(value):
         raise Misspelt(f"must be a number of at most 1.8e308 in size; read {shown(word)}")
@@ -82,5 +82,5 @@ def shown(word: str) -> str:
     return f"'{short}'" if short.isprintable() else ascii(short)
 
 
-def _hint(word):
+def _hint(word: str) -> str:
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")

@@ -87,7 +87,7 @@ class Question:
         return "\n".join(_explained(*pair) for pair in zip(self.cells, self.offered, strict=True))
 
     @property
-    def _meaning(self):
+    def _meaning(self) -> str:
         first = self.cells[0]
         if len(self.cells) == 1:
             meaning = first.meaning
@@ -96,7 +96,7 @@ class Question:
         return f"{meaning}, {first.unit}" if first.unit else meaning
 
 
-def _explained(cell, offered):
+def _explained(cell: Cell, offered: str | None) -> str:
     unit = f", {cell.unit}" if cell.unit else ""
     enter = "" if offered is None else f"; Enter gives {offered or 'none'}"
     return f"{cell.key}: {cell.meaning}{unit}; {cell.kind}{enter}"

@@ -3,11 +3,15 @@
 import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, Place
 from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 # A float, an int or a str: the column of the number decides, which a type checker cannot know.
 Value = Any
@@ -144,7 +148,7 @@ class Deck:
         """The only record of a section such as "counts" or "time"."""
         return self.section(name)[0]
 
-    def numbers(self):
+    def numbers(self) -> "Iterator[tuple[str, Number]]":
         """Pairs (full readable name, Number) of the whole deck."""
         for record in self.records:
             for number in record.numbers:

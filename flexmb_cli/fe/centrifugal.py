@@ -16,7 +16,9 @@ from .reference_frame import Frame
 from .static_shapes import static_shapes
 
 
-def centrifugal_stiffness(given: FlexibleInput, K, S, frame: Frame, Phi, findings: Findings) -> np.ndarray:
+def centrifugal_stiffness(
+    given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame, Phi: np.ndarray, findings: Findings
+) -> np.ndarray:
     """Phi' K_G Phi per component of w~ w~, (3, 3, N, N), body axes.
 
     `K`, `S`: (3 n, 3 n), body axes; `Phi` (3 n, N).  Faults of elements and material go to
@@ -44,7 +46,7 @@ def centrifugal_stiffness(given: FlexibleInput, K, S, frame: Frame, Phi, finding
     return reduced
 
 
-def _load(r0, S, i, j):
+def _load(r0: np.ndarray, S: np.ndarray, i: int, j: int) -> np.ndarray:
     field = np.zeros(r0.shape)
     field[:, i] += r0[:, j] / 2
     field[:, j] += r0[:, i] / 2

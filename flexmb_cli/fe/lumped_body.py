@@ -3,6 +3,8 @@
 What the nodes leave of the mass and the inertia stays with the frame, which is clamped to the body's root.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy import sparse
 
@@ -15,6 +17,9 @@ from ..model.tree_as_mechanism.frames import NodeFrame, shape_of
 from ..model.tree_as_mechanism.poses import Pose
 from .build_mechanism import euler_parameters
 from .invariants import inertia_invariants
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def floating_body(tree: Tree, k: int, pose: Pose) -> FloatingBody:
@@ -34,7 +39,7 @@ def massless_body(node_frame: NodeFrame, pose: Pose) -> FloatingBody:
     return FloatingBody(node_frame.name, *_motion(pose), 0.0, np.zeros(3), np.zeros((3, 3)))
 
 
-def _motion(pose):
+def _motion(pose: "Any") -> "Any":
     return pose.r, euler_parameters(pose.A), pose.v, pose.A.T @ pose.w
 
 
@@ -67,7 +72,7 @@ def lumped_body(tree: Tree, k: int) -> FlexibleBody:
     )
 
 
-def _stiffening(tree, k):
+def _stiffening(tree: "Any", k: "Any") -> "Any":
     """KG (3, 3, NM, NM): a pull by w² - (w d)² along the beam d; empty for a body that is not stiffened."""
     elastic = tree.bodies[k].elastic
     if elastic.stiffened_from is None:

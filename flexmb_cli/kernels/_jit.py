@@ -5,9 +5,15 @@ Whoever builds a system to look at it only, as `check` does, builds and evaluate
 """
 
 import os
+from typing import TYPE_CHECKING
 
 from ._entry import Entry, PlainEntry, is_ready
 from ._interpreted import interpreting, is_interpreting
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 __all__ = ["interpreted", "interpreting", "kernel", "must_compile", "part", "plain"]
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
@@ -25,12 +31,12 @@ def must_compile(name: str) -> bool:
     return not interpreted() and not is_ready(name)
 
 
-def kernel(function, **options):
+def kernel(function: "Callable[..., Any]", **options: "Any") -> "Callable[..., Any]":
     """Compile `function` when it is called, or leave it alone when kernels are interpreted."""
     return function if _never_compiled else Entry(function, OPTIONS | options)
 
 
-def part(function):
+def part(function: "Callable[..., Any]") -> "Callable[..., Any]":
     """A kernel that is forced into its callers: for inner loops, where handing over arrays counts.
 
     LLVM would leave some apart, and Kane's recursion a third slower; elsewhere that is as quick.
@@ -38,6 +44,6 @@ def part(function):
     return kernel(function, forceinline=True)
 
 
-def plain(function):
+def plain(function: "Callable[..., Any]") -> "Callable[..., Any]":
     """A kernel that only makes or divides arrays, which no object can return: Python runs it as it is."""
     return function if _never_compiled else PlainEntry(function, OPTIONS)

@@ -13,9 +13,15 @@ import os
 import sys
 import threading
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..memory import TO_LOAD, require_memory
 from ._arguments import Results, Words, key_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 MAGIC = b"flexmb object 1\n"
 PACKAGED = Path(__file__).parent / "objects"  # those of a wheel, a folder for each target
@@ -60,7 +66,7 @@ def kernel_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _texts(folder):
+def _texts(folder) -> "Iterator[Any]":
     """Paths of the files of Python that the kernels consist of."""
     for found in os.scandir(folder):
         if found.is_dir():
@@ -171,7 +177,7 @@ def _llvm_engine(code):
     return engine
 
 
-def _name_symbols(llvm):
+def _name_symbols(llvm) -> None:
     """Tell LLVM where the functions of the C library are: on Windows it does not find them by itself."""
     library = ctypes.WinDLL("ucrtbase")
     for name in OF_C:

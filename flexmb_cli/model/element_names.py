@@ -21,7 +21,7 @@ def element_names(model: DynamicModel) -> list[tuple[str, str]]:
     return list(_names(model))
 
 
-def _names(model) -> Iterator[tuple[str, str]]:
+def _names(model: DynamicModel) -> Iterator[tuple[str, str]]:
     elements = model.elements
     for item in model.springs:
         yield item.name, LENGTH

@@ -6,7 +6,7 @@ displacement and two turns, are given once too often for every closed loop.
 
 import numpy as np
 
-from .mechanism import Mechanism
+from .mechanism import Joint, Mechanism
 from .vectors import rotation_matrix
 
 PARALLEL = 1e-9
@@ -32,16 +32,16 @@ def repeated_in_plane(mechanism: Mechanism, attitudes: np.ndarray) -> int | None
     return REPEATED * _loops(mechanism)
 
 
-def _axis(joint, p):
+def _axis(joint: Joint, p: np.ndarray) -> np.ndarray:
     s = rotation_matrix(p) @ np.array(joint.s_i)
     return s / np.linalg.norm(s)
 
 
-def _loops(mechanism):
+def _loops(mechanism: Mechanism) -> int:
     """Independent loops of the joints, all grounds being one body."""
     root = list(range(len(mechanism.bodies)))
 
-    def find(body):
+    def find(body: int) -> int:
         while root[body] != body:
             body = root[body]
         return body

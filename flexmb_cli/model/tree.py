@@ -10,12 +10,18 @@ axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, 
 """
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .mechanism import TimeGrid, Vector
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
 
 INERTIAL = -1
 
@@ -243,7 +249,7 @@ class Tree:
         return generalized_coordinates(self.bodies, self.hinges)
 
 
-def generalized_coordinates(bodies, hinges) -> tuple[Coordinate, ...]:
+def generalized_coordinates(bodies: "Sequence[Any]", hinges: "Sequence[Any]") -> tuple[Coordinate, ...]:
     """Coordinates of eq. (2.22): all rotations body by body, all translations, all elastic ones."""
     named = list(zip(range(len(bodies)), bodies, hinges, strict=True))
     rigid = [

@@ -1,12 +1,19 @@
 """A deck's model for another program: the dialect that has the model, and who writes it."""
 
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
 from ..errors import Fault, FlexmbError, ModelError
 from .context import Run
 from .model import analysis_of, model_of
 from .open_deck import open_deck
 from .outcome import Outcome, RunOptions
+
+if TYPE_CHECKING:
+    from ..model.flexible_mechanism import FlexibleMechanism
+    from ..model.loads import DynamicModel
+    from ..model.mechanism import Mechanism
+    from ..model.tree import Tree
 
 
 def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
@@ -25,7 +32,7 @@ def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
         raise
 
 
-def _mjcf(model, name):
+def _mjcf(model: "Mechanism | Tree", name: str) -> str:
     from ..results.models.mjcf import mjcf
 
     if analysis_of(model) != "tree":
@@ -34,7 +41,7 @@ def _mjcf(model, name):
     return mjcf(model, name)
 
 
-def _exudyn(model, name):
+def _exudyn(model: "FlexibleMechanism | DynamicModel | Mechanism", name: str) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
@@ -43,7 +50,7 @@ def _exudyn(model, name):
     return exudyn_script(model, start_of(model), name)
 
 
-def start_of(model) -> dict:
+def start_of(model: "DynamicModel") -> dict:
     """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time."""
     from dataclasses import replace
 

@@ -1,6 +1,7 @@
 """Small motions of the mechanism of a deck, about a time or an equilibrium."""
 
 from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +14,15 @@ from ..quick_dataclass import dataclass, replace
 from ..solvers.compilation import Notices, tell_of_compiling
 from .check.parts import FARTHEST_STEPS
 from .context import Run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from ..solvers.constrained.analysis import ConstrainedMotion
+    from ..solvers.linearisation.motion import LinearisedMotion
+    from ..solvers.linearisation.state_space import StateSpace
+
 
 # Speeds up to which uncompiled kernels answer before compiled ones would be ready.
 INTERPRETED_LIMIT = 30
@@ -78,7 +88,7 @@ class MechanismModes:
         return {"time": self.time, **record_of(self.space)}
 
 
-def record_of(space) -> dict:
+def record_of(space: "StateSpace") -> dict:
     """Return a StateSpace as lists and words."""
     signals = {
         what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]
@@ -131,7 +141,7 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
+def _of_mechanism(analysis: "ConstrainedMotion", wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium
@@ -156,7 +166,9 @@ def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
     return MechanismModes(motion.t, wish.equilibrium, found, names, tuple(position), space)
 
 
-def _space(wish, responses, motion, A, signals):
+def _space(
+    wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: "Callable[..., Any]"
+) -> "StateSpace | None":
     """The state space of a linearised motion, where it is asked for."""
     from ..solvers.linearisation.state_space import state_space
 

@@ -45,7 +45,7 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
     return report
 
 
-def _fill(report: ModesReport, wish: Wish, run: Run):
+def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
     deck = open_deck(run.outcome.deck, run.options, run.outcome)
     model = model_of(deck, run)
     analysis = analysis_of(model)
@@ -67,7 +67,7 @@ def _fill(report: ModesReport, wish: Wish, run: Run):
 MODES = {"dynamic": dynamic_modes, "flexible": flexible_modes, "tree": tree_modes}
 
 
-def _write(mechanism: MechanismModes, wish: Wish):
+def _write(mechanism: MechanismModes, wish: Wish) -> None:
     if wish.out is not None:
         from .state_space_output import write_state_space
 

@@ -1,17 +1,26 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from .context import Run
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..deck.record import Deck
+    from .solution import Solution
+
 
 class ResultFiles:
     """The files at `paths`; `with_errors`: the result also holds estimated errors."""
 
-    def __init__(self, deck, solution, paths: ResultPaths, run: Run, with_errors: bool = False):
+    def __init__(
+        self, deck: "Deck", solution: "Solution", paths: ResultPaths, run: Run, with_errors: bool = False
+    ):
         from ..results.files.replaced_file import make_folder
 
         self.paths = paths
@@ -28,7 +37,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck, solution, run):
+    def _open_table(self, deck: "Deck", solution: "Solution", run: Run) -> None:
         from ..results.files.replaced_file import ReplacedText
 
         out = None
@@ -43,7 +52,9 @@ class ResultFiles:
             dialect, streams = dialect_named(deck.dialect), (out, *series)
             self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
 
-    def _open_result(self, deck, solution, only, with_errors):
+    def _open_result(
+        self, deck: "Deck", solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
+    ) -> None:
         from ..results.hdf5.result_file import ResultFile
 
         layout = solution.layout()
@@ -62,7 +73,7 @@ class ResultFiles:
         """Where the files are until they are complete."""
         return tuple(file.temporary for file in self._all())
 
-    def _begin(self):
+    def _begin(self) -> None:
         if self.table and not self.begun:
             self.begun = True
             self.table.begin()
@@ -113,5 +124,5 @@ class ResultFiles:
         for file in self._all():
             file.discard()
 
-    def _all(self):
+    def _all(self) -> "list[Any]":
         return [*self.texts, *([self.result] if self.result else [])]

@@ -29,7 +29,7 @@ def key_places(lines: Iterable[str]) -> dict[tuple[str, str], tuple[int, int]]:
     return places
 
 
-def _starts(line, table) -> Iterator[tuple[str, int]]:
+def _starts(line: str, table: str) -> Iterator[tuple[str, int]]:
     """Return where a name may begin, and the table it would be in."""
     yield "", _BEFORE_KEY.match(line).end()
     if table in TABLES:
@@ -39,7 +39,7 @@ def _starts(line, table) -> Iterator[tuple[str, int]]:
         yield dotted[1], dotted.end()
 
 
-def _names(line, start) -> Iterator[tuple[str, int]]:
+def _names(line: str, start: int) -> Iterator[tuple[str, int]]:
     """Return what may be a name there, without quotes, and its column."""
     start += line[start : start + 1] in ('"', "'")
     for _, end in zip(range(_MOST_ENDS), _END.finditer(line, start), strict=False):

@@ -29,7 +29,7 @@ class Beam:
     EI_1: float | None = None
     tip_mass: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Refuse what is no beam."""
         faults = [
             Fault("error", f"{name} must be above zero, read {value:g}", None, "beam", id="DAFMS-001")
@@ -59,7 +59,7 @@ class Beam:
         if faults:
             raise DeckError(faults)
 
-    def _positive(self):
+    def _positive(self) -> list[tuple[str, float]]:
         named = [(name, getattr(self, name)) for name in ("length", "nodes", "EI", "rho", "EA", "EI_1")]
         return [(name, value) for name, value in named if value is not None]
 
@@ -112,7 +112,7 @@ class Beam:
             matrix[i::count, i::count] = block
         return matrix
 
-    def _axial(self):
+    def _axial(self) -> np.ndarray:
         matrix = 2 * np.eye(self.nodes) - np.eye(self.nodes, k=1) - np.eye(self.nodes, k=-1)
         matrix[-1, -1] = 1
         return self.EA / self.step * matrix

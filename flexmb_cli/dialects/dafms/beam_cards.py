@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...deck.fortran_fields import indexed, integer_list, real_list
-from ...deck.record import Deck
+from ...deck.record import Deck, Number
 from ...errors import DeckError, Fault
 from .beam import Beam
 from .skyline import full_columns
@@ -98,7 +98,7 @@ def with_beam(deck: Deck, body: int, beam: Beam) -> str:
     return "\n".join(lines)
 
 
-def _replacements(deck, body, beam):
+def _replacements(deck: Deck, body: int, beam: Beam) -> list[tuple[int, int, str]]:
     """Triples (first line, last line, new text), not overlapping; an insertion has last = first - 1."""
     bodies = deck.section("counts")[1:]
     nodes = [record["NUMNP"] for record in bodies]
@@ -124,21 +124,21 @@ def _replacements(deck, body, beam):
     return changes
 
 
-def _numbers(deck, section):
+def _numbers(deck: Deck, section: str) -> list[Number]:
     return [record.numbers[0] for record in deck.section(section)]
 
 
-def _span(numbers, text):
+def _span(numbers: list[Number], text: str) -> tuple[int, int, str]:
     lines = [number.place.line for number in numbers]
     return min(lines), max(lines), text
 
 
-def _spliced(numbers, start, old, new):
+def _spliced(numbers: list[Number], start: int, old: int, new: int) -> list[float]:
     values = [number.value for number in numbers]
     return [*values[:start], *new * [0.0], *values[start + old :]]
 
 
-def _block_change(deck, body, beam):
+def _block_change(deck: Deck, body: int, beam: Beam) -> tuple[int, int, str]:
     """The lines of the body's FE block, or the place where it must be inserted."""
     text = beam_block(beam, deck.one("counts")["NDM"])
     masses = {record.number: record.numbers[-1].place.line for record in deck.section("bmi")}

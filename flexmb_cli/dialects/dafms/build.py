@@ -61,12 +61,12 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     return tree, findings.in_order
 
 
-def _stop_at_errors(deck, findings):
+def _stop_at_errors(deck: Deck, findings: Findings) -> None:
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
 
 
-def _check_magnitudes(deck, findings):
+def _check_magnitudes(deck: Deck, findings: Findings) -> None:
     for name, number in deck.numbers():
         if not abs(number.value) <= LARGEST:
             findings.error(
@@ -77,7 +77,7 @@ def _check_magnitudes(deck, findings):
             )
 
 
-def _check_dof(tree, values, findings):
+def _check_dof(tree: Tree, values: DeckValues, findings: Findings) -> None:
     if not tree.coordinates:
         message = "no hinge is free and no body is flexible: nothing can move"
         findings.error("counts", message, values.place("counts"), id="DAFMS-022")

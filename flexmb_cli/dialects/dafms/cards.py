@@ -36,7 +36,9 @@ class Card:
     extension: bool = False
 
 
-def _axes(letter: str, meaning: str, unit: str = "", axes=(1, 2, 3)) -> tuple[Item, ...]:
+def _axes(
+    letter: str, meaning: str, unit: str = "", axes: tuple[int, int, int] = (1, 2, 3)
+) -> tuple[Item, ...]:
     return tuple(Item(f"{letter}{axis}", f"{meaning}, axis {axis}", unit) for axis in axes)
 
 

@@ -13,7 +13,7 @@ MOST_TYPED = 60
 class Answers:
     """Answers so far as integers; what is missing or misspelt counts as `default`."""
 
-    def __init__(self, values):
+    def __init__(self, values: dict[str, str]):
         self.values = values
 
     def integer(self, name: str, default: int = 0) -> int:
@@ -46,7 +46,7 @@ class Answers:
         return (tuple(range(4 - dofs, 4)), nodes) if sensible else ((), 0)
 
 
-def _beam_entry(k):
+def _beam_entry(k: int) -> Entry:
     cells = (
         Cell("length", "length, clamped at its first end, along axis 2", "m"),
         Cell("nodes", "elements, each with a node at its end", letter=INTEGER),
@@ -94,7 +94,7 @@ def counted(last: int) -> range:
     return range(1, last + 1)
 
 
-def _node_entry(k, i, axes):
+def _node_entry(k: int, i: int, axes: tuple[int, int]) -> Entry:
     cells = [Cell(f"CO.{a}", f"position from O_k, axis {a}", "m") for a in axes]
     cells += [Cell(f"PI.{a}", f"force, inertial axes, axis {a}", "N", default="0") for a in axes]
     return Entry(f"node.{k}", i, f"node {i} of body {k}", tuple(cells))

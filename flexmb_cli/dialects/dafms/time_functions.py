@@ -1,13 +1,17 @@
 """What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
+from typing import TYPE_CHECKING
+
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.tree import (
     INERTIAL,
     ROTATION,
     TRANSLATION,
+    Body,
     BodyTorque,
     Closure,
+    Hinge,
     Motor,
     Prescribed,
     Spring,
@@ -16,8 +20,15 @@ from ...model.tree import (
     pulse,
 )
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
-def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
+    from ...deck.record import Record
+
+
+def build_functions_of_time(
+    values: DeckValues, bodies: tuple[Body, ...], hinges: tuple[Hinge, ...], findings: Findings
+) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
@@ -37,7 +48,7 @@ def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findin
     }
 
 
-def _dampers(hinged, findings):
+def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
     dampers = []
     for record, where in hinged.entries("damper"):
         if record["CS"] < 0:
@@ -50,19 +61,19 @@ def _dampers(hinged, findings):
 class _HingeCards:
     """Entries headed by K, A: the hinge of body K and its degree of freedom A."""
 
-    def __init__(self, values, hinges, findings):
+    def __init__(self, values: DeckValues, hinges: tuple[Hinge, ...], findings: Findings):
         self.values = values
         self.hinges = hinges
         self.findings = findings
 
-    def entries(self, section):
+    def entries(self, section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
         """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
         for record in self.values.section(section):
             where = self._where(record)
             if where is not None:
                 yield record, where
 
-    def _where(self, record):
+    def _where(self, record: "Record") -> tuple[int, str, int] | None:
         body, dof = record.at("K"), record.at("A")
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
@@ -86,7 +97,7 @@ class _HingeCards:
         return body.value - 1, motion, axis
 
 
-def _table(record, findings):
+def _table(record: "Record", findings: Findings) -> Table:
     values = record.values
     times, efforts = values[3::2], values[4::2]
     for k in (k for k in range(1, len(times)) if times[k] < times[k - 1]):
@@ -96,7 +107,7 @@ def _table(record, findings):
     return Table(tuple(times), tuple(efforts))
 
 
-def _check_drives(drives, findings):
+def _check_drives(drives: list[Prescribed], findings: Findings) -> None:
     seen = set()
     for drive in drives:
         where = (drive.body, drive.motion, drive.axis)
@@ -106,7 +117,7 @@ def _check_drives(drives, findings):
         seen.add(where)
 
 
-def _check_rotations(values, bodies, findings):
+def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> None:
     """The reader has seen that K is a flexible body; `--set` may have changed it since."""
     seen = {}
     for record in values.section("nodal_rotation"):
@@ -126,7 +137,7 @@ def _check_rotations(values, bodies, findings):
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
-def _pulses(values, bodies, findings):
+def _pulses(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> list[BodyTorque]:
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):
@@ -145,7 +156,7 @@ def _pulses(values, bodies, findings):
     return torques
 
 
-def _torque_tables(values, bodies, findings):
+def _torque_tables(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> list[BodyTorque]:
     torques = []
     for record in values.section("torque_table"):
         body, axis = record.at("K"), record.at("A")
@@ -160,12 +171,12 @@ def _torque_tables(values, bodies, findings):
     return torques
 
 
-def build_closures(values: DeckValues, bodies, findings: Findings) -> tuple[Closure, ...]:
+def build_closures(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> tuple[Closure, ...]:
     """The cut joints of card LOOP."""
     return tuple(filter(None, (_closure(r, bodies, findings) for r in values.section("closure"))))
 
 
-def _closure(record, bodies, findings):
+def _closure(record: "Record", bodies: tuple[Body, ...], findings: Findings) -> Closure | None:
     first, second = record.at("KA"), record.at("KB")
     before = len(findings.faults)
     for number, least in ((first, 1), (second, 0)):
@@ -196,7 +207,7 @@ def _closure(record, bodies, findings):
     )
 
 
-def _flag(record, axis, findings):
+def _flag(record: "Record", axis: int, findings: Findings) -> bool:
     number = record.at(f"C{axis}")
     if number.value not in (0, 1):
         findings.error(
@@ -208,7 +219,9 @@ def _flag(record, axis, findings):
     return number.value == 1
 
 
-def _closure_node(record, key, body, bodies, findings):
+def _closure_node(
+    record: "Record", key: str, body: int, bodies: tuple[Body, ...], findings: Findings
+) -> int | None:
     number = record.at(key)
     if number.value == 0:
         return None

@@ -56,7 +56,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _time(values, findings):
+def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     record = values.record("time")
     if record is None:
         findings.error("", "card 'TIME' is missing", None, id="VSDF-010")
@@ -82,7 +82,7 @@ def _time(values, findings):
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values, findings):
+def _integrator(values: DeckValues, findings: Findings) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

@@ -48,15 +48,15 @@ class Card:
     second: tuple[Column, ...] = ()
 
 
-def _whole(key, meaning, default=0):
+def _whole(key: str, meaning: str, default: int | None = 0) -> Column:
     return Column(key, meaning, letter="I", default=default)
 
 
-def _word(key, meaning, words, default=None):
+def _word(key: str, meaning: str, words: tuple[str, ...], default: None = None) -> Column:
     return Column(key, meaning, letter="A", skip=1, words=words, default=default)
 
 
-def _vector(key, meaning, unit="", default=0.0):
+def _vector(key: str, meaning: str, unit: str = "", default: float = 0.0) -> tuple[Column, Column, Column]:
     return tuple(Column(f"{key}.{axis}", f"{meaning}, {axis}", unit, default=default) for axis in "xyz")
 
 
@@ -64,7 +64,7 @@ _BODY = _whole("body", "number of the body", None)
 _NODE = _whole("node", "node or node set", None)
 
 
-def _file(word, section, what, forms):
+def _file(word: str, section: str, what: str, forms: tuple[str, ...]) -> Card:
     columns = (
         _BODY,
         _word("form", "format of the file", forms),
@@ -73,7 +73,7 @@ def _file(word, section, what, forms):
     return Card(word, section, f"{what} of body {{}}", "body", columns)
 
 
-def _node_list(word, section, what):
+def _node_list(word: str, section: str, what: str) -> Card:
     return Card(word, section, f"{what} {{}}", "list", (_BODY,), _NODE)
 
 

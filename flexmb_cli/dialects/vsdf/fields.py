@@ -83,7 +83,7 @@ def value(field: Field, column: Column) -> tuple[Value, str]:
     return field.text, ""
 
 
-def _numeral(field, column):
+def _numeral(field: Field, column: Column) -> tuple[float, str]:
     read = number.integer if column.letter == "I" else number.real
     if " " in field.text:
         raise Unfit(
@@ -99,7 +99,7 @@ def _numeral(field, column):
     return found, f"{column.key}: {doubt}" if doubt else ""
 
 
-def _word(field, column):
+def _word(field: Field, column: Column) -> tuple[str, str]:
     word = field.text.upper()
     if word not in column.words:
         raise Unfit(
@@ -123,7 +123,7 @@ def guide(line: str, columns: tuple[Column, ...]) -> tuple[str, ...]:
 
 
 @functools.cache
-def _edges(columns):
+def _edges(columns: tuple[Column, ...]) -> tuple[tuple[int, int], ...]:
     """First and last column of each field; text goes on to the end of the line, marked by 0."""
     edges, first = [], 1
     for column in columns:
@@ -134,20 +134,20 @@ def _edges(columns):
     return tuple(edges)
 
 
-def _cut(line, first, last):
+def _cut(line: str, first: int, last: int) -> Field:
     raw = line[first - 1 : last] if last else line[first - 1 :]
     text = raw.strip()
     column = first + (len(raw) - len(raw.lstrip()) if text else 0)
     return Field(text, column, first, last)
 
 
-def _cut_on(line, last, width):
+def _cut_on(line: str, last: int, width: int) -> list[Field]:
     """Fields of equal width from column `last` + 1 to the end of the line."""
     count = -(-max(0, len(line.rstrip()) - last) // width)
     return [_cut(line, last + 1 + i * width, last + (i + 1) * width) for i in range(count)]
 
 
-def _cut_by_commas(line, columns):
+def _cut_by_commas(line: str, columns: tuple[Column, ...]) -> list[Field]:
     found, first = [], 1
     limit = len(columns) - 1 if columns[-1].letter == "T" else -1
     for index, raw in enumerate(line.split(",", limit), start=1):

@@ -1,17 +1,24 @@
 """A flexible body of a VSDF deck: its finite-element files, reference, basis, damping and stiffening."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...fe.formats.formats import NEEDS_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
-from ...fe.formats.node_table import read_node_table
+from ...fe.formats.node_table import NodeTable, read_node_table
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import FEFile, FlexibleInput, UnitLoad
 from .materials import matrices_of_elements, stiffening_material, stress_material
 from .nodes import members_of, sets_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
 
 FLEXIBLE_ONLY = (
     ("node_table", "FEMN"),
@@ -69,20 +76,20 @@ def flexible_body(
     return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
 
 
-def _or_density(values, k, files):
+def _or_density(values: DeckValues, k: int, files: dict[str, FEFile | None]) -> str:
     """What else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"
     return ""
 
 
-def _file(record, folder) -> FEFile | None:
+def _file(record: Record | None, folder: Path) -> FEFile | None:
     if record is None:
         return None
     return FEFile(folder / record["file"].replace("\\", "/"), record["form"], record.at("file").place)
 
 
-def _check_mapping(record, files, findings):
+def _check_mapping(record: Record | None, files: "dict[Any, Any]", findings: Findings) -> None:
     """Rows of the other formats follow the node table, whatever a mapping says."""
     forms = {files[name].form for name in ("mass_matrix", "stiffness_matrix") if files[name]}
     if record and forms and not forms & set(NEEDS_MAPPING):
@@ -91,7 +98,7 @@ def _check_mapping(record, files, findings):
         findings.error(record.subject, message, record.place, id="VSDF-024")
 
 
-def _check_shapes(values, k, findings):
+def _check_shapes(values: DeckValues, k: int, findings: Findings) -> None:
     """The interface nodes of Craig and Bampton's method have their static shapes; no others are added."""
     bodies = [record["body"] for record in values.section("interface")]
     for record in values.section("attachment"):
@@ -100,7 +107,9 @@ def _check_shapes(values, k, findings):
             findings.error(record.subject, message, record.place, id="VSDF-025")
 
 
-def _node_table(values, k, record, folder, findings):
+def _node_table(
+    values: DeckValues, k: int, record: Record, folder: Path, findings: Findings
+) -> NodeTable | None:
     given = _file(values.record("node_table", k), folder)
     if given is None:
         findings.error(record.subject, "a FLEX body needs a card FEMN", record.place, id="VSDF-026")
@@ -112,7 +121,7 @@ def _node_table(values, k, record, folder, findings):
         return None
 
 
-def _reference(record, nodes, k, findings):
+def _reference(record: Record, nodes: "dict[int, np.ndarray]", k: int, findings: Findings) -> tuple[int, ...]:
     """Three nodes, or none at all: mean axes, or the frame of the clamped nodes."""
     numbers = [record.at(f"n{i}") for i in (1, 2, 3)]
     if not any(number.value for number in numbers):
@@ -134,7 +143,7 @@ def _reference(record, nodes, k, findings):
     return values if all(value in nodes for value in values) else ()
 
 
-def _modes(record, findings):
+def _modes(record: Record, findings: Findings) -> int:
     number = record.at("modes")
     if number.value < 0:
         findings.error(
@@ -144,7 +153,13 @@ def _modes(record, findings):
     return number.value
 
 
-def _node_lists(values, k, nodes, sets, findings):
+def _node_lists(
+    values: DeckValues,
+    k: int,
+    nodes: "dict[int, np.ndarray]",
+    sets: dict[int, tuple[int, int, int, int]],
+    findings: Findings,
+) -> "dict[Any, Any]":
     """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
     known = {**{number: (number,) for number in nodes}, **sets}
     lists = {}
@@ -157,7 +172,7 @@ def _node_lists(values, k, nodes, sets, findings):
     return lists
 
 
-def _damping(record, findings):
+def _damping(record: Record | None, findings: Findings) -> tuple[float, float, float]:
     if record is None:
         return 0.0, 0.0, 0.0
     for key in ("alpha", "beta", "ratio"):
@@ -167,7 +182,7 @@ def _damping(record, findings):
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values, k, folder, findings):
+def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) -> tuple[UnitLoad, ...]:
     loads = []
     for record in values.section("unit_load"):
         if record["body"] != k:
@@ -186,7 +201,7 @@ def _unit_loads(values, k, folder, findings):
     return tuple(loads)
 
 
-def _stiffened(record, given, findings):
+def _stiffened(record: Record | None, given: FlexibleInput, findings: Findings) -> bool:
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
         findings.error(record.subject, message, record.at("on").place, id="VSDF-035")

@@ -3,10 +3,11 @@
 import math
 from array import array
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...deck.record import Record
+from ...deck.record import Number, Record
 from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -14,6 +15,10 @@ from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ...quick_dataclass import dataclass, field
 from .bodies import end_of_body
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _COINCIDENT = 1e-12
 
@@ -44,7 +49,14 @@ BY_WORD = {joint.word: joint for joint in JOINT_WORDS}
 TURNING, SLIDING = ("revolute", "cylindrical", "screw"), ("translational", "cylindrical", "screw")
 
 
-def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) -> End | None:
+def find_end(
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    body: Number,
+    node: Number,
+    subject: str,
+    findings: Findings,
+) -> End | None:
     """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
     if not 0 <= body.value <= len(bodies):
         findings.error(
@@ -72,13 +84,17 @@ def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) 
     return End(index, node.value)
 
 
-def build_joints(values: DeckValues, bodies, ground, findings: Findings) -> tuple[NodeJoint, ...]:
+def build_joints(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[NodeJoint, ...]:
     """The joints whose bodies and nodes exist."""
     joints = [_joint(record, bodies, ground, findings) for record in values.section("joint")]
     return tuple(joint for joint in joints if joint is not None)
 
 
-def _joint(record, bodies, ground, findings):
+def _joint(
+    record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> NodeJoint | None:
     word = BY_WORD[record["kind"]]
     if record["a"] == record["b"]:
         which = "the ground" if record["a"] == 0 else f"body {record['a']}"
@@ -104,7 +120,14 @@ def _joint(record, bodies, ground, findings):
     return NodeJoint(record.subject, word.kind, a, b, size, record.place)
 
 
-def _side(record, letter, count, bodies, ground, findings):
+def _side(
+    record: Record,
+    letter: str,
+    count: int,
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    findings: Findings,
+) -> tuple[End, ...] | None:
     """The ends on one body; None for the ground without nodes, which takes its points from the other body."""
     body = record.at(letter)
     nodes = [record.at(f"{letter}{i}") for i in range(1, count + 1)]
@@ -123,7 +146,14 @@ def _side(record, letter, count, bodies, ground, findings):
     return tuple(end for end in ends if end is not None)
 
 
-def _with_ground(record, word, a, b, bodies, findings):
+def _with_ground(
+    record: Record,
+    word: JointWord,
+    a: None,
+    b: tuple[End, ...],
+    bodies: tuple[VsdfBody, ...],
+    findings: Findings,
+) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
     """The ground's points where those of the other body are at t = 0."""
     ends = a or b
     if word.kind in ("universal", "spherical-spherical", "revolute-spherical"):
@@ -137,7 +167,7 @@ def _with_ground(record, word, a, b, bodies, findings):
     return (points, b) if a is None else (a, points)
 
 
-def _positions(ends, bodies, ground):
+def _positions(ends: tuple[End, End], bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
     owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
     return [
         np.array(end.point) if end.point is not None else owner.global_position(end.node)
@@ -145,7 +175,14 @@ def _positions(ends, bodies, ground):
     ]
 
 
-def _check_axis(record, letter, ends, bodies, ground, findings):
+def _check_axis(
+    record: Record,
+    letter: str,
+    ends: tuple[End, End],
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    findings: Findings,
+) -> None:
     """P and Q must be apart, and H off their line."""
     if len(ends) < 2:
         return
@@ -160,7 +197,15 @@ def _check_axis(record, letter, ends, bodies, ground, findings):
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
 
 
-def _size(record, word, a, b, bodies, ground, findings):
+def _size(
+    record: Record,
+    word: JointWord,
+    a: tuple[End, ...],
+    b: tuple[End, ...],
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    findings: Findings,
+) -> float:
     """Pitch or distance, nan where the deck leaves it to the positions at t = 0."""
     given = record.at("size")
     if word.kind == "screw":
@@ -180,13 +225,15 @@ def _size(record, word, a, b, bodies, ground, findings):
     return size
 
 
-def build_pins(values: DeckValues, bodies, ground, findings: Findings) -> tuple[Pin, ...]:
+def build_pins(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[Pin, ...]:
     """The cards PINN."""
     pins = [_pin(record, bodies, ground, findings) for record in values.section("pin")]
     return tuple(pin for pin in pins if pin is not None)
 
 
-def _pin(record, bodies, ground, findings):
+def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Pin | None:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
@@ -236,7 +283,7 @@ def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionFunc
     }
 
 
-def _function_of(number, table, first, findings):
+def _function_of(number: int, table: _Table, first: Record, findings: Findings) -> MotionFunction | None:
     """The law of a table whose first card is `first`."""
     if number < 1:
         message = f"tables are numbered from 1; read {first.at('table').text}"
@@ -252,11 +299,17 @@ def _function_of(number, table, first, findings):
     return table_function(table.times, table.values)
 
 
-def _late_time(table):
+def _late_time(table: _Table) -> float:
     return next(after for before, after in pairwise(table.times) if not after > before)
 
 
-def build_motions(values: DeckValues, bodies, joints, tables, findings: Findings) -> tuple[Motion, ...]:
+def build_motions(
+    values: DeckValues,
+    bodies: tuple[VsdfBody, ...],
+    joints: tuple[NodeJoint, ...],
+    tables: "Any",
+    findings: Findings,
+) -> tuple[Motion, ...]:
     """The cards MOTN."""
     kinds = {joint.name: joint.kind for joint in joints}
     motions = []
@@ -269,7 +322,9 @@ def build_motions(values: DeckValues, bodies, joints, tables, findings: Findings
     return tuple(motions)
 
 
-def _target_exists(record, bodies, joints, kinds, findings):
+def _target_exists(
+    record: Record, bodies: int, joints: int, kinds: dict[str, str], findings: Findings
+) -> bool:
     target, kind = record.at("object"), record["kind"]
     relative = kind in ("ANGL", "STRK")
     what, count = ("joint", joints) if relative else ("body", bodies)
@@ -287,7 +342,7 @@ def _target_exists(record, bodies, joints, kinds, findings):
     return True
 
 
-def _function(record, tables, findings):
+def _function(record: Record, tables: "Any", findings: Findings) -> MotionFunction | None:
     function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:
@@ -307,7 +362,9 @@ def _function(record, tables, findings):
     return MotionFunction(function.value, constants)
 
 
-def find_table(record, number, tables, findings) -> MotionFunction | None:
+def find_table(
+    record: Record, number: Number, tables: dict[int, MotionFunction], findings: Findings
+) -> MotionFunction | None:
     """The table that a card names by `number`; None, and no further fault, for one that has faults."""
     found = tables.get(int(number.value))
     if number.value not in tables:

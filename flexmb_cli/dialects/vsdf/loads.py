@@ -1,15 +1,24 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
+from typing import TYPE_CHECKING
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
-from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeSpring
+from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
 
+if TYPE_CHECKING:
+    from typing import Any
 
-def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings) -> tuple[NodeForce, ...]:
+    from ...deck.record import Record
+    from ...model.time_functions import MotionFunction
+
+
+def build_forces(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, tables: "Any", findings: Findings
+) -> tuple[NodeForce, ...]:
     """The cards FORC."""
     forces = []
     for record in values.section("force"):
@@ -26,7 +35,7 @@ def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings)
     return tuple(forces)
 
 
-def _follows(record, findings):
+def _follows(record: "Record", findings: Findings) -> bool:
     number = record.at("follows")
     if number.value not in (0, 1):
         message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
@@ -34,13 +43,15 @@ def _follows(record, findings):
     return number.value == 1
 
 
-def _factor(record, tables, findings):
+def _factor(record: "Record", tables: "dict[int, MotionFunction]", findings: Findings) -> "Any":
     number = record.at("table")
     table = find_table(record, number, tables, findings) if number.value else None
     return table and table.of_factor
 
 
-def build_torques(values: DeckValues, bodies, tables, findings: Findings) -> tuple[BodyTorque, ...]:
+def build_torques(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], tables: "Any", findings: Findings
+) -> tuple[BodyTorque, ...]:
     """The cards TORQ, on rigid bodies only."""
     torques = []
     for record in values.section("torque"):
@@ -59,7 +70,9 @@ def build_torques(values: DeckValues, bodies, tables, findings: Findings) -> tup
     return tuple(torques)
 
 
-def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tuple[NodeSpring, ...]:
+def build_springs(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
     for record in values.section("spring"):
@@ -82,18 +95,20 @@ def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tup
     return tuple(springs)
 
 
-def _in_one_solid(a, b, bodies):
+def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 
-def _check_not_negative(record, keys, findings):
+def _check_not_negative(record: "Record", keys: tuple[str, ...], findings: Findings) -> None:
     for key in keys:
         if record[key] < 0:
             message = f"{key} must not be negative; read {record.at(key).text}"
             findings.error(record.subject, message, record.at(key).place, id="VSDF-069")
 
 
-def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple[JointSpring, ...]:
+def build_joint_springs(
+    values: DeckValues, joints: tuple[NodeJoint, ...], findings: Findings
+) -> tuple[JointSpring, ...]:
     """The cards JSPR."""
     springs = []
     kinds = {joint.name: joint.kind for joint in joints}
@@ -118,7 +133,9 @@ def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple
     return tuple(springs)
 
 
-def build_outputs(values: DeckValues, bodies, ground, findings: Findings) -> tuple[End, ...]:
+def build_outputs(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[End, ...]:
     """The cards OUTN: nodes and node sets, in the deck's order, each once."""
     ends = []
     for record in values.section("output"):

@@ -1,5 +1,7 @@
 """The cards of joint drivers, joint elements, composite joints and joint rates of a YOUNG deck."""
 
+from typing import TYPE_CHECKING
+
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
 from ...model.joint_elements import (
@@ -21,6 +23,11 @@ from ...model.joint_elements import (
 )
 from ...model.mechanism import Mechanism
 from .build_functions import Functions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 _COORDINATES = {1: ANGLE, 2: STROKE}
 _A = {ANGLE: "an angle", STROKE: "a stroke"}
@@ -46,11 +53,11 @@ def build_elements(
 class _Maker:
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, mechanism, functions: Functions, findings: Findings):
+    def __init__(self, mechanism: Mechanism, functions: Functions, findings: Findings):
         self.mechanism, self.functions, self.findings = mechanism, functions, findings
         self.start = mechanism.time.start
 
-    def refuse_twice(self, items, key):
+    def refuse_twice(self, items: "Any", key: "Callable[..., Any]") -> None:
         """Refuse two items for one thing."""
         first: dict = {}
         for item in items:
@@ -59,7 +66,7 @@ class _Maker:
                 message = f"{other.name} already gives this; remove one of them"
                 self.findings.error(item.name, message, item.place, id="YOUNG-116")
 
-    def joint(self, record: Record, coordinate: str | None = None, key: str = "joint"):
+    def joint(self, record: Record, coordinate: str | None = None, key: str = "joint") -> int | None:
         """Number of the joint of a record, None unless it is there and has the coordinate."""
         joints, number = self.mechanism.joints, record[key]
         if not 1 <= number <= len(joints):
@@ -74,7 +81,7 @@ class _Maker:
             return None
         return number - 1
 
-    def coordinate(self, record, key="coordinate"):
+    def coordinate(self, record: Record, key: str = "coordinate") -> str | None:
         if record[key] not in _COORDINATES:
             self.findings.error(
                 record.subject,
@@ -85,14 +92,14 @@ class _Maker:
             return None
         return _COORDINATES[record[key]]
 
-    def ends(self, record):
+    def ends(self, record: Record) -> dict[str, int | tuple[float, float, float]]:
         """Bodies (-1: ground) and points of an element between two bodies."""
         return {
             "i": record["I"] - 1, "j": record["J"] - 1,
             "P_i": record.vector("P_i"), "P_j": record.vector("P_j"),
         }  # fmt: skip
 
-    def not_negative(self, record, *keys):
+    def not_negative(self, record: Record, *keys: "Any") -> None:
         for key in keys:
             if record[key] < 0.0:
                 self.findings.error(
@@ -103,7 +110,7 @@ class _Maker:
                 )
 
 
-def _driven(maker, record):
+def _driven(maker: _Maker, record: Record) -> "Any":
     number, drivers = record["driver"], maker.mechanism.drivers
     if not 1 <= number <= len(drivers):
         maker.findings.error(
@@ -118,7 +125,7 @@ def _driven(maker, record):
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _support(maker, record):
+def _support(maker: _Maker, record: Record) -> "Any":
     number, held = record["simplified"], maker.mechanism.simplified
     if not 1 <= number <= len(held):
         message = f"simplified constraint {number} is outside 1..{len(held)}"
@@ -132,8 +139,8 @@ def _support(maker, record):
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _joint_driver(coordinate):
-    def make(maker, record):
+def _joint_driver(coordinate: str) -> "Callable[..., Any] | None":
+    def make(maker: _Maker, record: Record) -> JointDriver | None:
         joint, function = maker.joint(record, coordinate), maker.functions.motion(record, maker.start)
         if joint is None or function is None:
             return None
@@ -142,8 +149,8 @@ def _joint_driver(coordinate):
     return make
 
 
-def _motor(coordinate):
-    def make(maker, record):
+def _motor(coordinate: str) -> "Callable[..., Any] | None":
+    def make(maker: _Maker, record: Record) -> "Any":
         joint, function = maker.joint(record, coordinate), maker.functions.function(record)
         if joint is None or function is None:
             return None
@@ -152,7 +159,7 @@ def _motor(coordinate):
     return make
 
 
-def _spring_data(maker, record):
+def _spring_data(maker: _Maker, record: Record) -> dict[str, float | None]:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -164,8 +171,8 @@ def _spring_data(maker, record):
     }
 
 
-def _joint_spring(coordinate):
-    def make(maker, record):
+def _joint_spring(coordinate: str) -> "Callable[..., Any]":
+    def make(maker: _Maker, record: Record) -> JointSpring:
         joint = maker.joint(record, coordinate)
         data = _spring_data(maker, record)
         return None if joint is None else JointSpring(record.subject, joint, coordinate, **data)
@@ -173,19 +180,19 @@ def _joint_spring(coordinate):
     return make
 
 
-def _line_spring(maker, record):
+def _line_spring(maker: _Maker, record: Record) -> "Any":
     return LineSpring(record.subject, **maker.ends(record), **_spring_data(maker, record))
 
 
-def _cable(maker, record):
+def _cable(maker: _Maker, record: Record) -> LineSpring:
     maker.not_negative(record, "stiffness", "rest", "damping")
     stiffness, rest, damping = (float(record[key]) for key in ("stiffness", "rest", "damping"))
     return LineSpring(record.subject, **maker.ends(record), stiffness=stiffness, rest=rest,
                       damping=damping, slack=True, place=record.place)  # fmt: skip
 
 
-def _stop(coordinate):
-    def make(maker, record):
+def _stop(coordinate: str) -> "Callable[..., Any]":
+    def make(maker: _Maker, record: Record) -> EndStop:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             maker.findings.error(
@@ -198,7 +205,7 @@ def _stop(coordinate):
     return make
 
 
-def _bushing(maker, record):
+def _bushing(maker: _Maker, record: Record) -> Bushing:
     stiffness, damping = (
         (*record.vector(along), *record.vector(about)) for along, about in (("k", "kr"), ("c", "cr"))
     )
@@ -209,7 +216,7 @@ def _bushing(maker, record):
     )
 
 
-def _coupling(maker, record):
+def _coupling(maker: _Maker, record: Record) -> Coupling | None:
     terms = []
     for k in range(1, len(record.numbers) // 3 + 1):
         coordinate = maker.coordinate(record, f"coordinate{k}")
@@ -230,7 +237,7 @@ def _coupling(maker, record):
     )
 
 
-def _friction(maker, record):
+def _friction(maker: _Maker, record: Record) -> JointFriction | None:
     joint = maker.joint(record)
     maker.not_negative(record, "dynamic", "static", "radius", "preload")
     for key in ("stribeck", "creep"):
@@ -259,7 +266,7 @@ def _friction(maker, record):
     return JointFriction(record.subject, joint, *(float(record[key]) for key in keys), record.place)
 
 
-def _composite(maker, record):
+def _composite(maker: _Maker, record: Record) -> "Any":
     axes = {key: record.vector(key) for key in ("s_i", "s_j") if f"{key}.x" in record}
     for key, s in axes.items():
         if not any(s):
@@ -281,7 +288,7 @@ def _composite(maker, record):
     return CompositeJoint(record.subject, kind, **maker.ends(record), **axes, size=size, place=record.place)
 
 
-def _rate(maker, record):
+def _rate(maker: _Maker, record: Record) -> JointRate | None:
     coordinate = maker.coordinate(record)
     joint = maker.joint(record, coordinate)
     if joint is None or coordinate is None:

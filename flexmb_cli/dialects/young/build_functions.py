@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
@@ -16,6 +17,10 @@ from ...model.time_functions import (
     sum_of,
 )
 from .element_cards import FUNCTION_CARDS
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
 MOST_FACTORS = 1000  # of a product that is multiplied out
@@ -33,7 +38,7 @@ class Functions:
             if record.section in _SECTIONS:
                 self._take(record)
 
-    def _take(self, record):
+    def _take(self, record: Record) -> None:
         number = record.at("number")
         if number.value < 1 or number.value in self._records:
             other = self._records.get(number.value)
@@ -88,7 +93,7 @@ class Functions:
             return None
         return function
 
-    def _refuse_rough(self, record, function, least, why):
+    def _refuse_rough(self, record: Record, function: MotionFunction, least: int, why: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record['function']} does; {remedy}"
@@ -103,7 +108,7 @@ class Functions:
                 )
 
 
-def _points(functions, record, make: Callable) -> MotionFunction | None:
+def _points(functions: Functions, record: Record, make: Callable) -> MotionFunction | None:
     values = record.values[1:]
     times, found = values[0::2], values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 2):
@@ -116,16 +121,16 @@ def _points(functions, record, make: Callable) -> MotionFunction | None:
     return piecewise(make(times, found))
 
 
-def _polynomial(_functions, record):
+def _polynomial(_functions: "Any", record: Record) -> "Any":
     return piecewise(polynomial(record.values[1:]))
 
 
-def _sine(_functions, record):
+def _sine(_functions: Functions, record: Record) -> MotionFunction:
     keys = ("mean", "amplitude", "omega", "phase")
     return MotionFunction(SINE, tuple(float(record[key]) for key in keys))
 
 
-def _between(functions, record, make):
+def _between(functions: Functions, record: Record, make: "Callable[..., Any]") -> MotionFunction | None:
     ends = [float(record[key]) for key in ("start", "from", "end", "to")]
     if not ends[0] < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
@@ -134,11 +139,13 @@ def _between(functions, record, make):
     return piecewise(make(*ends))
 
 
-def _ramp(t0, v0, t1, v1):
+def _ramp(
+    t0: float, v0: float, t1: float, v1: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]:
     return linear_table((t0, t1), (v0, v1))
 
 
-def _combined(functions, record, combine):
+def _combined(functions: Functions, record: Record, combine: "Callable[..., Any]") -> MotionFunction | None:
     parts = []
     for number in record.numbers[1:]:
         functions._used.add(number.value)

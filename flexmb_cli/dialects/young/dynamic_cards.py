@@ -11,6 +11,7 @@ from array import array
 from collections.abc import Sequence
 from functools import cached_property, partial
 from itertools import takewhile
+from typing import TYPE_CHECKING
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
@@ -22,6 +23,11 @@ from .card import Card, vector, whole
 from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
 NAME = re.compile("DYNAMICS", re.IGNORECASE)
@@ -161,12 +167,12 @@ def has_elements(deck: Deck) -> bool:
     return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
 
 
-def _opening(deck):
+def _opening(deck: Deck) -> int | None:
     """Number of the line that opens the cards, None without one."""
     return next((n for n, line in _lines_behind(deck) if MARKER.fullmatch(line)), None)
 
 
-def _lines_behind(deck):
+def _lines_behind(deck: Deck) -> "Iterator[tuple[int, str]]":
     """Number and text of every line behind that of dT that names the cards."""
     lines = deck.source.lines
     last = deck.one("time").at("step").place.line
@@ -178,7 +184,7 @@ def _lines_behind(deck):
             yield n, line
 
 
-def _nearly_opening(deck):
+def _nearly_opening(deck: Deck) -> "Iterator[Fault]":
     """A warning for every line that looks like the opening one and is not."""
     message = (
         "this line is read as prose; DYNAMICS inverse or DYNAMICS forward opens cards with masses and loads"
@@ -208,7 +214,7 @@ class _Cards:
             blocks.append(Block(section, len(starts), partial(_again, self.source, section, starts)))
         return ManyRecords(blocks)
 
-    def read(self):
+    def read(self) -> None:
         """Read all cards behind the opening line."""
         self.records.append(self._opening_record())
         card = []
@@ -228,17 +234,17 @@ class _Cards:
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
-    def error(self, place: Place, subject: str, message: str):
+    def error(self, place: Place, subject: str, message: str) -> None:
         self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
 
-    def _opening_record(self):
+    def _opening_record(self) -> Record:
         line = self.source.lines[self.opening - 1]
         word = MARKER.fullmatch(line).group(1)
         place = Place(self.opening, MARKER.fullmatch(line).start(1) + 1, len(word))
         meaning = "inverse: forces of the driven motion; forward: motion under forces"
         return Record(SECTION, 0, SECTION, (Number("analysis", word.lower(), meaning, "", place, word),))
 
-    def _finish(self, card):
+    def _finish(self, card: list[Word]) -> None:
         """Make a record of a keyword and the words behind it."""
         if not card or not card[0].text:
             return
@@ -276,7 +282,7 @@ class _Cards:
         ]
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
-    def _number(self, subject, column, word):
+    def _number(self, subject: str, column: Column, word: Word) -> Number:
         value = 0
         try:
             value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
@@ -289,7 +295,7 @@ class _Cards:
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
 
 
-def _again(source, section, starts, index):
+def _again(source: DeckText, section: str, starts: "Any", index: int) -> "_ReadCard":
     kind = next(card for card in CARDS if card.section == section)
     return _ReadCard(source, kind, index + 1, starts[index])
 
@@ -336,17 +342,17 @@ class _ReadCard(Record):
         return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
 
     @cached_property
-    def _plain(self):
+    def _plain(self) -> re.Match[str] | None:
         """The card in the text; None where a comment stands in it or behind it."""
         found = _PLAIN_CARD.match(self._source.text, self._start)
         return found if found and not found[2] else None
 
 
-def _is_keyword(word):
+def _is_keyword(word: Word) -> bool:
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
 
 
-def _unknown(text):
+def _unknown(text: str) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(text.upper(), BY_KEYWORD, n=1)

@@ -9,12 +9,17 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import chain, pairwise
+from typing import TYPE_CHECKING
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass, field
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
@@ -64,7 +69,7 @@ def imbalance(counts: Mapping[str, int]) -> str:
     return "" if equations == coordinates else _total(equations, coordinates, counts["NBODY"])
 
 
-def _total(equations, coordinates, bodies):
+def _total(equations: int, coordinates: int, bodies: int) -> str:
     many = "few" if equations < coordinates else "many"
     return (
         f"{bodies} {'body has' if bodies == 1 else 'bodies have'} {coordinates} coordinates, but the "
@@ -72,7 +77,7 @@ def _total(equations, coordinates, bodies):
     )
 
 
-def _grounds_alone(mechanism, grounded):
+def _grounds_alone(mechanism: Mechanism, grounded: "Any") -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
     held, twice = set(), set()
@@ -81,7 +86,7 @@ def _grounds_alone(mechanism, grounded):
     return frozenset(held - twice - touched)
 
 
-def _links(mechanism, grounded) -> Iterator[tuple[int, tuple[int, ...]]]:
+def _links(mechanism: Mechanism, grounded: "Any") -> Iterator[tuple[int, tuple[int, ...]]]:
     """Pairs (equations, bodies they touch); `grounded` is the body of each ground."""
     for joint in mechanism.joints:
         yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
@@ -93,7 +98,7 @@ def _links(mechanism, grounded) -> Iterator[tuple[int, tuple[int, ...]]]:
         yield _PER_BODY, (body,)
 
 
-def _balanced(mechanism, grounded):
+def _balanced(mechanism: Mechanism, grounded: "Any") -> "Any":
     """Whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)
@@ -137,7 +142,7 @@ class _Group:
         return text if len(self.bodies) == 1 else f"{text} ({self._shares})"
 
     @property
-    def _shares(self):
+    def _shares(self) -> str:
         share = dict.fromkeys(self.bodies, 0.0)
         for equations, bodies in self.borne:
             for body in bodies:
@@ -147,11 +152,11 @@ class _Group:
         return f"a joint's equations shared between its bodies, {shown}{more}; 6 each are needed"
 
 
-def _many(equations):
+def _many(equations: int) -> str:
     return "1 equation" if equations == 1 else f"{equations} equations"
 
 
-def _named(bodies):
+def _named(bodies: list[int]) -> str:
     numbers = [str(body + 1) for body in bodies[:SHOWN_BODIES]]
     if len(bodies) > SHOWN_BODIES:
         return f"bodies {', '.join(numbers)} and {len(bodies) - SHOWN_BODIES} more"
@@ -161,7 +166,9 @@ def _named(bodies):
 
 
 @lru_cache(maxsize=4)
-def _groups(bodies, fixed, alone, links):
+def _groups(
+    bodies: int, fixed: frozenset[int], alone: frozenset[int], links: "tuple[tuple[Any, ...], ...]"
+) -> tuple[_Group, ...]:
     """The groups in the order of their first bodies, without the balanced ones of those `alone`.
 
     The variants of a study mostly have the same.
@@ -180,7 +187,7 @@ def _groups(bodies, fixed, alone, links):
     return tuple(groups.values())
 
 
-def _root(root, body):
+def _root(root: list[int], body: int) -> int:
     while root[body] != body:
         root[body] = root[root[body]]
         body = root[body]

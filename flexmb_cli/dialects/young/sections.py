@@ -6,9 +6,13 @@ in m, angles in rad, times in s; points in the axes of their body.
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from ...deck import number
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @dataclass(frozen=True)
@@ -60,11 +64,11 @@ class Section:
         return self.positions.get("direction")
 
 
-def _whole(key, meaning):
+def _whole(key: str, meaning: str) -> Column:
     return Column(key, meaning, is_integer=True)
 
 
-def _joint(name, count, points, *more):
+def _joint(name: str, count: str, points: tuple[str, ...], *more: "Any") -> Section:
     columns = [_whole("I", "number of body I"), _whole("J", "number of body J")]
     for point in points:
         body = point[-1].upper()

@@ -26,13 +26,13 @@ def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
     )
 
 
-def _elements(selection, body):
+def _elements(selection: StressSelection, body: FlexibleBody) -> np.ndarray:
     if selection.every_element:
         return body.stress.numbers
     return np.array(selection.elements, dtype=np.int64)
 
 
-def _places(selection, body, elements):
+def _places(selection: StressSelection, body: FlexibleBody, elements: np.ndarray) -> np.ndarray:
     """Rows of the body's table of elements."""
     order = np.argsort(body.stress.numbers)
     sorted_numbers = body.stress.numbers[order]

@@ -6,6 +6,8 @@ hexahedra, linear in tetrahedra of four points, constant for one point) and eval
 the mean of its elements.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...model.diagnostics import Findings
@@ -21,14 +23,19 @@ from .element_stiffness import (
     stresses,
     uniform_strain_deviation,
 )
-from .solid_elements import CUBE, FORMULATIONS, elasticity, integration_points, solid_elements
+from .solid_elements import CUBE, FORMULATIONS, Formulation, elasticity, integration_points, solid_elements
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 # A mass that differs by more of itself is that of another density; meshes and digits make less.
 DIFFERENT_MASS = 1e-3
 
 
 def body_stress(
-    given: FlexibleInput, K, mass: float, frame: Frame, Phi, findings: Findings
+    given: FlexibleInput, K: "Any", mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
@@ -53,7 +60,14 @@ def body_stress(
     )
 
 
-def _at_best_points(given, positions, table: BodyTable, nearest: BodyElements, K, findings):
+def _at_best_points(
+    given: FlexibleInput,
+    positions: np.ndarray,
+    table: BodyTable,
+    nearest: BodyElements,
+    K: np.ndarray,
+    findings: Findings,
+) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
     A stiffness that answers uniform strains as the elements do is of their mesh and material; else E or nu
@@ -81,7 +95,7 @@ def _at_best_points(given, positions, table: BodyTable, nearest: BodyElements, K
     return body
 
 
-def _check_density(given, mass, body: BodyElements, findings):
+def _check_density(given: FlexibleInput, mass: float, body: BodyElements, findings: Findings) -> None:
     material, volume = given.material, body.elements.volumes.sum()
     if abs(material.density * volume - mass) > DIFFERENT_MASS * mass:
         message = (
@@ -104,7 +118,7 @@ def nodal_stresses(body: BodyElements, Phi: np.ndarray) -> np.ndarray:
     return sums / np.maximum(counts, 1)[:, None, None]
 
 
-def extrapolation(nodes: int, formulation) -> np.ndarray:
+def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     """Matrix (k, g) from values at the points of integration to those at the nodes of an element."""
     points, _ = integration_points(nodes, formulation)
     places = tetrahedra.NODES[:nodes] if nodes in tetrahedra.COUNTS else CUBE[:nodes]
@@ -112,7 +126,7 @@ def extrapolation(nodes: int, formulation) -> np.ndarray:
     return terms(places) @ np.linalg.pinv(terms(points))
 
 
-def _terms_of(nodes, count):
+def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
     """The polynomial that so many points determine."""
     if count == 1:
         return lambda x: np.ones((len(x), 1))

@@ -62,7 +62,7 @@ def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]])
     return MatrixFile(size, *parts, values.astype(float), False)
 
 
-def has_both_triangles(rows, columns, size: int) -> bool:
+def has_both_triangles(rows: np.ndarray, columns: np.ndarray, size: int) -> bool:
     """Return whether any entry off the diagonal has its mirror image among the entries."""
     off = rows != columns
     forward = rows[off].astype(np.int64) * size + columns[off]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .bulk_data import bulk_cards, integer_field, real_field
+from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
 from .file_text import line_fault
 from .matrix_file import FEFileFault, MatrixFile, labelled
 
@@ -46,7 +46,7 @@ def chosen(path: Path, names: list[str], letter: str) -> str:
     return fitting[0]
 
 
-def _check_header(path, name, header):
+def _check_header(path: Path, name: str, header: BulkCard) -> bool:
     if integer_field(path, header, 1, "the 0 of a header", -1) != 0:
         raise line_fault(path.name, header.line, f"DMIG {name} begins without its header card")
     form = integer_field(path, header, 2, "the form of the matrix")
@@ -58,7 +58,9 @@ def _check_header(path, name, header):
     return form == _SYMMETRIC
 
 
-def _read_column(path, card, entries, values):
+def _read_column(
+    path: Path, card: BulkCard, entries: list[tuple[int, int, int, int]], values: list[float]
+) -> None:
     """One column: fields of four, the first with the column's point and component."""
     node = integer_field(path, card, 1, "a grid point")
     component = integer_field(path, card, 2, "a component")
@@ -75,7 +77,7 @@ def _read_column(path, card, entries, values):
             values.append(value)
 
 
-def _refuse(path, card, row, row_component, node, component):
+def _refuse(path: Path, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
     point, wrong = (node, component) if component not in (1, 2, 3) else (row, row_component)
     if wrong == 0:
         message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"

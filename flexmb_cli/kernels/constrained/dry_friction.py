@@ -12,20 +12,20 @@ from .._jit import kernel
 from .body_vectors import BODY_VECTOR, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
-from .system import SCALED
+from .system import SCALED, System
 
 MOST_SUBSTITUTIONS = 100
 FRICTION_CONVERGED = 1e-13  # of the largest force
 
 
 @kernel
-def has_friction(loads):
+def has_friction(loads: np.ndarray) -> bool:
     """Whether there is any friction; it stands behind all other loads."""
     return loads.shape[0] > 0 and loads[loads.shape[0] - 1]["kind"] == FRICTION
 
 
 @kernel
-def normal_changes(system, work, ud):
+def normal_changes(system: System, work, ud: np.ndarray):
     """Fill the normal forces of the friction elements for the accelerations ud, whose FORCES are at hand.
 
     Returns the largest change, of the largest force.
@@ -45,7 +45,7 @@ def normal_changes(system, work, ud):
 
 
 @kernel
-def _across(system, work, load, lam):
+def _across(system: System, work, load, lam: np.ndarray):
     """Size of the joint's force across its axis, N."""
     group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
     force = np.zeros(3)

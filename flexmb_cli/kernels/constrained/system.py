@@ -48,7 +48,7 @@ SOLVED, SINGULAR, NO_INERTIA = 0, 1, 2
 
 
 @plain
-def make_work(system, angles):
+def make_work(system: System, angles: int) -> Work:
     """Work for a mechanism with `angles` angles."""
     bodies, m, n = system.masses.shape[0], system.row_scale.shape[0], system.speed_scale.shape[0]
     modal = 0

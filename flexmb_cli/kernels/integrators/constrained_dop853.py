@@ -21,9 +21,9 @@ from .._jit import kernel
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, OLD, expect_angles, unwrap_angles
 from ..constrained.projection import largest_gap, project_position, project_speeds
-from ..constrained.report import complete, coordinates_and_speeds
+from ..constrained.report import Report, complete, coordinates_and_speeds
 from ..constrained.speeds import coordinate_rates, normalise
-from ..constrained.system import SOLVED
+from ..constrained.system import SOLVED, System, Work
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .explicit_error import error_on_constraints, scaled_norm, step_error
 from .runge_kutta import interpolate, next_factor, set_dense, set_stage
@@ -88,7 +88,7 @@ angles (3, angles): see `screw_turns`.
 """
 
 
-def new_integration(n, angles):
+def new_integration(n: int, angles: int) -> Integration:
     """An integration at time 0 with an empty state of n numbers."""
     return Integration(
         np.zeros(1, CLOCK),
@@ -103,7 +103,9 @@ def new_integration(n, angles):
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: System, work: Work, integration: Integration, report: Report, budget: int
+) -> int:
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -120,13 +122,13 @@ def integrate_rows(task, system, work, integration, report, budget):
 
 
 @kernel
-def _ask(clock, phase, stage, at, projects):
+def _ask(clock: np.void, phase: int, stage: int, at: float, projects: int) -> int:
     clock["phase"], clock["stage"], clock["at"], clock["projects"] = phase, stage, at, projects
     return ASKS
 
 
 @kernel
-def _evaluate(system, work, integration, report):
+def _evaluate(system: System, work: Work, integration: Integration, report: Report) -> int:
     """The slope at `trial`, brought onto the constraints first where asked, or a whole report row; a code."""
     clock, z, row = integration.clock[0], integration.trial, integration.clock[0]["row"]
     q, u = coordinates_and_speeds(system, z)
@@ -153,7 +155,7 @@ def _evaluate(system, work, integration, report):
 
 
 @kernel
-def _digest(system, work, integration, report, spent):
+def _digest(system: System, work: Work, integration: Integration, report: Report, spent: int) -> int:
     """Use an evaluation, and ask for the next one or answer."""
     clock = integration.clock[0]
     phase, failed = clock["phase"], clock["fault"] != SOLVED
@@ -177,7 +179,7 @@ def _digest(system, work, integration, report, spent):
 
 
 @kernel
-def _holds(system, work, integration):
+def _holds(system: System, work: Work, integration: Integration) -> bool:
     """Return whether a step may be made, whose projected end is in trial."""
     clock, h = integration.clock[0], integration.clock[0]["length"]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
@@ -188,14 +190,14 @@ def _holds(system, work, integration):
 
 
 @kernel
-def _copy(a, b):
+def _copy(a: np.ndarray, b: np.ndarray) -> None:
     """b = a."""
     for i in range(a.shape[0]):
         b[i] = a[i]
 
 
 @kernel
-def _begin(integration):
+def _begin(integration: Integration) -> int:
     clock = integration.clock[0]
     _copy(integration.z, integration.old)
     _copy(integration.z, integration.trial)
@@ -204,7 +206,7 @@ def _begin(integration):
 
 
 @kernel
-def _choose_first_step(integration):
+def _choose_first_step(integration: Integration) -> int:
     clock = integration.clock[0]
     size, speed = (
         scaled_norm(integration, integration.z),
@@ -215,7 +217,7 @@ def _choose_first_step(integration):
 
 
 @kernel
-def _next(integration, report, spent):
+def _next(integration: Integration, report: Report, spent: int) -> int:
     """Between two steps: the next report row, an answer, or the first stage of the next step."""
     clock = integration.clock[0]
     if clock["row"] == report.times.shape[0]:
@@ -234,7 +236,7 @@ def _next(integration, report, spent):
 
 
 @kernel
-def _try_step(integration):
+def _try_step(integration: Integration) -> int:
     clock = integration.clock[0]
     h = clock["length"] = min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
     if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
@@ -244,7 +246,7 @@ def _try_step(integration):
 
 
 @kernel
-def _reject(integration, factor):
+def _reject(integration: Integration, factor: float) -> int:
     """Try the step again, shorter."""
     clock = integration.clock[0]
     clock["rejections"] += 1
@@ -254,7 +256,7 @@ def _reject(integration, factor):
 
 
 @kernel
-def _next_stage(system, work, integration):
+def _next_stage(system: System, work: Work, integration: Integration) -> int:
     """The next stage of a step, or its end where the error allows it."""
     clock, h, stage = integration.clock[0], integration.clock[0]["length"], integration.clock[0]["stage"] + 1
     set_stage(integration.z, integration.slopes, stage, h, integration.trial)
@@ -271,7 +273,7 @@ def _next_stage(system, work, integration):
 
 
 @kernel
-def _project(system, work, integration, z, t):
+def _project(system: System, work: Work, integration: Integration, z: np.ndarray, t: float) -> float:
     """Bring a state onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
@@ -292,7 +294,7 @@ def _project(system, work, integration, z, t):
 
 
 @kernel
-def _accept(system, work, integration):
+def _accept(system: System, work: Work, integration: Integration) -> None:
     """Make the projected end of a step the state; PHI belongs to it."""
     clock, h = integration.clock[0], integration.clock[0]["length"]
     _copy(integration.z, integration.old)
@@ -318,14 +320,14 @@ def _accept(system, work, integration):
 
 
 @kernel
-def _ask_dense(integration, stage):
+def _ask_dense(integration: Integration, stage: int) -> int:
     clock, h = integration.clock[0], integration.clock[0]["step_length"]
     set_stage(integration.old, integration.slopes, stage, h, integration.trial)
     return _ask(clock, DENSE, stage, clock["step_start"] + h * STAGE_TIMES[stage], 0)
 
 
 @kernel
-def _next_dense(integration, report, spent):
+def _next_dense(integration: Integration, report: Report, spent: int) -> int:
     """The next stage of the dense output, or its polynomial."""
     clock, stage = integration.clock[0], integration.clock[0]["stage"] + 1
     if stage < ALL_STAGES:
@@ -336,7 +338,7 @@ def _next_dense(integration, report, spent):
 
 
 @kernel
-def _ask_row(integration, t):
+def _ask_row(integration: Integration, t: float) -> int:
     """The state at a report time up to the present one, and what follows from it."""
     clock, angles = integration.clock[0], integration.angles
     x = 1.0

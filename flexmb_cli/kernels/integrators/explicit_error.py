@@ -3,18 +3,23 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import kernel
 from ..constrained.accelerations import solve
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
-from ..constrained.system import CORRECTION, GAMMA, QD
+from ..constrained.system import CORRECTION, GAMMA, QD, System, Work
 from .dop853_table import ERROR_3, ERROR_5, STAGES
+
+if TYPE_CHECKING:
+    from .constrained_dop853 import Integration
 
 
 @kernel
-def scaled_norm(integration, a):
+def scaled_norm(integration: "Integration", a: np.ndarray) -> float:
     """Root mean square of a state's changes a (N,), the work left out, against the tolerance at z."""
     clock, total, counted = integration.clock[0], 0.0, a.shape[0] - 1
     for i in range(counted):
@@ -24,7 +29,7 @@ def scaled_norm(integration, a):
 
 
 @kernel
-def step_error(integration, h):
+def step_error(integration: "Integration", h: float) -> float:
     """Error of the step from z to trial."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
     counted = z.shape[0] - 1
@@ -37,7 +42,7 @@ def step_error(integration, h):
 
 
 @kernel
-def error_on_constraints(system, work, integration, h):
+def error_on_constraints(system: System, work: Work, integration: "Integration", h: float) -> float:
     """Error of the step from z to trial, which has been projected, whose factors are at hand.
 
     Only what the projection leaves of it counts: across a singular position, where the stages tell one
@@ -68,7 +73,7 @@ def error_on_constraints(system, work, integration, h):
 
 
 @kernel
-def _keep_allowed(system, work, change):
+def _keep_allowed(system: System, work: Work, change: np.ndarray) -> None:
     """Leave of a change (n,) of speeds what the constraints allow."""
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for row in range(gamma.shape[0]):
@@ -85,7 +90,7 @@ def _keep_allowed(system, work, change):
 
 
 @kernel
-def _weighted(weights, slopes, i):
+def _weighted(weights: np.ndarray, slopes: np.ndarray, i: int) -> float:
     total = 0.0
     for j in range(STAGES):
         total += weights[j] * slopes[j, i]
@@ -93,7 +98,7 @@ def _weighted(weights, slopes, i):
 
 
 @kernel
-def _combined(h, square_5, square_3, counted):
+def _combined(h: float, square_5: float, square_3: float, counted: int) -> float:
     if square_5 == 0.0:
         return 0.0
     return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5

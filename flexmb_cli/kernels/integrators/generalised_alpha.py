@@ -17,8 +17,8 @@ from ..constrained.angle_unwrapping import EXPECTED, OLD, unwrap_angles
 from ..constrained.angle_unwrapping import NEW as TURNED
 from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.projection import largest_gap
-from ..constrained.report import complete, coordinates_and_speeds
-from ..constrained.system import A
+from ..constrained.report import Report, complete, coordinates_and_speeds
+from ..constrained.system import A, System, Work
 from ..linalg.rotation import rotation_matrices
 from .constrained_dop853 import (
     BEGIN,
@@ -95,7 +95,7 @@ of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
 
 
-def new_integration(work, angles):
+def new_integration(work: Work, angles: int) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
@@ -113,7 +113,9 @@ def new_integration(work, angles):
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: System, work: Work, integration: AlphaIntegration, report: Report, budget: int
+) -> int:
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -138,7 +140,7 @@ def integrate_rows(task, system, work, integration, report, budget):
 
 
 @kernel
-def _begin(system, work, integration):
+def _begin(system: System, work: Work, integration: AlphaIntegration) -> int:
     clock, rates = integration.clock[0], integration.rates
     clock["start"] = clock["step_start"] = clock["t"]
     clock["left"], clock["singular"], clock["span"] = 1.0, np.inf, clock["stop"] - clock["t"]
@@ -157,21 +159,21 @@ def _begin(system, work, integration):
 
 
 @kernel
-def _first_step(system, integration):
+def _first_step(system: System, integration: AlphaIntegration) -> float:
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, fastest = integration.clock[0], fastest_change(system, integration)
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel
-def _copy(a, b):
+def _copy(a: np.ndarray, b: np.ndarray) -> None:
     """b = a."""
     for i in range(a.shape[0]):
         b[i] = a[i]
 
 
 @kernel
-def _step(system, work, integration):
+def _step(system: System, work: Work, integration: AlphaIntegration) -> int:
     """One accepted step; an answer."""
     clock = integration.clock[0]
     while True:
@@ -188,7 +190,7 @@ def _step(system, work, integration):
 
 
 @kernel
-def _holds(system, integration, h):
+def _holds(system: System, integration: AlphaIntegration, h: float) -> bool:
     """Return whether a step of length h is within the tolerance, and turns no body too far."""
     clock, bodies, first = (
         integration.clock[0],
@@ -203,7 +205,7 @@ def _holds(system, integration, h):
 
 
 @kernel
-def _accept(system, work, integration, h):
+def _accept(system: System, work: Work, integration: AlphaIntegration, h: float) -> None:
     """Make the end of a step the state."""
     clock, rates, z = integration.clock[0], integration.rates, integration.z
     last = z.shape[0] - 1
@@ -226,7 +228,7 @@ def _accept(system, work, integration, h):
 
 
 @kernel
-def _fill_row(system, work, integration, t, report):
+def _fill_row(system: System, work: Work, integration: AlphaIntegration, t: float, report: Report) -> bool:
     """A report row at a time up to the present one; returns whether there is one."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     _copy(integration.z, integration.trial)
@@ -246,7 +248,7 @@ def _fill_row(system, work, integration, t, report):
 
 
 @kernel
-def _between(system, integration, x, point):
+def _between(system: System, integration: AlphaIntegration, x: float, point: np.ndarray) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
@@ -272,6 +274,6 @@ def _between(system, integration, x, point):
 
 
 @kernel
-def _cubic(x, a, b, da, db):
+def _cubic(x: float, a: float, b: float, da: float, db: float) -> float:
     change = b - a
     return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))

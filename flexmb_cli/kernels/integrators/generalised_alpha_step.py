@@ -15,6 +15,7 @@ free motions is that of the first.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,10 +26,25 @@ from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import move
-from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
+from ..constrained.system import (
+    CORRECTION,
+    FORCES,
+    GAMMA,
+    NO_INERTIA,
+    PHI,
+    PRODUCT,
+    SOLVED,
+    UNKNOWN,
+    System,
+    Work,
+)
 from ..constrained.tangent import tangent_times
 from ..linalg.rank_revealing_lu import cholesky
 from .generalised_alpha_control import left_over, share_of
+
+if TYPE_CHECKING:
+    from .generalised_alpha import AlphaIntegration
+
 
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
 # before; the means at both ends.
@@ -46,7 +62,7 @@ CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
 
 
 @kernel
-def parameters(rho):
+def parameters(rho: float) -> tuple[float, float, float, float]:
     """α_m, α_f, β, γ for the spectral radius rho at infinity."""
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
@@ -54,7 +70,7 @@ def parameters(rho):
 
 
 @part
-def solve_step(system, work, integration, h):
+def solve_step(system: System, work: Work, integration: "AlphaIntegration", h: float) -> bool:
     """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
     clock = integration.clock[0]
     alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
@@ -67,7 +83,15 @@ def solve_step(system, work, integration, h):
 
 
 @kernel
-def iterate(system, work, integration, t, by_position, by_speed, h):
+def iterate(
+    system: System,
+    work: Work,
+    integration: "AlphaIntegration",
+    t: float,
+    by_position: float,
+    by_speed: float,
+    h: float,
+) -> bool:
     """Bring `trial` and the accelerations NEW to the equations at t; returns whether they came there.
 
     An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
@@ -109,7 +133,7 @@ def iterate(system, work, integration, t, by_position, by_speed, h):
 
 
 @kernel
-def fastest_change(system, integration):
+def fastest_change(system: System, integration: "AlphaIntegration") -> float:
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
     first = integration.z.shape[0] - 1 - n
@@ -121,7 +145,7 @@ def fastest_change(system, integration):
 
 
 @part
-def _predict(system, work, integration, h):
+def _predict(system: System, work: Work, integration: "AlphaIntegration", h: float) -> None:
     """The end of the step by accelerations that go on as before."""
     clock, n = integration.clock[0], system.speed_scale.shape[0]
     rates, length = integration.rates, clock["step_length"]
@@ -154,7 +178,7 @@ def _predict(system, work, integration, h):
 
 
 @part
-def turn_exactly(bodies, q, step):
+def turn_exactly(bodies: int, q: np.ndarray, step: np.ndarray) -> None:
     """Move q by the displacements and rotation vectors (body axes) `step` (n,), of any size."""
     for body in range(bodies):
         k, s = 7 * body, 6 * body
@@ -175,7 +199,7 @@ def turn_exactly(bodies, q, step):
 
 
 @part
-def _evaluate(system, work, integration, t):
+def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: float) -> int:
     """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
     n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -208,7 +232,9 @@ def _evaluate(system, work, integration, t):
 
 
 @part
-def _set_matrix(system, work, integration, by_position, by_speed):
+def _set_matrix(
+    system: System, work: Work, integration: "AlphaIntegration", by_position: float, by_speed: float
+) -> int:
     """Zᵀ (M + by_speed D + by_position K) Z where everything stands, and its Cholesky factor; a code."""
     n = system.speed_scale.shape[0]
     rank, matrix, Z = work.rank[0], integration.newton.reduced, work.motions
@@ -222,7 +248,9 @@ def _set_matrix(system, work, integration, by_position, by_speed):
 
 
 @part
-def _correct(system, work, integration, by_position, by_speed):
+def _correct(
+    system: System, work: Work, integration: "AlphaIntegration", by_position: float, by_speed: float
+) -> tuple[float, float]:
     """Newton's correction; returns its size in tolerances and the largest scaled gap before it."""
     n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -251,7 +279,7 @@ def _correct(system, work, integration, by_position, by_speed):
 
 
 @part
-def _largest(system, gaps):
+def _largest(system: System, gaps: np.ndarray) -> float:
     """The largest scaled gap of positions and speeds."""
     found = 0.0
     for kind in range(2):
@@ -261,7 +289,7 @@ def _largest(system, gaps):
 
 
 @part
-def _size(system, integration, by_speed):
+def _size(system: System, integration: "AlphaIntegration", by_speed: float) -> float:
     """The change of the speeds by `step` in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = integration.z.shape[0] - 1 - n
@@ -274,7 +302,7 @@ def _size(system, integration, by_speed):
 
 
 @part
-def step_error(system, integration, h):
+def step_error(system: System, integration: "AlphaIntegration", h: float) -> float:
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
@@ -299,7 +327,7 @@ def step_error(system, integration, h):
 
 
 @part
-def _finish(integration, alpha_m, alpha_f):
+def _finish(integration: "AlphaIntegration", alpha_m: float, alpha_f: float) -> None:
     """The means that belong to the accelerations found."""
     rates = integration.rates
     for k in range(rates.shape[1]):

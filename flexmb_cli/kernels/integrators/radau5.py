@@ -17,8 +17,8 @@ from ..constrained.accelerations import factorise_constraints
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, OLD, expect_angles, unwrap_angles
 from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import largest_gap
-from ..constrained.report import complete, coordinates_and_speeds
-from ..constrained.system import NO_INERTIA, SOLVED
+from ..constrained.report import Report, complete, coordinates_and_speeds
+from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .constrained_dop853 import (
     BEGIN,
@@ -94,7 +94,7 @@ complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose 
 """
 
 
-def new_integration(work, angles):
+def new_integration(work: Work, angles: int) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1
@@ -119,7 +119,9 @@ def new_integration(work, angles):
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: System, work: Work, integration: RadauIntegration, report: Report, budget: int
+) -> int:
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -144,7 +146,7 @@ def integrate_rows(task, system, work, integration, report, budget):
 
 
 @kernel
-def _begin(system, work, integration):
+def _begin(system: System, work: Work, integration: RadauIntegration) -> int:
     clock, rates = integration.clock[0], integration.rates
     clock["step_start"], clock["left"] = clock["t"], 1.0
     _copy(integration.z, integration.trial)
@@ -168,7 +170,7 @@ def _begin(system, work, integration):
 
 
 @kernel
-def _first_step(system, integration):
+def _first_step(system: System, integration: RadauIntegration) -> float:
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, n = integration.clock[0], system.speed_scale.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -179,14 +181,14 @@ def _first_step(system, integration):
 
 
 @kernel
-def _copy(a, b):
+def _copy(a: np.ndarray, b: np.ndarray) -> None:
     """b = a."""
     for i in range(a.shape[0]):
         b[i] = a[i]
 
 
 @kernel
-def _renew(system, work, integration):
+def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
     """The matrices of the state z anew; a code."""
     q = coordinates_and_speeds(system, integration.z)[0]
     code = factorise_constraints(system, work, q)
@@ -198,7 +200,7 @@ def _renew(system, work, integration):
 
 
 @kernel
-def _step(system, work, integration):
+def _step(system: System, work: Work, integration: RadauIntegration) -> int:
     """One accepted step; an answer."""
     clock = integration.clock[0]
     _copy(integration.angles[NEW], work.angles)
@@ -227,7 +229,7 @@ def _step(system, work, integration):
 
 
 @kernel
-def _singular_step_or_try(system, work, integration, left):
+def _singular_step_or_try(system: System, work: Work, integration: RadauIntegration, left: float) -> float:
     """`_try_step` or, in front of a singular position, a step over it."""
     clock = integration.clock[0]
     way = clock["singular"] - clock["t"]
@@ -245,7 +247,7 @@ def _singular_step_or_try(system, work, integration, left):
 
 
 @kernel
-def _try_step(system, work, integration, h):
+def _try_step(system: System, work: Work, integration: RadauIntegration, h: float) -> float:
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
     clock = integration.clock[0]
     if not solve_step(system, work, integration, h):
@@ -271,7 +273,7 @@ def _try_step(system, work, integration, h):
 
 
 @kernel
-def _turns_left(system, integration):
+def _turns_left(system: System, integration: RadauIntegration) -> float:
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.
@@ -282,7 +284,7 @@ def _turns_left(system, integration):
 
 
 @kernel
-def _factor(clock, h, error):
+def _factor(clock: np.void, h: float, error: float) -> float:
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
@@ -294,7 +296,9 @@ def _factor(clock, h, error):
 
 
 @kernel
-def _accept(system, work, integration, h, last, factor):
+def _accept(
+    system: System, work: Work, integration: RadauIntegration, h: float, last: bool, factor: float
+) -> None:
     """Make the end of a step the state."""
     clock, rates, z, end = integration.clock[0], integration.rates, integration.z, integration.z.shape[0] - 1
     _copy(z, integration.old)
@@ -320,7 +324,7 @@ def _accept(system, work, integration, h, last, factor):
 
 
 @kernel
-def _is_singular(work, clock):
+def _is_singular(work, clock: np.void):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * clock["branching"]:
@@ -329,7 +333,7 @@ def _is_singular(work, clock):
 
 
 @kernel
-def _fill_row(system, work, integration, t, report):
+def _fill_row(system: System, work: Work, integration: RadauIntegration, t: float, report: Report) -> bool:
     """A report row at a time up to the present one; returns whether there is one."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     _copy(integration.z, integration.trial)

@@ -3,6 +3,8 @@
 The shortest way in the metric of the matrix of the step: stiff motions stay at rest.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import kernel
@@ -12,11 +14,14 @@ from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import move, normalise
-from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED
+from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
+
+if TYPE_CHECKING:
+    from .radau5 import RadauIntegration
 
 
 @kernel
-def close_gaps(system, work, integration, t):
+def close_gaps(system: System, work: Work, integration: "RadauIntegration", t: float) -> int:
     """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
 
     They then are those of the end.
@@ -50,7 +55,7 @@ def close_gaps(system, work, integration, t):
 
 
 @kernel
-def moved(integration, found):
+def moved(integration: "RadauIntegration", found: np.ndarray) -> float:
     """By how many tolerances `trial` was moved from the state found."""
     clock, z, total, counted = integration.clock[0], integration.trial, 0.0, found.shape[0] - 1
     for i in range(counted):
@@ -60,7 +65,9 @@ def moved(integration, found):
 
 
 @kernel
-def project_state(system, work, integration, t, ud):
+def project_state(
+    system: System, work: Work, integration: "RadauIntegration", t: float, ud: np.ndarray
+) -> tuple[int, float]:
     """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
 
     The matrix of the last step serves: where other speeds have become free it is one more metric.

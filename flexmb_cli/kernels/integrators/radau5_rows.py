@@ -1,14 +1,20 @@
 """States between two steps of Radau's method, by Hermite's quintic and cubic."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import kernel
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from .radau5_step import LAST, START
 
+if TYPE_CHECKING:
+    from ..constrained.system import System
+    from .radau5 import RadauIntegration
+
 
 @kernel
-def between(system, integration, x, point):
+def between(system: "System", integration: "RadauIntegration", x: float, point: np.ndarray) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]
@@ -29,7 +35,7 @@ def between(system, integration, x, point):
 
 
 @kernel
-def _quintic(x, a, b, v, w, p, r):
+def _quintic(x: float, a: float, b: float, v: float, w: float, p: float, r: float) -> tuple[float, float]:
     """Value and derivative at x; a, b, v, w, p, r: values, first and second derivatives at 0 and at 1."""
     rest, slope, bend = b - a - v - 0.5 * p, w - v - p, r - p
     c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
@@ -40,6 +46,6 @@ def _quintic(x, a, b, v, w, p, r):
 
 
 @kernel
-def _cubic(x, a, b, da, db):
+def _cubic(x: float, a: float, b: float, da: float, db: float) -> float:
     change = b - a
     return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))

@@ -5,16 +5,21 @@ II.4-II.6.  The caller evaluates the stages and drives; see `tree_dop853`.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from .dop853_table import ALL_STAGES, DENSE_TERMS, DENSE_WEIGHTS, ERROR_3, ERROR_5, STAGE_WEIGHTS, STAGES
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 10.0
 ERROR_EXPONENT = -1.0 / 8.0
 
 
 @kernel
-def set_stage(z, slopes, stage, h, out):
+def set_stage(z: "np.ndarray", slopes: "np.ndarray", stage: int, h: float, out: "np.ndarray") -> None:
     """out = z + h (weights of `stage`) . slopes; slopes (16, n)."""
     for i in range(z.shape[0]):
         out[i] = z[i]
@@ -26,7 +31,9 @@ def set_stage(z, slopes, stage, h, out):
 
 
 @kernel
-def step_error(z, new, slopes, h, rtol, atol, counted):
+def step_error(
+    z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float, rtol: float, atol: float, counted: int
+) -> tuple[float, int]:
     """Error of a step against the tolerance over the first `counted` places: (norm, worst place)."""
     square_5 = square_3 = worst_share = 0.0
     worst = 0
@@ -50,7 +57,7 @@ def step_error(z, new, slopes, h, rtol, atol, counted):
 
 
 @kernel
-def next_factor(error, rejected):
+def next_factor(error: float, rejected: int) -> float:
     """Factor on the step length after a step with this error; `rejected`: the step before failed."""
     if error == 0.0:
         return 1.0 if rejected else FASTEST
@@ -60,7 +67,9 @@ def next_factor(error, rejected):
 
 
 @kernel
-def set_dense(z, new, slopes, h, dense):
+def set_dense(
+    z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float, dense: "np.ndarray"
+) -> None:
     """Fill dense (7, n), the terms of the interpolating polynomial of the step from z to new."""
     for i in range(z.shape[0]):
         change = new[i] - z[i]
@@ -75,7 +84,7 @@ def set_dense(z, new, slopes, h, dense):
 
 
 @kernel
-def interpolate(z, dense, x, out):
+def interpolate(z: "np.ndarray", dense: "np.ndarray", x: float, out: "np.ndarray") -> None:
     """State at the fraction x of the step that began at z."""
     for i in range(z.shape[0]):
         total = 0.0
@@ -85,7 +94,7 @@ def interpolate(z, dense, x, out):
 
 
 @kernel
-def scaled_norm(z, a, rtol, atol, counted):
+def scaled_norm(z: "np.ndarray", a: "np.ndarray", rtol: float, atol: float, counted: int) -> float:
     """Root mean square of the first `counted` places of a, place by place against the tolerance at z."""
     total = 0.0
     for i in range(counted):

@@ -10,7 +10,7 @@ The state is that of `tree_motion`: its speeds are iterated, coordinates follow 
 parameters and the applied work are taken from the last evaluation.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,10 @@ from ..tree.kane import SOLVED
 from ..tree.motion import derivative, normalise_attitudes
 from ..tree.projection import strayed
 from ..tree.stiff_projection import project_stiffly
+
+if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
+
 
 STEPPED, PAUSED, VANISHED, FAULTED = 0, 1, 2, 3
 
@@ -89,7 +93,9 @@ def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
 
 
 @kernel
-def integrate_implicitly(until, budget, tree, work, coordinates, clocks, z, s):
+def integrate_implicitly(
+    until, budget: int, tree: "TreeArrays", work, coordinates: np.ndarray, clocks, z: np.ndarray, s
+):
     """Step the state z from clock["t"] to the first step's end at or after `until`, or to the stop.
 
     `s.before` holds the slope at z.  Pauses after `budget` evaluations.  The last step began at
@@ -124,7 +130,7 @@ def integrate_implicitly(until, budget, tree, work, coordinates, clocks, z, s):
 
 
 @kernel
-def _prepare_matrix(tree, work, coordinates, z, h, s):
+def _prepare_matrix(tree: "TreeArrays", work, coordinates: np.ndarray, z: np.ndarray, h: float, s):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
     if memory["stale"] != 0:
@@ -137,7 +143,7 @@ def _prepare_matrix(tree, work, coordinates, z, h, s):
 
 
 @kernel
-def _retreat(clock, h, s):
+def _retreat(clock: np.void, h: float, s) -> None:
     """After iterations that do not converge: a new matrix, or a shorter step when it is new already."""
     if s.memory[0]["fresh"] != 0:
         clock["step"] = h / 4.0
@@ -147,7 +153,9 @@ def _retreat(clock, h, s):
 
 
 @kernel
-def _solve_stages(tree, work, coordinates, clock, z, h, s):
+def _solve_stages(
+    tree: "TreeArrays", work, coordinates: np.ndarray, clock: np.void, z: np.ndarray, h: float, s
+):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
     n = z.shape[0]
     s.memory[0]["contraction"] = 0.0
@@ -166,7 +174,9 @@ def _solve_stages(tree, work, coordinates, clock, z, h, s):
 
 
 @kernel
-def _solve_stage(tree, work, coordinates, clock, t, h, slope, s):
+def _solve_stage(
+    tree: "TreeArrays", work, coordinates: np.ndarray, clock: np.void, t: float, h: float, slope, s
+):
     """Iterate the slope of one stage."""
     memory = s.memory[0]
     # A first iteration is trusted somewhat less than those before it were.
@@ -194,7 +204,7 @@ def _solve_stage(tree, work, coordinates, clock, t, h, slope, s):
 
 
 @kernel
-def _place_trial(h, slope, s):
+def _place_trial(h: float, slope, s) -> None:
     """Speeds from their slopes, coordinates from the speeds, the rest as it is."""
     speeds = s.change.shape[0]
     for i in range(slope.shape[0]):
@@ -204,7 +214,7 @@ def _place_trial(h, slope, s):
 
 
 @kernel
-def _correct(tree, clock, h, slope, s):
+def _correct(tree: "TreeArrays", clock: np.void, h: float, slope: np.ndarray, s: Implicit) -> float:
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
     for m in range(speeds):
@@ -227,12 +237,12 @@ def _correct(tree, clock, h, slope, s):
 
 
 @kernel
-def _scale(clock, value):
+def _scale(clock: np.void, value: float) -> float:
     return clock["atol"] + clock["rtol"] * abs(value)
 
 
 @kernel
-def _step_error(tree, clock, z, h, s):
+def _step_error(tree: "TreeArrays", clock: np.void, z: np.ndarray, h: float, s):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
     speeds, last = s.change.shape[0], z.shape[0] - 1
     for i in range(z.shape[0]):
@@ -262,7 +272,7 @@ def _step_error(tree, clock, z, h, s):
 
 
 @kernel
-def _accept(tree, clock, z, h, factor, s):
+def _accept(tree: "TreeArrays", clock: np.void, z: np.ndarray, h: float, factor: float, s) -> None:
     clock["step_start"], clock["step_length"] = clock["t"], h
     last = h >= clock["stop"] - clock["t"]
     clock["t"] = clock["stop"] if last else clock["t"] + h
@@ -281,7 +291,9 @@ def _accept(tree, clock, z, h, factor, s):
 
 
 @kernel
-def _close_loops(tree, work, coordinates, clock, z, h, s):
+def _close_loops(
+    tree: "TreeArrays", work, coordinates: np.ndarray, clock: np.void, z: np.ndarray, h: float, s
+) -> None:
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
     _copy(z, s.trial)
     project_stiffly(tree, work, coordinates, z, s.stiff)
@@ -297,7 +309,7 @@ def _close_loops(tree, work, coordinates, clock, z, h, s):
 
 
 @kernel
-def between(x, h, z, s, out):
+def between(x: float, h: float, z: np.ndarray, s: Implicit, out: np.ndarray) -> None:
     """State at the fraction x of the last step, which ended at z.
 
     Coordinates by Hermite's quintic through coordinates, speeds and accelerations at both ends, speeds
@@ -320,13 +332,13 @@ def between(x, h, z, s, out):
 
 
 @kernel
-def _copy(a, b):
+def _copy(a, b) -> None:
     """b = a."""
     for i in range(a.shape[0]):
         b[i] = a[i]
 
 
 @kernel
-def _cubic(x, a, b, da, db):
+def _cubic(x: float, a: float, b: float, da: float, db: float) -> float:
     change = b - a
     return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))

@@ -7,7 +7,7 @@ The integration is a machine that asks for one evaluation of the slope after ano
 are called, and compiled, in one place only: `clock["phase"]` tells what the evaluation is for.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,10 @@ from ..tree.motion import derivative, normalise_attitudes, parts
 from ..tree.projection import largest_gap, largest_rate, project, strayed
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .runge_kutta import interpolate, next_factor, scaled_norm, set_dense, set_stage, step_error
+
+if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
+
 
 # What a call may be asked for: close the loops of z, begin at z, go on at z with a known step, integrate.
 CLOSE, BEGIN, GO_ON, INTEGRATION = 0, 1, 2, 3
@@ -89,7 +93,15 @@ def new_integration(n: int) -> Integration:
 
 
 @kernel
-def call(task, budget, tree, work, coordinates, integration, report):
+def call(
+    task: int,
+    budget: int,
+    tree: "TreeArrays",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    integration: Integration,
+    report: Report,
+) -> int:
     """Do one task, for at most `budget` evaluations and the rest of a step; returns an answer."""
     clock = integration.clock[0]
     clock["row"] = 0
@@ -105,13 +117,13 @@ def call(task, budget, tree, work, coordinates, integration, report):
 
 
 @kernel
-def _ask(clock, phase, stage, slot, at):
+def _ask(clock: np.void, phase: int, stage: int, slot: int, at: float) -> int:
     clock["phase"], clock["stage"], clock["slot"], clock["at"] = phase, stage, slot, at
     return ASKS
 
 
 @kernel
-def _begin(task, tree, clock, integration, report):
+def _begin(task: int, tree: "TreeArrays", clock: np.void, integration: Integration, report: Report) -> int:
     if task == INTEGRATION:
         return _next(tree, clock, integration, report)
     _copy(integration.z, integration.trial)
@@ -119,7 +131,16 @@ def _begin(task, tree, clock, integration, report):
 
 
 @kernel
-def _digest(task, fault, tree, work, coordinates, clock, integration, report):
+def _digest(
+    task: int,
+    fault: int,
+    tree: "TreeArrays",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    clock: np.void,
+    integration: Integration,
+    report: Report,
+) -> int:
     """Use an evaluation, and ask for the next one or answer."""
     phase = clock["phase"]
     if phase == STAGE:
@@ -151,7 +172,7 @@ def _digest(task, fault, tree, work, coordinates, clock, integration, report):
 
 
 @kernel
-def _digest_first(task, clock, integration):
+def _digest_first(task: int, clock: np.void, integration: Integration) -> int:
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     counted = integration.z.shape[0] - 1
     if task == GO_ON:
@@ -175,7 +196,7 @@ def _digest_first(task, clock, integration):
 
 
 @kernel
-def _next(tree, clock, integration, report):
+def _next(tree: "TreeArrays", clock: np.void, integration: Integration, report: Report) -> int:
     """Between two steps: the next report row, an answer, or the first stage of the next step."""
     row, times = clock["row"], report.times
     if row == times.shape[0]:
@@ -190,7 +211,7 @@ def _next(tree, clock, integration, report):
 
 
 @kernel
-def _ask_row(tree, clock, integration, t):
+def _ask_row(tree: "TreeArrays", clock: np.void, integration: Integration, t: float) -> int:
     """The state at a report time up to the present one, and what follows from it."""
     if t == clock["t"]:
         _copy(integration.z, integration.trial)
@@ -202,13 +223,13 @@ def _ask_row(tree, clock, integration, t):
 
 
 @kernel
-def _length(clock):
+def _length(clock: np.void) -> float:
     """Length of the step to try: it ends at the stop or before."""
     return min(clock["step"], clock["stop"] - clock["t"])
 
 
 @kernel
-def _try_step(clock, integration):
+def _try_step(clock: np.void, integration: Integration) -> int:
     h, t = _length(clock), clock["t"]
     if not h > 1e-15 * max(abs(t), 1e-3):
         return STEP_VANISHED
@@ -217,7 +238,9 @@ def _try_step(clock, integration):
 
 
 @kernel
-def _digest_stage(fault, tree, clock, integration, report):
+def _digest_stage(
+    fault: int, tree: "TreeArrays", clock: np.void, integration: Integration, report: Report
+) -> int:
     """The next stage of a step, or the judgement of the whole step."""
     h, stage = _length(clock), clock["stage"] + 1
     error = 1e10
@@ -249,7 +272,7 @@ def _digest_stage(fault, tree, clock, integration, report):
 
 
 @kernel
-def _accept(clock, integration, h, rejected):
+def _accept(clock: np.void, integration: Integration, h: float, rejected: int) -> None:
     last = h >= clock["stop"] - clock["t"]
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, rejected
     clock["t"] = clock["stop"] if last else clock["t"] + h
@@ -259,7 +282,7 @@ def _accept(clock, integration, h, rejected):
 
 
 @kernel
-def _take_back(clock, integration, place):
+def _take_back(clock: np.void, integration, place: tuple[float, float, float]):
     """A shorter step from where the last one began, for closing the loops moved its end too far."""
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
     # A resumed run begins with the shorter step too.
@@ -271,7 +294,7 @@ def _take_back(clock, integration, place):
 
 
 @kernel
-def _digest_dense(tree, clock, integration, report):
+def _digest_dense(tree: "TreeArrays", clock: np.void, integration: Integration, report: Report) -> int:
     """The next stage of the dense output, or its polynomial."""
     h, stage = clock["step_length"], clock["stage"] + 1
     if stage < ALL_STAGES:
@@ -282,7 +305,7 @@ def _digest_dense(tree, clock, integration, report):
 
 
 @kernel
-def _close_step(tree, clock, integration, report):
+def _close_step(tree: "TreeArrays", clock: np.void, integration: Integration, report: Report) -> int:
     """The slope at the end of a step is that at the start of the next, once the loops are closed."""
     if tree.closures.shape[0] == 0:
         _copy(integration.slopes[STAGES], integration.slopes[0])
@@ -293,7 +316,14 @@ def _close_step(tree, clock, integration, report):
 
 
 @kernel
-def _observe(tree, work, coordinates, clock, integration, report):
+def _observe(
+    tree: "TreeArrays",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    clock: np.void,
+    integration: Integration,
+    report: Report,
+) -> None:
     """Fill a report row from the state that has just been evaluated."""
     row = clock["row"]
     _copy(integration.trial, report.rows[row])
@@ -311,7 +341,7 @@ def _observe(tree, work, coordinates, clock, integration, report):
 
 
 @kernel
-def _copy(a, b):
+def _copy(a: np.ndarray, b: np.ndarray) -> None:
     """b = a."""
     for i in range(a.shape[0]):
         b[i] = a[i]

@@ -10,8 +10,13 @@ columns; the first r of each are the independent equations and the dependent spe
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 GOOD_ENOUGH = 0.1  # of the largest entry left: may be a pivot, and the one that spares most zeros is
@@ -23,7 +28,7 @@ BRANCHING = 1e-6
 
 
 @kernel
-def choose(jacobian, left, order, most):
+def choose(jacobian: "np.ndarray", left: "np.ndarray", order: "np.ndarray", most: int) -> int:
     """Find the order of pivots, at most `most` of them; returns the rank.
 
     left (m, n) is overwritten.
@@ -48,14 +53,14 @@ def choose(jacobian, left, order, most):
 
 
 @kernel
-def _swap(order, a, b):
+def _swap(order: "np.ndarray", a: int, b: int) -> None:
     kept = order[a]
     order[a] = order[b]
     order[b] = kept
 
 
 @kernel
-def _best_pivot(left, order, k, smallest):
+def _best_pivot(left: "np.ndarray", order: "np.ndarray", k: int, smallest: float) -> tuple[int, int]:
     """Places in the order of the row and column of the next pivot; -1, -1 when only zeros are left.
 
     Among the good entries that one whose row and column hold fewest others (Markowitz).
@@ -88,7 +93,7 @@ def _best_pivot(left, order, k, smallest):
 
 
 @kernel
-def _clear_below(left, order, k):
+def _clear_below(left: "np.ndarray", order: "np.ndarray", k: int) -> None:
     m, n = left.shape
     pivot_row, pivot_column = order[k], order[m + k]
     for i in range(k + 1, m):
@@ -103,7 +108,7 @@ def _clear_below(left, order, k):
 
 
 @kernel
-def factorise(jacobian, order, rank, factors):
+def factorise(jacobian: "np.ndarray", order: "np.ndarray", rank: int, factors: "np.ndarray") -> float:
     """Factors of the first `rank` rows in the order at hand: factors (m, n), columns in pivot order.
 
     The leading block (rank, rank) becomes L with unit diagonal below, U above; the columns behind it
@@ -132,7 +137,7 @@ def factorise(jacobian, order, rank, factors):
 
 
 @kernel
-def smallest_pivot(factors, rank):
+def smallest_pivot(factors: "np.ndarray", rank: int) -> float:
     """The smallest pivot of `factorise`, infinite where there are no equations."""
     smallest = math.inf
     for k in range(rank):
@@ -141,7 +146,9 @@ def smallest_pivot(factors, rank):
 
 
 @kernel
-def free_motions(factors, order, rank, m, motions):
+def free_motions(
+    factors: "np.ndarray", order: "np.ndarray", rank: int, m: int, motions: "np.ndarray"
+) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
     n = factors.shape[1]
     for f in range(n - rank):
@@ -157,7 +164,9 @@ def free_motions(factors, order, rank, m, motions):
 
 
 @kernel
-def dependent_speeds(factors, order, rank, m, right_side, x):
+def dependent_speeds(
+    factors: "np.ndarray", order: "np.ndarray", rank: int, m: int, right_side: "np.ndarray", x: "np.ndarray"
+) -> None:
     """Fill x (n,) with a solution of the independent equations whose free speeds are zero.
 
     right_side (m,) in the order of the equations.
@@ -180,7 +189,7 @@ def dependent_speeds(factors, order, rank, m, right_side, x):
 
 
 @kernel
-def transposed_solution(factors, rank, y):
+def transposed_solution(factors: "np.ndarray", rank: int, y: "np.ndarray") -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
     for i in range(rank):
         for j in range(i):
@@ -194,7 +203,7 @@ def transposed_solution(factors, rank, y):
 
 
 @kernel
-def cholesky(matrix, size, smallest):
+def cholesky(matrix: "np.ndarray", size: int, smallest: float) -> int:
     """Overwrite the lower part of matrix (size, size) with its factor; 0 or the 1-based failing row.
 
     A pivot must exceed `smallest` of its diagonal entry.
@@ -214,7 +223,7 @@ def cholesky(matrix, size, smallest):
 
 
 @kernel
-def cholesky_solve(matrix, size, y):
+def cholesky_solve(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
     """Solve in place with the factor of `cholesky`."""
     for i in range(size):
         for k in range(i):

@@ -5,6 +5,8 @@ the gaps: the least one in the metric of the mass matrix, which leaves alone wha
 not involve.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import kernel
@@ -12,6 +14,10 @@ from .kinematics import attitude_rates, place_frames
 from .loop_closures import apply_row_forces, evaluate_closures, solve_rows
 from .motion import normalise_attitudes, parts
 from .unit_forces import respond, respond_nodes
+
+if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
+
 
 CLOSED = 1e-13  # m and m/s: as good as closed
 MOST_CORRECTIONS = 5
@@ -21,7 +27,7 @@ ROUND_OFF = 1e-10  # share of a state that closing may move whatever the toleran
 
 
 @kernel
-def largest_gap(closures):
+def largest_gap(closures: np.ndarray) -> float:
     """Largest |gap|, m."""
     largest = 0.0
     for i in range(closures.shape[0]):
@@ -30,7 +36,7 @@ def largest_gap(closures):
 
 
 @kernel
-def largest_rate(closures):
+def largest_rate(closures: np.ndarray) -> float:
     """Largest |rate| of a gap, m/s."""
     largest = 0.0
     for i in range(closures.shape[0]):
@@ -39,7 +45,7 @@ def largest_rate(closures):
 
 
 @kernel
-def project(tree, work, coordinates, z):
+def project(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Close gaps and rates of z, near the state for which the equations have just been solved."""
     for _ in range(MOST_CORRECTIONS):
         evaluate_gaps(tree, work, coordinates, z)
@@ -51,7 +57,7 @@ def project(tree, work, coordinates, z):
 
 
 @kernel
-def strayed(open_end, closed_end, clock):
+def strayed(open_end: np.ndarray, closed_end: np.ndarray, clock: np.void) -> int:
     """Place in z that closing the loops moved too far at the end of a step, or -1.
 
     A step that was good left the loops but for its error.  One across a singular position may land on
@@ -69,7 +75,7 @@ def strayed(open_end, closed_end, clock):
 
 
 @kernel
-def evaluate_gaps(tree, work, coordinates, z):
+def evaluate_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Place the frames and measure the closures at the state z."""
     y, q, attitudes = parts(tree, z)
     place_frames(tree, work, coordinates, q, y, attitudes)
@@ -77,7 +83,7 @@ def evaluate_gaps(tree, work, coordinates, z):
 
 
 @kernel
-def _respond_to_rows(tree, work, coordinates, z):
+def _respond_to_rows(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Responses of all coordinates to forces that take away what the rows hold as forces."""
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
@@ -87,7 +93,7 @@ def _respond_to_rows(tree, work, coordinates, z):
 
 
 @kernel
-def _close_gaps(tree, work, coordinates, z):
+def _close_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Move the coordinates by one Newton correction."""
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["gap"]
@@ -96,7 +102,7 @@ def _close_gaps(tree, work, coordinates, z):
 
 
 @kernel
-def move_coordinates(tree, coordinates, z):
+def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
     """Move the coordinates by their responses, none further than LONGEST."""
     largest = 0.0
     for m in range(coordinates.shape[0]):
@@ -118,7 +124,7 @@ def move_coordinates(tree, coordinates, z):
 
 
 @kernel
-def _close_rates(tree, work, coordinates, z):
+def _close_rates(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Change the speeds by the correction that is exact but for round-off."""
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["rate"]
@@ -127,7 +133,7 @@ def _close_rates(tree, work, coordinates, z):
 
 
 @kernel
-def change_speeds(tree, coordinates, z):
+def change_speeds(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
     """Change the speeds by their responses."""
     y, _q, _attitudes = parts(tree, z)
     for m in range(y.shape[0]):

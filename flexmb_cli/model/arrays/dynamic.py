@@ -74,7 +74,7 @@ def step_length_scale(model: DynamicModel, length: float) -> float:
     return min(length, FEW_BODIES * 2.0 ** round(math.log2(reach))) if reach > 0.0 else length
 
 
-def _groups(arrays: KinematicArrays):
+def _groups(arrays: KinematicArrays) -> np.ndarray:
     """Every constraint is a group of its own."""
     constraints = arrays.constraints
     groups = np.zeros(len(constraints), GROUP)
@@ -103,7 +103,7 @@ def _without_normalisation(arrays: KinematicArrays) -> KinematicArrays:
     )
 
 
-def _masses(model, bodies):
+def _masses(model: DynamicModel, bodies: int) -> np.ndarray:
     masses = np.zeros(bodies, MASS)
     masses["flexible"] = NONE
     for item in model.masses:
@@ -113,7 +113,7 @@ def _masses(model, bodies):
     return masses
 
 
-def inertia_matrix(elements) -> np.ndarray:
+def inertia_matrix(elements: tuple[float, ...]) -> np.ndarray:
     """The tensor (3, 3) of its elements xx, yy, zz, xy, yz, zx."""
     xx, yy, zz, xy, yz, zx = elements
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])

@@ -1,15 +1,19 @@
 """FlexibleMechanism → the arrays that the kernels of constrained dynamics read."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..flexible_mechanism import FlexibleMechanism, FloatingBody
+from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce, PointSpring
 from .constraint_table import PrimitiveTable
 from .kinematic import CONSTRAINT
 from .node_joints import add_joints, add_motions, spring_primitive
 from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
+
+if TYPE_CHECKING:
+    from ..fe_model import BodyTorque
 
 
 def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
@@ -50,14 +54,14 @@ def length_scale(mechanism: FlexibleMechanism) -> float:
     return 2.0 ** round(math.log2(largest)) if largest > 0.0 else 1.0
 
 
-def _mode_scale(body: FloatingBody, length):
+def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     """The modal coordinates whose largest displacement is `length`."""
     if body.flexible is None:
         return np.zeros(0)
     return length / np.abs(body.flexible.Phi).max(axis=0)
 
 
-def _masses(bodies):
+def _masses(bodies: tuple[FloatingBody, ...]) -> np.ndarray:
     masses = np.zeros(len(bodies), MASS)
     flexible = 0
     for k, body in enumerate(bodies):
@@ -66,7 +70,7 @@ def _masses(bodies):
     return masses
 
 
-def _flexible(bodies):
+def _flexible(bodies: tuple[FloatingBody, ...]) -> tuple[np.ndarray, np.ndarray]:
     """FLEXIBLE records, and the invariants in their order."""
     records, parts, first, at, places = [], [np.zeros(0)], 0, 0, 0
     for k, body in enumerate(bodies):
@@ -83,7 +87,7 @@ def _flexible(bodies):
     return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
 
 
-def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
+def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
     records += [_spring(table, item) for item in mechanism.springs]
@@ -95,7 +99,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
     return np.array(records, dtype=LOAD).reshape(-1)
 
 
-def _force(table, item):
+def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:
     record = blank_load(FORCE)
     record["body_vector"], record["vector"] = table.point(item.point), item.force
     record["following"], record["function"] = (
@@ -105,7 +109,7 @@ def _force(table, item):
     return record
 
 
-def _torque(table, item):
+def _torque(table: PrimitiveTable, item: "BodyTorque") -> np.ndarray:
     record = blank_load(TORQUE)
     record["body_vector"], record["vector"] = table.body_vector(item.body, np.zeros(3)), item.torque
     record["following"], record["function"] = (
@@ -115,7 +119,7 @@ def _torque(table, item):
     return record
 
 
-def _spring(table, item):
+def _spring(table: PrimitiveTable, item: PointSpring) -> np.ndarray:
     record = blank_load(LINE)
     record["primitive"] = table.spring(line_primitive(table.point(item.b), table.point(item.a)))
     record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.length

@@ -1,16 +1,23 @@
 """Elements at joints of a YOUNG deck → equations, primitives and loads for the kernels."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...quick_dataclass import dataclass, replace
 from ..flexible_mechanism import NodePoint, PointJoint
-from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, CompositeJoint, JointElements
+from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, CompositeJoint, JointElements, JointSpring
 from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
 from ..time_functions import integral_of
 from .constraint_table import PrimitiveTable
 from .node_joints import EQUATIONS_OF, JointVectors
 from .records import CABLE, ELEMENT, FRICTION, NONE, RELATIVE, SPRING, STOP, blank_load, line_primitive
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -51,7 +58,7 @@ def point_joint(joint: Joint) -> PointJoint:
     return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)
 
 
-def _point(body, r0):
+def _point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.asarray(r0, float), np.zeros((3, 0)))
 
 
@@ -93,7 +100,7 @@ class ElementTable:
             parts = [(item.coordinate, is_length, record)]
             self.table.equations(item.name, item.place, body_vectors.i, body_vectors.j, parts)
 
-    def _driven(self, item):
+    def _driven(self, item: "Any") -> None:
         driver = self.model.mechanism.drivers[item.item]
         if driver.direction <= TRANSLATIONAL:
             self._along_axis(driver.name, driver.body, driver.direction, item)
@@ -105,13 +112,13 @@ class ElementTable:
         record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
-    def _along_axis(self, name, body, direction, item):
+    def _along_axis(self, name: "Any", body: "Any", direction: "Any", item: "Any") -> None:
         origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
         record["function"] = self.table.function(item.function)
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
-    def _composite(self, item: CompositeJoint):
+    def _composite(self, item: CompositeJoint) -> None:
         ends = [
             (_point(body, P), _point(body, np.add(P, s)))
             for body, P, s in ((item.i, item.P_i, item.s_i), (item.j, item.P_j, item.s_j))
@@ -125,7 +132,7 @@ class ElementTable:
             parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
-    def _coupling(self, item):
+    def _coupling(self, item: "Any") -> None:
         records = [self._scaled(self.coordinate(joint, kind), factor) for joint, kind, factor in item.terms]
         is_length = any(kind == STROKE for _, kind, _ in item.terms)
         body_vectors = self.body_vectors(item.terms[0][0])
@@ -135,7 +142,7 @@ class ElementTable:
         )
 
     @staticmethod
-    def _scaled(record, factor):
+    def _scaled(record: np.ndarray, factor: "Any") -> "Any":
         for field in ("alpha", "beta", "constant"):
             record[field] *= factor
         return record
@@ -152,29 +159,29 @@ class ElementTable:
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
-    def _at(self, joint, coordinate, shape):
+    def _at(self, joint: int, coordinate: str, shape: int) -> np.ndarray:
         record = blank_load(ELEMENT)
         record["shape"] = shape
         record["primitive"] = self.table.spring(self.coordinate(joint, coordinate))
         return record
 
-    def _motor(self, item):
+    def _motor(self, item: "Any") -> "Any":
         record = blank_load(RELATIVE)
         record["primitive"] = self.table.spring(self.coordinate(item.joint, item.coordinate))
         record["function"] = self.table.function(item.function)
         return record
 
-    def _spring(self, item):
+    def _spring(self, item: JointSpring) -> np.ndarray:
         return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
 
-    def _line(self, item):
+    def _line(self, item: "Any") -> "Any":
         record = blank_load(ELEMENT)
         record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
         head, tail = (self.table.body_vector(body, P) for body, P in ((item.j, item.P_j), (item.i, item.P_i)))
         record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
-    def _with_data(self, record, item):
+    def _with_data(self, record: np.ndarray, item: JointSpring) -> np.ndarray:
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
@@ -184,13 +191,13 @@ class ElementTable:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record
 
-    def _stop(self, item):
+    def _stop(self, item: "Any") -> "Any":
         record = self._at(item.joint, item.coordinate, STOP)
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["lower"], record["upper"] = item.lower, item.upper
         return record
 
-    def _bushing(self, item):
+    def _bushing(self, item: "Any") -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
         table = self.table
         head, tail = table.body_vector(item.j, item.P_j), table.body_vector(item.i, item.P_i)
@@ -206,7 +213,7 @@ class ElementTable:
             load["stiffness"], load["damping"] = stiffness, damping
             yield load
 
-    def _friction(self, item):
+    def _friction(self, item: "Any") -> "Any":
         record = blank_load(FRICTION)
         kinds = COORDINATES_OF[self.model.mechanism.joints[item.joint].kind]
         for field, coordinate in (("primitive", ANGLE), ("stroke", STROKE)):
@@ -222,7 +229,7 @@ class ElementTable:
         return record
 
 
-def _revolute_cylindrical(table, a, b):
+def _revolute_cylindrical(table: PrimitiveTable, a: "Any", b: "Any") -> "Any":
     """P_i stays on the axis of body j, and the two axes at right angles."""
     of_i, of_j = a[1].r0 - a[0].r0, b[1].r0 - b[0].r0
     s_i, s_j = of_i / np.linalg.norm(of_i), of_j / np.linalg.norm(of_j)

@@ -103,7 +103,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
 
 
-def _datasets(dialect):
+def _datasets(dialect: str) -> tuple[str, ...]:
     return dialect_named(dialect).curves if dialect in DIALECTS else OF_ANY
 
 
@@ -113,7 +113,7 @@ def still_energies(result: h5py.File) -> list[str]:
     return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
 
 
-def _energies(result):
+def _energies(result: h5py.File) -> list[Quantity]:
     return _moving(result, [quantity for quantity in names(result) if quantity.dataset in ENERGIES])
 
 
@@ -138,14 +138,14 @@ def panels(sources: Sequence[Source]) -> list[Panel]:
     ]
 
 
-def _moving(result, quantities):
+def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     if not quantities or not len(result["time"]):
         return []
     ranges = np.ptp(read(result, quantities), axis=0)
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _crowd(quantities):
+def _crowd(quantities: list[Quantity]) -> list[Quantity]:
     """At most `MOST_CURVES` of a unit, the first ones."""
     kept, count = [], {}
     for quantity in quantities:

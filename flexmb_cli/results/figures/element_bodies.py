@@ -69,7 +69,7 @@ def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> It
             yield _body(result, number, name, rows)
 
 
-def _body(result, number, name, rows):
+def _body(result: h5py.File, number: int, name: str, rows: slice) -> ElementBody:
     group, modal = f"elastic/{name}", f"modal/{name}"
     shapes = {f"{group}/{key}": letters for key, letters in _SHAPES.items()}
     series = {f"{modal}/{key}": "tm" for key in ("amplitude", "rate")}
@@ -93,7 +93,7 @@ def _body(result, number, name, rows):
     )
 
 
-def _rows_of(cells, numbers, name):
+def _rows_of(cells: np.ndarray, numbers: np.ndarray, name: str) -> np.ndarray:
     """Cells (m, k) of node numbers as rows of the body's nodes."""
     if cells.shape[1] not in FACES or not len(cells):
         raise Damaged(f"the elements of {name} have {cells.shape[1]} nodes")

@@ -5,14 +5,19 @@ space; the viewer superposes them.  Arrays are 32-bit numbers, little-endian, in
 """
 
 import base64
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces, triangles
-from .scene import Scene, read_scene
+from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -75,14 +80,14 @@ def rounded(times: np.ndarray) -> list[str]:
     ]
 
 
-def _lines(body):
+def _lines(body: DrawnBody) -> "dict[str, Any]":
     marks = body.marks[:1] if body.still else body.marks
     colour = GREY if body.still else COLOURS[(body.number - 1) % len(COLOURS)]
     data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
 
-def _surface(body: ElementBody):
+def _surface(body: ElementBody) -> "Any":
     faces = outer_faces(body.cells)
     nodes = np.unique(faces)
     place = np.zeros(len(body.undeformed), int)
@@ -116,7 +121,7 @@ def with_centres(values: np.ndarray, faces: np.ndarray) -> np.ndarray:
     )
 
 
-def _fans(faces, first):
+def _fans(faces: np.ndarray, first: "Any") -> "Any":
     """Eight triangles round the middle of every face; the middles are numbered from `first`."""
     centres = np.arange(first, first + len(faces))
     pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)
@@ -124,7 +129,7 @@ def _fans(faces, first):
     return fans.reshape(-1, 3)
 
 
-def _traces(scene):
+def _traces(scene: Scene) -> list[dict[str, str]]:
     """Paths of the points that move."""
     paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
     pairs = zip(scene.point_names, paths, strict=False)
@@ -134,9 +139,9 @@ def _traces(scene):
     ]  # fmt: skip
 
 
-def _numbers(values):
+def _numbers(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode("ascii")
 
 
-def _integers(values):
+def _integers(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values, "<u4").tobytes()).decode("ascii")

@@ -36,7 +36,7 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
     return View(_plain(in_plane), _plain(normal), True)
 
 
-def _normal(places):
+def _normal(places: np.ndarray) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
     _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
@@ -46,12 +46,12 @@ def _normal(places):
     return normal * np.sign(normal[np.argmax(np.abs(normal))])
 
 
-def _aside(up):
+def _aside(up: np.ndarray) -> np.ndarray:
     """The direction to a viewer who stands to the side and a little above."""
     across = np.roll(np.abs(up).round(), 1) if np.count_nonzero(np.abs(up).round()) == 1 else np.eye(3)[0]
     side = np.cross(up, across)
     return 0.75 * side + 1.0 * across + 0.55 * up
 
 
-def _plain(vector):
+def _plain(vector: np.ndarray) -> tuple[float, float, float]:
     return tuple(float(round(x, 9)) + 0.0 for x in vector / np.linalg.norm(vector))

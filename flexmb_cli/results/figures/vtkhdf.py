@@ -9,7 +9,7 @@ import io
 import h5py
 import numpy as np
 
-from .element_bodies import element_bodies
+from .element_bodies import ElementBody, element_bodies
 from .scene import Scene, read_scene
 from .vtkhdf_cells import write_cells
 
@@ -40,7 +40,7 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     return stream.getvalue()
 
 
-def _grid(scene, bodies):
+def _grid(scene: Scene, bodies: list[ElementBody]) -> bytes:
     stream = io.BytesIO()
     with h5py.File(stream, "w", libver=("v108", "v108")) as file:
         root = file.create_group("VTKHDF")
@@ -50,7 +50,7 @@ def _grid(scene, bodies):
     return stream.getvalue()
 
 
-def _write_points(root, scene: Scene, points):
+def _write_points(root: h5py.Group, scene: Scene, points: np.ndarray) -> None:
     root["NumberOfPoints"] = np.array([points.shape[1]], np.int64)
     root["Points"] = points.reshape(-1, 3)
     data = root.create_group("PointData")
@@ -59,7 +59,7 @@ def _write_points(root, scene: Scene, points):
     data["body"] = np.array(owner, np.int32)
 
 
-def _write_cells(root, scene, count):
+def _write_cells(root: h5py.Group, scene: Scene, count: int) -> None:
     """A vertex for every point, a line for every edge; the same for all steps."""
     edges, first = [], 0
     for body in scene.bodies:
@@ -75,7 +75,7 @@ def _write_cells(root, scene, count):
         group["Offsets"] = np.arange(len(members) + 1, dtype=np.int64) * members.shape[1]
 
 
-def _write_steps(root, scene, count):
+def _write_steps(root: h5py.Group, scene: Scene, count: int) -> None:
     steps = len(scene.time)
     group = root.create_group("Steps")
     group.attrs["NSteps"] = np.int64(steps)

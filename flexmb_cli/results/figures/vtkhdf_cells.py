@@ -9,7 +9,7 @@ import numpy as np
 
 from ..hdf5.stress import von_mises
 from .element_bodies import ElementBody
-from .scene import GROUND, Scene
+from .scene import GROUND, DrawnBody, Scene
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
@@ -48,7 +48,9 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     _write_steps(root, scene.time, count)
 
 
-def _row(scene, bodies, drawn, row):
+def _row(
+    scene: Scene, bodies: list[ElementBody], drawn: list[DrawnBody], row: int
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Points of a row and their data, but for the displacement."""
     places = [body.places(row) for body in bodies] + [body.marks[row] for body in drawn]
     rest = sum(body.marks.shape[1] for body in drawn)
@@ -64,7 +66,7 @@ def _row(scene, bodies, drawn, row):
     }
 
 
-def _rigid_velocities(scene, body, row):
+def _rigid_velocities(scene: Scene, body: DrawnBody, row: int) -> np.ndarray:
     if body.number == GROUND or scene.velocity is None:
         return np.zeros_like(body.marks[row])
     one = body.number - 1
@@ -72,7 +74,9 @@ def _rigid_velocities(scene, body, row):
     return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)
 
 
-def _write_topology(root, bodies, drawn, counts):
+def _write_topology(
+    root: h5py.Group, bodies: list[ElementBody], drawn: list[DrawnBody], counts: list[int]
+) -> None:
     connectivity, lengths, types = [], [], []
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for body, first in zip(bodies, firsts, strict=False):
@@ -91,13 +95,15 @@ def _write_topology(root, bodies, drawn, counts):
     root["Types"] = np.array(types, np.uint8)
 
 
-def _add(cells, kind, connectivity, lengths, types):
+def _add(
+    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: list[int], types: list[int]
+) -> None:
     connectivity.append(cells.ravel())
     lengths += [cells.shape[1]] * len(cells)
     types += [kind] * len(cells)
 
 
-def _write_steps(root, time, count):
+def _write_steps(root: h5py.Group, time: np.ndarray, count: int) -> None:
     steps = len(time)
     group = root.create_group("Steps")
     group.attrs["NSteps"] = np.int64(steps)

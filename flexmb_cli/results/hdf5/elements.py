@@ -1,5 +1,7 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
+from typing import TYPE_CHECKING
+
 from ...model.arrays.young_elements import reported_coordinates
 from ...model.element_names import element_names
 from ...model.joint_elements import ANGLE
@@ -9,6 +11,10 @@ from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series
 from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .kinematic import readable_names
 from .result_file import Axis, Layout, Series, Values, numbered_axis
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 COORDINATE, ELEMENT = "coordinate/coordinate", "element/element"
 SERIES = {
@@ -46,18 +52,18 @@ def element_layout(model: DynamicModel) -> Layout:
     return replace(found, axes=tuple(axes), series=tuple(series))
 
 
-def element_values(model: DynamicModel, rows) -> Values:
+def element_values(model: DynamicModel, rows: "Any") -> Values:
     """The fields of report rows (`element_rows.ElementRows`) by the paths of their datasets."""
     values = dict(dynamic_values(model, rows))
     return values | {series.path: getattr(rows, field) for field, series in SERIES.items()}
 
 
-def _with_units(axis: Axis, kind, units) -> Axis:
+def _with_units(axis: Axis, kind: str, units: "Any") -> Axis:
     meaning = f"unit of the {kind}'s effort" if kind == "driver" else f"unit of the {kind}"
     return replace(axis, labels=(*axis.labels, (f"{kind}/unit", tuple(units), meaning)))
 
 
-def _driver_names(model):
+def _driver_names(model: "Any") -> "Any":
     mechanism = model.mechanism
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in mechanism.drivers]
     own = list(zip(readable_names("driver", mechanism.drivers), units, strict=True))
@@ -66,7 +72,7 @@ def _driver_names(model):
     ]
 
 
-def _coordinate_names(model):
+def _coordinate_names(model: "Any") -> "Any":
     joints = readable_names("joint", model.mechanism.joints)
     return [
         (f"{joints[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")

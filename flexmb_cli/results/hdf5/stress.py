@@ -6,11 +6,16 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .result_file import Axis, Constant, Series, Values
+
+if TYPE_CHECKING:
+    from ...model.flexible_body import BodyStress
+
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 # Rows at a time: the stresses of all nodes of a large body are many numbers.
@@ -61,7 +66,7 @@ def stress_series(mechanism: FlexibleMechanism) -> list[Series]:
     return [series for output in mechanism.stresses for series in _series(mechanism, output)]
 
 
-def _series(mechanism, output) -> Iterator[Series]:
+def _series(mechanism: FlexibleMechanism, output: StressOutput) -> Iterator[Series]:
     group, strain = _group(mechanism, output), _group(mechanism, output, "strain")
     name = mechanism.bodies[output.body].name
     for kind, numbers, where in (
@@ -85,7 +90,7 @@ def _series(mechanism, output) -> Iterator[Series]:
         yield Series(f"{group}/max_node", (), "1", "number of that node")
 
 
-def _group(mechanism, output, quantity="stress"):
+def _group(mechanism: FlexibleMechanism, output: StressOutput, quantity: str = "stress") -> str:
     return f"{quantity}/{mechanism.bodies[output.body].name}"
 
 
@@ -126,7 +131,7 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material) -> np.ndarray:
+def strains(stress: np.ndarray, material: "BodyStress") -> np.ndarray:
     """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
     young, poisson = material.young, material.poisson
     strain = stress * ((1 + poisson) / young)

@@ -6,12 +6,17 @@ Create…) is the source of the calls.
 """
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.loads import DynamicModel
 from ...model.vectors import rotation_matrix
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.
 
@@ -75,7 +80,7 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
 
 
-def _foreign(model) -> Iterator[tuple]:
+def _foreign(model: DynamicModel) -> Iterator[tuple]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     mechanism = model.mechanism
     for joint in mechanism.joints:
@@ -108,7 +113,7 @@ _JOINTS = ("spherical", "revolute", "cylindrical", "translational")
 class _Placed:
     """The parts of the model in global axes at the start."""
 
-    def __init__(self, model, start):
+    def __init__(self, model: DynamicModel, start: dict[str, np.ndarray]):
         self.model, self.start = model, start
         self.A = [rotation_matrix(p) for p in start["p"]]
         self.still = {item.body for item in model.mechanism.grounds}
@@ -118,7 +123,7 @@ class _Placed:
         for mass in model.masses:
             self.centre[mass.body] = mass.centre
 
-    def bodies(self):
+    def bodies(self) -> Iterator[str]:
         """Yield a line for every moving body."""
         for mass in sorted(self.model.masses, key=lambda mass: mass.body):
             k = mass.body
@@ -137,7 +142,7 @@ class _Placed:
                 f"initialVelocity={_list(velocity)}, initialAngularVelocity={_list(self.start['omega'][k])}))"
             )
 
-    def joints(self):
+    def joints(self) -> Iterator[str]:
         """Yield a line for every joint."""
         for joint in self.model.mechanism.joints:
             place = _list(self._at(joint.i, joint.P_i))
@@ -158,7 +163,7 @@ class _Placed:
                     "constrainedAxes=[1, 1, 0, 1, 1, 0])"
                 )
 
-    def loads(self):
+    def loads(self) -> "Iterator[Any]":
         """Yield a line for every spring, force and torque."""
         for item in self.model.springs:
             ends = ", ".join(
@@ -184,20 +189,20 @@ class _Placed:
                     f"bodyFixed={bool(item.following)})"
                 )
 
-    def _at(self, body, point):
+    def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         return self.start["r"][body] + self.A[body] @ np.array(point)
 
-    def _local(self, body, point):
+    def _local(self, body: "Any", point: "Any") -> "Any":
         """A point from the mass centre of a moving body, or global of one at rest."""
         if body in self.still:
             return self._at(body, point)
         return np.array(point) - self.centre[body]
 
-    def _word(self, body):
+    def _word(self, body: int) -> str:
         return "ground" if body in self.still else f"bodies[{self.numbers[body]}]"
 
 
-def _frame_along(axis):
+def _frame_along(axis: "Any") -> "Any":
     """A rotation matrix whose third axis is `axis`."""
     across = np.eye(3)[int(np.argmin(np.abs(axis)))]
     x = np.cross(across, axis)
@@ -205,5 +210,5 @@ def _frame_along(axis):
     return np.column_stack([x, np.cross(axis, x), axis])
 
 
-def _list(values) -> str:
+def _list(values: np.ndarray | tuple[float, float, float]) -> str:
     return repr([float(value) for value in values])

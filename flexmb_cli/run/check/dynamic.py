@@ -3,11 +3,16 @@
 Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
 """
 
+from typing import TYPE_CHECKING
+
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, gaps_of, parts_of
+
+if TYPE_CHECKING:
+    from ...solvers.constrained.young_dynamics import ForwardDynamics
 
 
 def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
@@ -24,7 +29,7 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
     kinematic.check(report, model.mechanism, run, jacobian)
 
 
-def _check_forward(report, model, run):
+def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
@@ -55,7 +60,7 @@ def _check_forward(report, model, run):
 class _Gaps:
     """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
 
-    def __init__(self, analysis):
+    def __init__(self, analysis: "ForwardDynamics"):
         from ...solvers.constrained.flexible_start import PositionGaps
 
         self.mechanism = analysis.mechanism

@@ -1,12 +1,20 @@
 """Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, refuse_jacobian, report_times
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
+
 
 ROUND_OFF = 1e-12
 
@@ -22,7 +30,7 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     run.warn(())
 
 
-def _diagnose(report, mechanism):
+def _diagnose(report: CheckReport, mechanism: "Any") -> None:
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)
@@ -46,7 +54,7 @@ def _diagnose(report, mechanism):
     report.free = [list(names) for names in found.free]
 
 
-def _parts(mechanism):
+def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
     kinds: dict[str, int] = {}
     for joint in mechanism.joints:
         kinds[joint.kind] = kinds.get(joint.kind, 0) + 1
@@ -63,7 +71,7 @@ def _parts(mechanism):
     }
 
 
-def _body(body):
+def _body(body: FloatingBody) -> "dict[str, Any]":
     """Return what is reported of a body; frequencies in Hz."""
     record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
     if body.flexible is None:
@@ -79,14 +87,14 @@ def _body(body):
     }
 
 
-def _centre(body):
+def _centre(body: FloatingBody) -> list[float]:
     """Centre of mass, m, components that are round-off of the body's size as 0."""
     centre = body.s0 / body.m
     size = max(np.abs(centre).max(), np.sqrt(np.trace(body.J0) / body.m))
     return np.where(np.abs(centre) > ROUND_OFF * size, centre, 0.0).tolist()
 
 
-def _gaps(analysis, q):
+def _gaps(analysis: "FlexibleDynamics", q: np.ndarray) -> dict[tuple[str, str], float]:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
     arrays, gaps = analysis.arrays, {}
     scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)

@@ -3,6 +3,8 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...deck.record import Deck
@@ -13,8 +15,13 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ...quick_dataclass import fields, replace
 from ..context import Run
 from ..model import folder_of
-from ..outcome import Stop
+from ..outcome import RunOptions, Stop
 from .difference import Difference, largest_difference
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
 TOLERANCE = 1e-9
@@ -44,7 +51,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     return tuple(_differences(mechanism, one, other, unique))
 
 
-def _finely(mechanism, options):
+def _finely(mechanism: "Any", options: RunOptions) -> "Any":
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
@@ -52,7 +59,7 @@ def _finely(mechanism, options):
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 
-def _rows(mechanism):
+def _rows(mechanism: "Any") -> "Any":
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
@@ -65,7 +72,7 @@ def _rows(mechanism):
     return rows, not analysis.found.redundant
 
 
-def _differences(mechanism, one, other, unique):
+def _differences(mechanism: "Any", one: "Any", other: "Any", unique: "Any") -> "Iterator[Any]":
     time = one["time"]
     for name, unit, key in SERIES + (FORCES if unique else ()):
         if one[key].size:

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ...model.attitudes import held_coordinate
-from ...model.mechanism import Mechanism
+from ...model.mechanism import Distance, Mechanism
 from ...quick_dataclass import dataclass
 
 
@@ -32,12 +32,12 @@ def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
     return found
 
 
-def _value(q, body, direction, value):
+def _value(q: np.ndarray, body: int, direction: int, value: float) -> Single:
     coordinate, target = held_coordinate(direction, value)
     return Single({7 * body + coordinate: 1.0}, q[body, coordinate] - target)
 
 
-def _difference(q, item):
+def _difference(q: np.ndarray, item: Distance) -> Single:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     gap = q[item.i, coordinate] - q[item.j, coordinate] - item.value
     return Single({7 * item.i + coordinate: 1.0, 7 * item.j + coordinate: -1.0}, gap)
@@ -61,7 +61,7 @@ def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> lis
     return found
 
 
-def normalised(bodies, q: np.ndarray, qd: np.ndarray) -> list[Single]:
+def normalised(bodies: list[int], q: np.ndarray, qd: np.ndarray) -> list[Single]:
     """|p|² = 1 of the bodies."""
     found = []
     for body in bodies:

@@ -1,10 +1,11 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault
+from ...errors import AnalysisError, Fault, Place
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators import constrained_dop853
@@ -23,10 +24,17 @@ from ..singular.dynamic_singularities import (
 )
 from ..singular.mobility import Gap, Mobility, about
 from .coinciding_ends import refuse_coinciding_ends
-from .integrators import ExplicitSteps
+from .integrators import ExplicitSteps, GeneralisedAlpha
 from .start import inertia_failure, order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...kernels.constrained.report import Report
+    from ...model.equations import Equation
+
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
@@ -51,7 +59,13 @@ class ConstrainedMotion:
     springs = ()
     turns_in_body_axes = False
 
-    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator=None):
+    def __init__(
+        self,
+        arrays: SystemArrays,
+        grid: TimeGrid,
+        tolerance: float,
+        integrator: ExplicitSteps | GeneralisedAlpha | None = None,
+    ):
         self.arrays = arrays
         self.grid = grid
         self.integrator = integrator or ExplicitSteps()
@@ -68,11 +82,11 @@ class ConstrainedMotion:
         self.clock = self.integration.clock
         self.clock["rtol"] = self.clock["atol"] = tolerance
 
-    def usual_repetitions(self, q) -> int | None:
+    def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this kind; None: of no such kind."""
         return None
 
-    def given_rates(self, q):
+    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
         """Rows (r, n) on speeds, right-hand sides (r,) and names of equations that hold at the start only."""
         return np.zeros((0, self.arrays.speeds)), np.zeros(0), ()
 
@@ -132,7 +146,7 @@ class ConstrainedMotion:
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
 
-    def _reports(self, times):
+    def _reports(self, times: np.ndarray) -> "Iterator[Report]":
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
         while times.size:
             report = blank_report(self.arrays, times[:LARGEST_BLOCK])
@@ -146,13 +160,13 @@ class ConstrainedMotion:
             elif answer not in (constrained_dop853.ROWS_FULL, constrained_dop853.PAUSED):
                 raise self._failure(answer, times[0] if times.size else np.inf)
 
-    def _excuse_short_steps(self):
+    def _excuse_short_steps(self) -> None:
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
         if is_singular(self, self.integration.z[: self._first.size], self._first):
             raise self._failure(constrained_dop853.STEP_VANISHED)
         self.clock["excused"] = 1
 
-    def _breakpoints(self, end) -> list[float]:
+    def _breakpoints(self, end: float) -> list[float]:
         """Points of tables before `end`, s, at which steps end.
 
         What a table does between two steps of any length would be stepped over, and no method keeps its
@@ -175,7 +189,7 @@ class ConstrainedMotion:
         found = [break_times(function, system.knots) for function in system.functions]
         return [times for times in found if times.size]
 
-    def _warn_of_fine_tables(self):
+    def _warn_of_fine_tables(self) -> None:
         """Steps of given length end where they end, whatever a table does between."""
         apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
         finest = min(apart, default=np.inf)
@@ -213,18 +227,18 @@ class ConstrainedMotion:
             raise self._failure(answer)
         return found
 
-    def _call(self, task, report):
+    def _call(self, task: int, report: "Report") -> int:
         return self.integrator.integrate_rows(
             task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
         )
 
-    def screw_angles(self, q):
+    def screw_angles(self, q: np.ndarray) -> np.ndarray:
         """Angles that count turns at q, those nearest to the deck's estimates."""
         angles = self.arrays.angles.copy()
         fill_angles(self.system, self.work, q, self.arrays.angles, angles)
         return angles
 
-    def _failure(self, answer, due: float = np.inf) -> AnalysisError:
+    def _failure(self, answer: int, due: float = np.inf) -> AnalysisError:
         """Return why no step, or no row that was `due` at that time, could be made."""
         clock = self.clock[0]
         t, step = float(clock["t"]), float(clock["step"])
@@ -251,12 +265,12 @@ class ConstrainedMotion:
         message = f"at t = {t:.6g} s the step length falls to {step:.1e} s: {reason}"
         return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
-    def _weakest_at_row(self, norms):
+    def _weakest_at_row(self, norms: dict[str, float]) -> "list[Equation]":
         """The equations that are singular where a row could not be made; none where they are not."""
         norms["condition"], owners = weakest_of_speeds(self, self.integration.trial)
         return owners if norms["condition"] > SINGULAR else []
 
-    def _why_steps_fall(self, norms):
+    def _why_steps_fall(self, norms: "Any") -> "Any":
         """The reason in words, and the equations it lies in; the condition goes into `norms`."""
         condition, owners = weakest_of_speeds(self, self.integration.z)
         norms["condition"] = condition
@@ -279,11 +293,11 @@ class ConstrainedMotion:
         )
 
 
-def _names(equations):
+def _names(equations: "list[Equation]") -> str:
     return ", ".join(f"{one.owner}{at_line(one)}" for one in equations)
 
 
-def _repetition(found, usual):
+def _repetition(found: Mobility, usual: int | None) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
     A warning, or a note where they are as many as `usual`.
@@ -307,9 +321,9 @@ def _repetition(found, usual):
     return about("warning", message, *placed)
 
 
-def _in_deck(equation):
+def _in_deck(equation: "Equation") -> tuple[Place, str, str]:
     return equation.place or (0, 0), equation.owner, equation.part
 
 
-def _first(report, filled):
+def _first(report: "Report", filled: int) -> dict[str, np.ndarray]:
     return {name: array[:filled] for name, array in report._asdict().items()}

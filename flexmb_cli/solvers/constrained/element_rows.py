@@ -1,5 +1,7 @@
 """Report rows of a YOUNG deck with elements at joints: joint coordinates, and what every element does."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...kernels.constrained.elements import COORDINATE, EFFORT, POWER, SPEED
@@ -9,6 +11,9 @@ from ...model.arrays.young_elements import reported_coordinates
 from ...model.loads import DynamicModel
 from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
     )
 
 
-def _in_order_of_deck(model, arrays, report):
+def _in_order_of_deck(model: "Any", arrays: "Any", report: Report) -> "Any":
     """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow functions in their places."""
     mechanism, elements = model.mechanism, model.elements
     own = len(arrays.kinematic.constraints)

@@ -1,5 +1,7 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -16,14 +18,18 @@ from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
 from .initial_gaps import gap_warnings
-from .integrators import METHODS
+from .integrators import METHODS, ExplicitSteps, GeneralisedAlpha, RadauSteps
 from .rows import global_axes
 from .start_speeds import given_speeds
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
 
-def integrator_of(integrator: Integrator):
+def integrator_of(integrator: Integrator) -> tuple[ExplicitSteps | GeneralisedAlpha | RadauSteps, float]:
     """The integrator that a deck asks for, and its tolerance."""
     method = METHODS[integrator.method]
     steps = method.make(integrator.parameter, integrator.step)
@@ -52,7 +58,7 @@ class FlexibleDynamics(ConstrainedMotion):
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 
-    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the given speeds and their values: those of the deck, and no rate of deformation."""
         bodies = self.arrays.bodies
         given, wanted = given_speeds(self.velocities, bodies, q)
@@ -74,7 +80,7 @@ class FlexibleDynamics(ConstrainedMotion):
             tuple((point.name, point.body) for point in m.outputs),
         )
 
-    def driven_system(self, k: int, additions, t: float) -> System:
+    def driven_system(self, k: int, additions: list[float], t: float) -> System:
         """Return the system with additions to the value, rate and second rate of motion k at t.
 
         A polynomial takes the place of its function, which at t has the same value and rates.
@@ -94,7 +100,7 @@ class FlexibleDynamics(ConstrainedMotion):
         return flexible_rows(self.mechanism, self.arrays, report)
 
 
-def _velocities(mechanism):
+def _velocities(mechanism: FlexibleMechanism) -> "Iterator[InitialVelocity]":
     """Velocities of the bodies that the deck moves; those at rest follow the others."""
     for k, body in enumerate(mechanism.bodies):
         if np.any(body.velocity) or np.any(body.omega):

@@ -4,9 +4,19 @@ Each imports its own kernels when it is used.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...errors import Fault
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
+    from ...kernels.constrained.system import Work
+    from ...kernels.integrators.constrained_dop853 import Integration
+    from ...kernels.integrators.generalised_alpha import AlphaIntegration
+    from ...kernels.integrators.radau5 import RadauIntegration
 
 
 class ExplicitSteps:
@@ -16,19 +26,19 @@ class ExplicitSteps:
     chosen = True  # whether the lengths of its steps are its own choice
 
     @property
-    def integrate_rows(self):
+    def integrate_rows(self) -> "Callable[..., Any]":
         """The kernel."""
         from ...kernels.integrators import constrained_dop853
 
         return constrained_dop853.integrate_rows
 
-    def new_integration(self, work, angles: int):
+    def new_integration(self, work: "Work", angles: int) -> "Integration":
         """An integration at time 0 with an empty state for a mechanism with this work and so many angles."""
         from ...kernels.integrators import constrained_dop853
 
         return constrained_dop853.new_integration(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, angles)
 
-    def doubts(self, clock) -> list[Fault]:
+    def doubts(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken."""
         return []
 
@@ -45,7 +55,7 @@ class GeneralisedAlpha:
         self.radius, self.length = radius, length
 
     @property
-    def integrate_rows(self):
+    def integrate_rows(self) -> "Callable[..., Any]":
         """The kernel."""
         from ...kernels.integrators import generalised_alpha
 
@@ -56,7 +66,7 @@ class GeneralisedAlpha:
         """Whether the lengths of its steps are its own choice."""
         return self.length == 0.0
 
-    def new_integration(self, work, angles: int):
+    def new_integration(self, work: "Work", angles: int) -> "AlphaIntegration":
         """An integration at time 0 with an empty state; see `generalised_alpha.new_integration`."""
         from ...kernels.integrators import generalised_alpha
 
@@ -64,7 +74,7 @@ class GeneralisedAlpha:
         integration.clock["rho"], integration.clock["fixed"] = self.radius, self.length
         return integration
 
-    def doubts(self, clock) -> list[Fault]:
+    def doubts(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""
         if not self.length or not clock["rejections"]:
             return []
@@ -82,19 +92,19 @@ class RadauSteps:
     chosen = True
 
     @property
-    def integrate_rows(self):
+    def integrate_rows(self) -> "Callable[..., Any]":
         """The kernel."""
         from ...kernels.integrators import radau5
 
         return radau5.integrate_rows
 
-    def new_integration(self, work, angles: int):
+    def new_integration(self, work: "Work", angles: int) -> "RadauIntegration":
         """An integration at time 0 with an empty state; see `radau5.new_integration`."""
         from ...kernels.integrators import radau5
 
         return radau5.new_integration(work, angles)
 
-    def doubts(self, clock) -> list[Fault]:
+    def doubts(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken."""
         return []
 

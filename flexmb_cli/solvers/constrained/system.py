@@ -37,7 +37,7 @@ def new_work(arrays: SystemArrays) -> Work:
     return make_work(constrained_system(arrays), arrays.angles.size)
 
 
-def blank_report(arrays: SystemArrays, times) -> Report:
+def blank_report(arrays: SystemArrays, times: np.ndarray) -> Report:
     """A report for the given times."""
     rows, n = times.size, arrays.speeds
     return Report(
@@ -58,7 +58,7 @@ class AnyCountEvaluator(Evaluator):
     Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
     """
 
-    def residual(self, q, t, expected) -> np.ndarray:
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
         rotations, phi = self.work.rotations[A], self.work.rows[PHI]
         rotation_matrices(q, rotations)

@@ -1,5 +1,7 @@
 """Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -20,6 +22,9 @@ from .rows import DynamicRows, dynamic_rows
 from .start import assembled
 from .start_speeds import given_speeds
 from .system import AnyCountEvaluator
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class ForwardDynamics(ConstrainedMotion):
@@ -45,16 +50,16 @@ class ForwardDynamics(ConstrainedMotion):
             return assemble(PositionGaps(self.arrays, self.system, self.work), t)
         return assembled(self, t)
 
-    def usual_repetitions(self, q) -> int | None:
+    def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Those of a planar mechanism, None of any other."""
         bodies = len(self.mechanism.bodies)
         return repeated_in_plane(self.mechanism, q[: 7 * bodies].reshape(bodies, 7)[:, 3:])
 
-    def given_rates(self, q):
+    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
         return rate_equations(self.mechanism, self.model.elements.rates, q, self.arrays.speeds)
 
-    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return which of the speeds the deck gives, and their values."""
         return given_speeds(self.velocities, self.arrays.bodies, q)
 
@@ -73,7 +78,7 @@ class ForwardDynamics(ConstrainedMotion):
             tuple(k for k, driver in enumerate(mechanism.drivers) if driver in drivers),
         )
 
-    def driven_system(self, k: int, additions, t: float) -> System:
+    def driven_system(self, k: int, additions: list[float], t: float) -> System:
         """Return the system with additions to the value, rate and second rate of driver k at t."""
         value, rate, second = additions
         constraints = self.system.constraints.copy()
@@ -90,11 +95,11 @@ class ForwardDynamics(ConstrainedMotion):
         return dynamic_rows(self.mechanism, report)
 
 
-def _point(body, place):
+def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
-def _integrator(model):
+def _integrator(model: DynamicModel) -> ExplicitSteps:
     if model.radau:
         return RadauSteps()
     steps = model.alpha_steps

@@ -1,11 +1,17 @@
 """How near a position is to a singular one: its condition, and what is weakest there, by name."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...model.by_size import by_size
 from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SHARE = 0.2  # of the largest part of a combination: what is reported
 MOST_REPORTED = 3
@@ -27,19 +33,19 @@ class Conditioning:
     combination: np.ndarray
 
 
-def conditioning(evaluator: Evaluator, q, t, expected) -> Conditioning:
+def conditioning(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Conditioning:
     """The conditioning at q, for any number of equations that equals that of the coordinates."""
     evaluator.residual(q, t, expected)
     return _of_sparse(evaluator.sparse_matrix(q)) if evaluator.is_large else _of_dense(evaluator.matrix(q))
 
 
-def _of_dense(matrix):
+def _of_dense(matrix: np.ndarray) -> Conditioning:
     left, values, right = np.linalg.svd(matrix)
     smallest = max(float(values[-1]), np.finfo(float).tiny)
     return Conditioning(float(values[0]) / smallest, right[-1], left[:, -1])
 
 
-def _of_sparse(matrix):
+def _of_sparse(matrix: "Any") -> Conditioning:
     """By inverse iteration: singular values of a thousand bodies would take minutes."""
     from scipy.sparse import identity
     from scipy.sparse.linalg import splu
@@ -60,7 +66,7 @@ def _of_sparse(matrix):
     return Conditioning(_largest_value(matrix, start) * size, motion, combination)
 
 
-def _largest_value(matrix, vector):
+def _largest_value(matrix: "Any", vector: np.ndarray) -> float:
     """The largest singular value to a few per cent, by power iteration."""
     for _ in range(20):
         vector = matrix.T @ (matrix @ vector)
@@ -82,7 +88,7 @@ def weakest_owners(evaluator: Evaluator, weak: Conditioning) -> list:
     return sorted((joints or list(owners.values()))[:MOST_REPORTED], key=lambda one: one.place)
 
 
-def conditioning_text(evaluator: Evaluator, q, weak: Conditioning) -> str:
+def conditioning_text(evaluator: Evaluator, q: np.ndarray, weak: Conditioning) -> str:
     """Joints with their lines, condition and the motion that is hardly determined, in words."""
     owners = [f"{one.owner} (line {one.place.line})" for one in weakest_owners(evaluator, weak)]
     joints = f" of {', '.join(owners)}" if owners else ""
@@ -90,7 +96,7 @@ def conditioning_text(evaluator: Evaluator, q, weak: Conditioning) -> str:
     return f"{joints} (condition {size}; {_motion(evaluator, q, weak.motion)} is least determined)"
 
 
-def _motion(evaluator, q, motion):
+def _motion(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> str:
     """The bodies that take the largest part in a motion, and how."""
     rates = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
@@ -100,7 +106,7 @@ def _motion(evaluator, q, motion):
     )
 
 
-def _of_body(name, p, rates):
+def _of_body(name: str, p: np.ndarray, rates: np.ndarray) -> str:
     omega = twice_g(p, rates[3:])
     turning = np.linalg.norm(omega) > SHARE * np.linalg.norm(rates[:3])
     direction = omega if turning else rates[:3]

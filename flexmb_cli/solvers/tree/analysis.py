@@ -5,6 +5,7 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,12 @@ from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tre
 from ...model.tree import Table, Tree
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...kernels.integrators.tree_dop853 import Report
+
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -105,7 +112,7 @@ class TreeAnalysis:
 
                 yield from library_rows(self, stop)
 
-    def _integrated_rows(self):
+    def _integrated_rows(self) -> Iterator[TreeRows]:
         """Report rows up to the next breakpoint by the compiled integration."""
         status = tree_dop853.PAUSED
         while self.row < self.tree.time.rows and status != tree_dop853.AT_STOP:
@@ -134,7 +141,7 @@ class TreeAnalysis:
         self.clock["t"], self.state[:] = t, state
         return self._rows_of(tree_dop853.Report(*map(np.concatenate, zip(*reports, strict=True))))
 
-    def _rows_of(self, report):
+    def _rows_of(self, report: "Report") -> TreeRows:
         block = tree_rows(self.tree, self.arrays, report, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
@@ -148,7 +155,7 @@ class TreeAnalysis:
             task, budget, self.arrays, self.work, self.coordinates, self.integration, report
         )
 
-    def _blank_report(self, times):
+    def _blank_report(self, times: np.ndarray) -> "Report":
         rows, n = times.size, len(self.coordinates)
         return tree_dop853.Report(
             times,
@@ -159,7 +166,7 @@ class TreeAnalysis:
             np.zeros((rows, 5)),
         )
 
-    def _start_interval(self, stop):
+    def _start_interval(self, stop: float) -> None:
         set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
         self.clock["stop"] = stop
         if self.resumed:
@@ -175,7 +182,7 @@ class TreeAnalysis:
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
 
-    def _advance(self):
+    def _advance(self) -> tuple[int, TreeRows]:
         """One call of the kernel: its status, and the rows it filled (None for none)."""
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
@@ -231,7 +238,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree, t, coordinate):
+def _no_inertia(tree: Tree, t: float, coordinate: "Any") -> "Any":
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -242,7 +249,7 @@ def _no_inertia(tree, t, coordinate):
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree, t, step, worst):
+def _step_vanished(tree: Tree, t: float, step: "Any", worst: "Any") -> "Any":
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

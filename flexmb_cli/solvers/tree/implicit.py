@@ -1,16 +1,24 @@
 """Report rows of a tree by the compiled implicit integration, for stiff elastic modes."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...kernels.integrators import sdirk4
 from .rows import TreeRows
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...kernels.constrained.system import Work
+    from .analysis import TreeAnalysis
+
+
 CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a second of them
 
 
-def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
+def implicit_rows(analysis: "TreeAnalysis", stop: float) -> Iterator[TreeRows]:
     """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose functions are set.
 
     Raises AnalysisError as the other methods.
@@ -46,15 +54,15 @@ def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
             clock["step_start"], clock["step_length"] = last
 
 
-def _next_time(analysis):
+def _next_time(analysis: "Any") -> "Any":
     grid = analysis.tree.time
     return grid.time(analysis.row) if analysis.row < grid.rows else np.inf
 
 
-def _interpolant(clock, z, work):
+def _interpolant(clock: "Any", z: np.ndarray, work: "Work") -> "Any":
     start, h, end = float(clock["step_start"]), float(clock["step_length"]), z.copy()
 
-    def state_at(t):
+    def state_at(t: float) -> "Any":
         out = np.empty(z.size)
         sdirk4.between((t - start) / h, h, end, work, out)
         return out
