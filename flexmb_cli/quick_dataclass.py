@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .model.flexible_body import Dropped
-
 
 __all__ = ["dataclass", "field", "fields", "replace"]
 
@@ -46,7 +44,7 @@ def replace(of: _Object, /, **changes: object) -> _Object:
     return type(of)(**kept, **changes)
 
 
-def _define(cls: type, frozen: bool, eq: bool) -> type:
+def _define(cls: Any, frozen: Any, eq: Any) -> Any:
     found = _fields_with_bases(cls)
     cls._quick_fields, cls._quick_options = found, {"frozen": frozen, "eq": eq}
     methods = {"__init__": _initialiser(cls, found), "__repr__": _representation}
@@ -66,7 +64,7 @@ def _define(cls: type, frozen: bool, eq: bool) -> type:
     return cls
 
 
-def _fields_with_bases(cls: type) -> dict[str, Any]:
+def _fields_with_bases(cls: Any) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
     found = {}
     for base in reversed(cls.__mro__[1:]):
@@ -141,7 +139,7 @@ def _default(one: Any) -> Any:
     return one.default if one.default_factory is MISSING else one.default_factory()
 
 
-def _representation(self: "Dropped") -> str:
+def _representation(self: Any) -> str:
     shown = (f"{one.name}={getattr(self, one.name)!r}" for one in self._quick_fields.values() if one.repr)
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
@@ -155,14 +153,14 @@ def _comparison(names: list[str]) -> "Callable[..., Any]":
     return __eq__
 
 
-def _hashing(names: list[str]) -> "Callable[..., Any]":
+def _hashing(names: list[str]) -> Any:
     return lambda self: hash(tuple([getattr(self, name) for name in names]))
 
 
 def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
     """What stands for __setattr__ or __delattr__ of a frozen class."""
 
-    def refuse(self: Any, name: Any, *value: Any) -> None:
+    def refuse(self: Any, name: Any, *value: Any) -> Any:
         if type(self) is cls or name in names:
             raise FrozenInstanceError(f"cannot {action} field {name!r}")
         perform(self, name, *value)
@@ -170,7 +168,7 @@ def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Ca
     return refuse
 
 
-def _twin(cls: type) -> type:
+def _twin(cls: Any) -> type:
     """A class of the standard library with the same fields."""
     parts = [(one.name, one.type, one) for one in cls._quick_fields.values()]
     afterwards = {name: getattr(cls, name) for name in ("__post_init__",) if hasattr(cls, name)}

@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -225,7 +225,7 @@ def _refuse_usage(fault: "Any") -> None:
     _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
 
 
-def _print_json(exit_code: int, *faults: "Any", file: str | None = None) -> None:
+def _print_json(exit_code: Any, *faults: "Any", file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
     if wants_json(cli.commands, sys.argv[1:]):

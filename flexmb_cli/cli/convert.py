@@ -1,6 +1,6 @@
 """`flexmb convert`: a deck's model for another program."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,7 +24,7 @@ SUFFIX = {"mjcf": ".xml", "exudyn": ".py"}
 @click.option("--set", "changes", metavar="NAME=VALUE", multiple=True,
               help="Give a number of the deck another value, by its readable name.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def convert(deck: str, form: str, output: str, changes: "tuple[Any, ...]", quiet: bool) -> None:
+def convert(deck: Any, form: str, output: str, changes: "tuple[Any, ...]", quiet: bool) -> Any:
     """Write the model of DECK for another program, in SI units.
 
     What that program cannot hold is refused, with its place in the deck.

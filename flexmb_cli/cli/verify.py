@@ -2,7 +2,7 @@
 
 import json
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -31,7 +31,7 @@ def verify(
     changes: "tuple[Any, ...]",
     echo: bool,
     as_json: bool,
-    quiet: bool,
+    quiet: Any,
     tolerance: float,
     rtol: None,
     atol: None,

@@ -3,6 +3,7 @@
 import math
 import re
 from functools import lru_cache
+from typing import Any
 
 LONGEST = 100
 MOST_DIGITS = 15
@@ -67,7 +68,7 @@ def integer(word: str) -> tuple[int, str]:
     return int(value), f"should be an integer; {shown(word)} is taken for {int(value)}"
 
 
-def _double(word: str, mantissa: str, exponent: None) -> float:
+def _double(word: str, mantissa: Any, exponent: None) -> Any:
     value = float(f"{mantissa}e{exponent}" if exponent else mantissa)
     if math.isinf(value):
         raise Misspelt(f"must be a number of at most 1.8e308 in size; read {shown(word)}")

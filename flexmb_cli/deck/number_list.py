@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
 from .fortran_card import Format, cut
@@ -32,7 +32,7 @@ class NumberList(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, index: "Any") -> "Any":
+    def __getitem__(self, index: "Any") -> Any:
         if isinstance(index, slice):
             return [self._number(k) for k in range(len(self))[index]]
         return self._number(range(len(self))[index])
@@ -45,7 +45,7 @@ class NumberList(Sequence[Number]):
         other.changed = self.changed | {index: number}
         return other
 
-    def _number(self, k: "Any") -> "Any":
+    def _number(self, k: "Any") -> Any:
         if k in self.changed:
             return self.changed[k]
         line, field = divmod(k, len(self.fmt.edits))
@@ -64,7 +64,7 @@ class _Joined(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.head) + len(self.rest)
 
-    def __getitem__(self, index: "Any") -> "Any":
+    def __getitem__(self, index: "Any") -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(len(self))[index]]
         index = range(len(self))[index]
@@ -80,7 +80,7 @@ class _Positions(Mapping[str, int]):
     def __init__(self, numbers: Sequence[Number]):
         self.numbers = numbers
 
-    def __getitem__(self, key: str) -> "Any":
+    def __getitem__(self, key: str) -> Any:
         for k, number in enumerate(self.numbers):
             if number.key == key:
                 return k

@@ -1,7 +1,7 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -61,7 +61,7 @@ def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Faul
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _body(given: VsdfBody, cached: bool) -> tuple[FloatingBody, list[Fault]]:
+def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:

@@ -1,7 +1,7 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,9 +62,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     return basis and _body(given, matrices, frame, basis, figures, findings)
 
 
-def _read(
-    given: FlexibleInput, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Findings
-) -> NodalMatrix | None:
+def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Any) -> Any:
     mapping = given.mapping
     try:
         if file.form == OF_ELEMENTS:
@@ -86,12 +84,12 @@ def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
 
 
 def _body(
-    given: FlexibleInput,
-    matrices: _Matrices,
-    frame: Frame,
-    basis: Basis,
+    given: Any,
+    matrices: Any,
+    frame: Any,
+    basis: Any,
     figures: Figures,
-    findings: Findings,
+    findings: Any,
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants = inertia_invariants(frame.r0, Phi, matrices.scalar)

@@ -8,7 +8,7 @@ Kernels must not call one another in a circle.
 
 import importlib
 import itertools
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import llvmlite.binding as llvm
 from llvmlite import ir
@@ -133,9 +133,7 @@ class Part(CPUDispatcher):
 class Kernel(CPUDispatcher):
     """A function that is compiled whole when Python calls it, and as a part when another kernel does."""
 
-    def __init__(
-        self, function: "Callable[..., Any]", locals: None = None, targetoptions: dict | None = None
-    ):
+    def __init__(self, function: "Callable[..., Any]", locals: Any = None, targetoptions: dict | None = None):
         # Without a word of its own a part would be forced inline where its first caller is.
         options = {"nopython": True, "boundscheck": None, "forceinline": False} | (targetoptions or {})
         # Earlier versions of numba take no None for them.
@@ -245,7 +243,7 @@ def _refuse_foreign(module) -> None:
         raise AssertionError(f"compiled kernels call {sorted(foreign)}")
 
 
-def _numba_type(parameter: "list[Any] | str"):
+def _numba_type(parameter: Any):
     """numba's type of a parameter."""
     if parameter[0] == "a":
         return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
@@ -319,7 +317,7 @@ def _array(context, builder, words, kind):
     return array._getvalue()
 
 
-def _store_result(builder, kind, value, room, k: int):
+def _store_result(builder, kind, value, room, k: Any):
     """Store what a kernel returns from word k on; return the word behind it."""
     if kind is types.none:
         return k

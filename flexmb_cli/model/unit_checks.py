@@ -6,7 +6,7 @@ else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -104,7 +104,7 @@ def _of_body(body: Extent) -> "Iterator[str]":
         )
 
 
-def _of_frequencies(mechanism: "FlexibleMechanism") -> "Iterator[Fault]":
+def _of_frequencies(mechanism: "FlexibleMechanism") -> Any:
     """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
     for body in mechanism.bodies:
         if body.flexible is None or not body.modes:
@@ -119,7 +119,7 @@ def _of_frequencies(mechanism: "FlexibleMechanism") -> "Iterator[Fault]":
             yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
-def _of_densities(mechanism: "FlexibleMechanism") -> "Iterator[Fault]":
+def _of_densities(mechanism: "FlexibleMechanism") -> Any:
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in mechanism.bodies:
         if body.flexible is None:
@@ -143,7 +143,7 @@ def _sides(points: np.ndarray) -> np.ndarray:
     return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
 
 
-def _farthest(points: "list[Any]", centre: np.ndarray | tuple[float, float, float]) -> float:
+def _farthest(points: Any, centre: np.ndarray | tuple[float, float, float]) -> float:
     return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
 
 

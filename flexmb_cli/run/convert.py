@@ -1,7 +1,7 @@
 """A deck's model for another program: the dialect that has the model, and who writes it."""
 
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, FlexmbError, ModelError
 from .context import Run
@@ -10,10 +10,7 @@ from .open_deck import open_deck
 from .outcome import Outcome, RunOptions
 
 if TYPE_CHECKING:
-    from ..model.flexible_mechanism import FlexibleMechanism
-    from ..model.loads import DynamicModel
-    from ..model.mechanism import Mechanism
-    from ..model.tree import Tree
+    pass
 
 
 def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
@@ -32,7 +29,7 @@ def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
         raise
 
 
-def _mjcf(model: "Mechanism | Tree", name: str) -> str:
+def _mjcf(model: Any, name: Any) -> str:
     from ..results.models.mjcf import mjcf
 
     if analysis_of(model) != "tree":
@@ -41,7 +38,7 @@ def _mjcf(model: "Mechanism | Tree", name: str) -> str:
     return mjcf(model, name)
 
 
-def _exudyn(model: "FlexibleMechanism | DynamicModel | Mechanism", name: str) -> str:
+def _exudyn(model: Any, name: Any) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
@@ -50,7 +47,7 @@ def _exudyn(model: "FlexibleMechanism | DynamicModel | Mechanism", name: str) ->
     return exudyn_script(model, start_of(model), name)
 
 
-def start_of(model: "DynamicModel") -> dict:
+def start_of(model: Any) -> dict:
     """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time."""
     from dataclasses import replace
 

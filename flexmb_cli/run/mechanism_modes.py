@@ -1,7 +1,7 @@
 """Small motions of the mechanism of a deck, about a time or an equilibrium."""
 
 from contextlib import AbstractContextManager, nullcontext
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from ..solvers.constrained.analysis import ConstrainedMotion
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
@@ -88,7 +87,7 @@ class MechanismModes:
         return {"time": self.time, **record_of(self.space)}
 
 
-def record_of(space: "StateSpace") -> dict:
+def record_of(space: Any) -> dict:
     """Return a StateSpace as lists and words."""
     signals = {
         what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]
@@ -141,7 +140,7 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(analysis: "ConstrainedMotion", wish: Wish, run: Run) -> MechanismModes:
+def _of_mechanism(analysis: Any, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium

@@ -1,7 +1,7 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
@@ -37,7 +37,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck: "Deck", solution: "Solution", run: Run) -> None:
+    def _open_table(self, deck: Any, solution: Any, run: Any) -> None:
         from ..results.files.replaced_file import ReplacedText
 
         out = None
@@ -53,7 +53,7 @@ class ResultFiles:
             self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
 
     def _open_result(
-        self, deck: "Deck", solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
+        self, deck: Any, solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
     ) -> None:
         from ..results.hdf5.result_file import ResultFile
 

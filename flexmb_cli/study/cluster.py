@@ -8,7 +8,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
@@ -92,7 +92,7 @@ class _Cluster:
     it before anything else is handed out.
     """
 
-    def __init__(self, client: "Any", sweep: Sweep, advance: "Any", address: "Any"):
+    def __init__(self, client: Any, sweep: Any, advance: Any, address: Any):
         from distributed import as_completed
 
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address

@@ -7,7 +7,7 @@ import math
 import re
 import tomllib
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import DeckText
 from ..dialects import DIALECTS
@@ -109,7 +109,7 @@ class _Reader:
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
             self._fault("count", f"times parameters may be {MOST_CASES} at most")
 
-    def _entries(self, key: str) -> "list[Any]":
+    def _entries(self, key: str) -> Any:
         """Names and contents of a table that must not be empty."""
         table = self.table.get(key)
         if not isinstance(table, dict) or not table:
@@ -130,7 +130,7 @@ class _Reader:
             return self._fault(name, "a list holds finite numbers only")
         return Varied(name, tuple(given), place=self._place(name))
 
-    def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
+    def _range(self, name: Any, given: Any, sampled: Any) -> Varied | None:
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
         if not (_is_number(start) and _is_number(end)):
@@ -171,7 +171,7 @@ class _Reader:
             return default
         return given
 
-    def _whole(self, key: str, low: int, high: int, default: int | None = None) -> int | None:
+    def _whole(self, key: str, low: int, high: int, default: int | None = None) -> Any:
         given = self.table.get(key, default)
         if type(given) is not int or not low <= given <= high:
             return self._fault(key, f"is an integer from {low} to {high}")
@@ -182,7 +182,7 @@ class _Reader:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
 
-    def _fault(self, name: str, message: str) -> None:
+    def _fault(self, name: str, message: str) -> Any:
         self.faults.append(Fault("error", message, self._place(name), name, id="STUDY-013"))
 
     def _place(self, name: str) -> Place | None:
@@ -200,11 +200,11 @@ def _names_a_column(name: str) -> bool:
     return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
 
 
-def _is_number(value: float) -> bool:
+def _is_number(value: Any) -> bool:
     return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 
-def _spaced(start: float, end: int, count: int, logarithmic: bool) -> tuple[float, ...]:
+def _spaced(start: Any, end: Any, count: int, logarithmic: bool) -> tuple[float, ...]:
     """Evenly spaced values, the ends exact."""
     parts = [k / (count - 1) for k in range(1, count - 1)]
     if logarithmic:

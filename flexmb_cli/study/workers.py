@@ -3,7 +3,7 @@
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ANALYSIS_FAILED, FlexmbError
 from ..quick_dataclass import dataclass, field
@@ -78,7 +78,7 @@ class _Work:
             self._hear(worker, worker.answer())
         return True
 
-    def _start(self) -> None:
+    def _start(self) -> Any:
         wanted = len(self.waiting) or min(1, len(self.alone))
         while len(self.given) < min(self.jobs, wanted):
             try:
@@ -183,5 +183,5 @@ def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter) -> None:
                 give_up_case(job, block)
 
 
-def _place(job: Job, block: int) -> "Any":
+def _place(job: Job, block: int) -> Any:
     return block, next_case(job, block)

@@ -1,6 +1,6 @@
 """Where something is to be written, as the command line names it."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 class WrittenPlace(click.types.StringParamType):
     """A path; the empty one is what a variable of the shell leaves that was never set."""
 
-    def convert(self, value: str, param: "Any", ctx: click.Context) -> str:
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The path, or a usage error that names the option."""
         if value == "":
             self.fail("an empty name; give a path", param, ctx)

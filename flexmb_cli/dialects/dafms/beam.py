@@ -5,6 +5,8 @@ Euler–Bernoulli elements with Hermite (cubic) deflection; the nodal rotations 
 each of its ends.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import DeckError, Fault
@@ -112,7 +114,7 @@ class Beam:
             matrix[i::count, i::count] = block
         return matrix
 
-    def _axial(self) -> np.ndarray:
+    def _axial(self) -> Any:
         matrix = 2 * np.eye(self.nodes) - np.eye(self.nodes, k=1) - np.eye(self.nodes, k=-1)
         matrix[-1, -1] = 1
         return self.EA / self.step * matrix

@@ -1,5 +1,7 @@
 """A beam as cards of FMBD.DAT: its FE block, a deck around it, or in the place of a body of a deck."""
 
+from typing import Any
+
 import numpy as np
 
 from ...deck.fortran_fields import indexed, integer_list, real_list
@@ -128,7 +130,7 @@ def _numbers(deck: Deck, section: str) -> list[Number]:
     return [record.numbers[0] for record in deck.section(section)]
 
 
-def _span(numbers: list[Number], text: str) -> tuple[int, int, str]:
+def _span(numbers: Any, text: str) -> tuple[int, int, str]:
     lines = [number.place.line for number in numbers]
     return min(lines), max(lines), text
 
@@ -138,7 +140,7 @@ def _spliced(numbers: list[Number], start: int, old: int, new: int) -> list[floa
     return [*values[:start], *new * [0.0], *values[start + old :]]
 
 
-def _block_change(deck: Deck, body: int, beam: Beam) -> tuple[int, int, str]:
+def _block_change(deck: Any, body: Any, beam: Beam) -> tuple[int, int, str]:
     """The lines of the body's FE block, or the place where it must be inserted."""
     text = beam_block(beam, deck.one("counts")["NDM"])
     masses = {record.number: record.numbers[-1].place.line for record in deck.section("bmi")}

@@ -6,7 +6,7 @@ program, blank lines) are passed over.
 
 import os
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def _echo_line(number: int, line: str, match: re.Match[str], faults: "Any") -> E
     return EchoLine(number, tag.name, values, units, tag.columns, tag.kind, edits)
 
 
-def _fault(number: int, line: str, start: int, tag: _Tag) -> Fault:
+def _fault(number: int, line: str, start: int, tag: _Tag) -> Any:
     wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
     read = line[start:].strip()
     column = start + 1 + len(line[start:]) - len(line[start:].lstrip())

@@ -1,6 +1,6 @@
 """What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -21,8 +21,6 @@ from ...model.tree import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...deck.record import Record
 
 
@@ -66,7 +64,7 @@ class _HingeCards:
         self.hinges = hinges
         self.findings = findings
 
-    def entries(self, section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
+    def entries(self, section: str) -> Any:
         """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
         for record in self.values.section(section):
             where = self._where(record)
@@ -117,7 +115,7 @@ def _check_drives(drives: list[Prescribed], findings: Findings) -> None:
         seen.add(where)
 
 
-def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> None:
+def _check_rotations(values: Any, bodies: Any, findings: Any) -> None:
     """The reader has seen that K is a flexible body; `--set` may have changed it since."""
     seen = {}
     for record in values.section("nodal_rotation"):
@@ -137,7 +135,7 @@ def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Fin
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
-def _pulses(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> list[BodyTorque]:
+def _pulses(values: Any, bodies: Any, findings: Any) -> list[BodyTorque]:
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):

@@ -1,6 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
+from typing import Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -82,7 +83,7 @@ def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values: DeckValues, findings: Findings) -> Integrator:
+def _integrator(values: Any, findings: Any) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

@@ -1,7 +1,7 @@
 """A flexible body of a VSDF deck: its finite-element files, reference, basis, damping and stiffening."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -157,7 +157,7 @@ def _node_lists(
     values: DeckValues,
     k: int,
     nodes: "dict[int, np.ndarray]",
-    sets: dict[int, tuple[int, int, int, int]],
+    sets: Any,
     findings: Findings,
 ) -> "dict[Any, Any]":
     """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
@@ -172,7 +172,7 @@ def _node_lists(
     return lists
 
 
-def _damping(record: Record | None, findings: Findings) -> tuple[float, float, float]:
+def _damping(record: Record | None, findings: Findings) -> Any:
     if record is None:
         return 0.0, 0.0, 0.0
     for key in ("alpha", "beta", "ratio"):
@@ -182,7 +182,7 @@ def _damping(record: Record | None, findings: Findings) -> tuple[float, float, f
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) -> tuple[UnitLoad, ...]:
+def _unit_loads(values: Any, k: Any, folder: Any, findings: Any) -> tuple[UnitLoad, ...]:
     loads = []
     for record in values.section("unit_load"):
         if record["body"] != k:
@@ -201,7 +201,7 @@ def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) ->
     return tuple(loads)
 
 
-def _stiffened(record: Record | None, given: FlexibleInput, findings: Findings) -> bool:
+def _stiffened(record: Record | None, given: Any, findings: Findings) -> bool:
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
         findings.error(record.subject, message, record.at("on").place, id="VSDF-035")

@@ -3,7 +3,7 @@
 import math
 from array import array
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -149,9 +149,9 @@ def _side(
 def _with_ground(
     record: Record,
     word: JointWord,
-    a: None,
-    b: tuple[End, ...],
-    bodies: tuple[VsdfBody, ...],
+    a: Any,
+    b: Any,
+    bodies: Any,
     findings: Findings,
 ) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
     """The ground's points where those of the other body are at t = 0."""
@@ -167,7 +167,7 @@ def _with_ground(
     return (points, b) if a is None else (a, points)
 
 
-def _positions(ends: tuple[End, End], bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
+def _positions(ends: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
     owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
     return [
         np.array(end.point) if end.point is not None else owner.global_position(end.node)
@@ -178,7 +178,7 @@ def _positions(ends: tuple[End, End], bodies: tuple[VsdfBody, ...], ground: Vsdf
 def _check_axis(
     record: Record,
     letter: str,
-    ends: tuple[End, End],
+    ends: Any,
     bodies: tuple[VsdfBody, ...],
     ground: VsdfBody,
     findings: Findings,
@@ -233,7 +233,7 @@ def build_pins(
     return tuple(pin for pin in pins if pin is not None)
 
 
-def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Pin | None:
+def _pin(record: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Any:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
@@ -342,7 +342,7 @@ def _target_exists(
     return True
 
 
-def _function(record: Record, tables: "Any", findings: Findings) -> MotionFunction | None:
+def _function(record: Any, tables: Any, findings: Any) -> MotionFunction | None:
     function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:

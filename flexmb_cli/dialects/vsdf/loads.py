@@ -1,7 +1,7 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -70,9 +70,7 @@ def build_torques(
     return tuple(torques)
 
 
-def build_springs(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
-) -> tuple[NodeSpring, ...]:
+def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findings) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
     for record in values.section("spring"):
@@ -95,7 +93,7 @@ def build_springs(
     return tuple(springs)
 
 
-def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
+def _in_one_solid(a: Any, b: End, bodies: tuple[VsdfBody, ...]) -> Any:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 

@@ -1,6 +1,6 @@
 """The cards of joint drivers, joint elements, composite joints and joint rates of a YOUNG deck."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
@@ -57,7 +57,7 @@ class _Maker:
         self.mechanism, self.functions, self.findings = mechanism, functions, findings
         self.start = mechanism.time.start
 
-    def refuse_twice(self, items: "Any", key: "Callable[..., Any]") -> None:
+    def refuse_twice(self, items: Any, key: Any) -> None:
         """Refuse two items for one thing."""
         first: dict = {}
         for item in items:
@@ -81,7 +81,7 @@ class _Maker:
             return None
         return number - 1
 
-    def coordinate(self, record: Record, key: str = "coordinate") -> str | None:
+    def coordinate(self, record: Record, key: str = "coordinate") -> Any:
         if record[key] not in _COORDINATES:
             self.findings.error(
                 record.subject,
@@ -92,7 +92,7 @@ class _Maker:
             return None
         return _COORDINATES[record[key]]
 
-    def ends(self, record: Record) -> dict[str, int | tuple[float, float, float]]:
+    def ends(self, record: Record) -> Any:
         """Bodies (-1: ground) and points of an element between two bodies."""
         return {
             "i": record["I"] - 1, "j": record["J"] - 1,
@@ -140,7 +140,7 @@ def _support(maker: _Maker, record: Record) -> "Any":
 
 
 def _joint_driver(coordinate: str) -> "Callable[..., Any] | None":
-    def make(maker: _Maker, record: Record) -> JointDriver | None:
+    def make(maker: _Maker, record: Record) -> Any:
         joint, function = maker.joint(record, coordinate), maker.functions.motion(record, maker.start)
         if joint is None or function is None:
             return None
@@ -150,7 +150,7 @@ def _joint_driver(coordinate: str) -> "Callable[..., Any] | None":
 
 
 def _motor(coordinate: str) -> "Callable[..., Any] | None":
-    def make(maker: _Maker, record: Record) -> "Any":
+    def make(maker: _Maker, record: Record) -> Any:
         joint, function = maker.joint(record, coordinate), maker.functions.function(record)
         if joint is None or function is None:
             return None
@@ -159,7 +159,7 @@ def _motor(coordinate: str) -> "Callable[..., Any] | None":
     return make
 
 
-def _spring_data(maker: _Maker, record: Record) -> dict[str, float | None]:
+def _spring_data(maker: Any, record: Any) -> Any:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -172,7 +172,7 @@ def _spring_data(maker: _Maker, record: Record) -> dict[str, float | None]:
 
 
 def _joint_spring(coordinate: str) -> "Callable[..., Any]":
-    def make(maker: _Maker, record: Record) -> JointSpring:
+    def make(maker: _Maker, record: Any) -> Any:
         joint = maker.joint(record, coordinate)
         data = _spring_data(maker, record)
         return None if joint is None else JointSpring(record.subject, joint, coordinate, **data)
@@ -180,11 +180,11 @@ def _joint_spring(coordinate: str) -> "Callable[..., Any]":
     return make
 
 
-def _line_spring(maker: _Maker, record: Record) -> "Any":
+def _line_spring(maker: Any, record: Any) -> "Any":
     return LineSpring(record.subject, **maker.ends(record), **_spring_data(maker, record))
 
 
-def _cable(maker: _Maker, record: Record) -> LineSpring:
+def _cable(maker: Any, record: Any) -> LineSpring:
     maker.not_negative(record, "stiffness", "rest", "damping")
     stiffness, rest, damping = (float(record[key]) for key in ("stiffness", "rest", "damping"))
     return LineSpring(record.subject, **maker.ends(record), stiffness=stiffness, rest=rest,
@@ -192,7 +192,7 @@ def _cable(maker: _Maker, record: Record) -> LineSpring:
 
 
 def _stop(coordinate: str) -> "Callable[..., Any]":
-    def make(maker: _Maker, record: Record) -> EndStop:
+    def make(maker: _Maker, record: Any) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             maker.findings.error(
@@ -205,7 +205,7 @@ def _stop(coordinate: str) -> "Callable[..., Any]":
     return make
 
 
-def _bushing(maker: _Maker, record: Record) -> Bushing:
+def _bushing(maker: Any, record: Any) -> Bushing:
     stiffness, damping = (
         (*record.vector(along), *record.vector(about)) for along, about in (("k", "kr"), ("c", "cr"))
     )
@@ -216,7 +216,7 @@ def _bushing(maker: _Maker, record: Record) -> Bushing:
     )
 
 
-def _coupling(maker: _Maker, record: Record) -> Coupling | None:
+def _coupling(maker: _Maker, record: Any) -> Coupling | None:
     terms = []
     for k in range(1, len(record.numbers) // 3 + 1):
         coordinate = maker.coordinate(record, f"coordinate{k}")
@@ -237,7 +237,7 @@ def _coupling(maker: _Maker, record: Record) -> Coupling | None:
     )
 
 
-def _friction(maker: _Maker, record: Record) -> JointFriction | None:
+def _friction(maker: _Maker, record: Any) -> JointFriction | None:
     joint = maker.joint(record)
     maker.not_negative(record, "dynamic", "static", "radius", "preload")
     for key in ("stribeck", "creep"):
@@ -266,7 +266,7 @@ def _friction(maker: _Maker, record: Record) -> JointFriction | None:
     return JointFriction(record.subject, joint, *(float(record[key]) for key in keys), record.place)
 
 
-def _composite(maker: _Maker, record: Record) -> "Any":
+def _composite(maker: Any, record: Any) -> Any:
     axes = {key: record.vector(key) for key in ("s_i", "s_j") if f"{key}.x" in record}
     for key, s in axes.items():
         if not any(s):

@@ -11,7 +11,7 @@ from array import array
 from collections.abc import Sequence
 from functools import cached_property, partial
 from itertools import takewhile
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
@@ -172,7 +172,7 @@ def _opening(deck: Deck) -> int | None:
     return next((n for n, line in _lines_behind(deck) if MARKER.fullmatch(line)), None)
 
 
-def _lines_behind(deck: Deck) -> "Iterator[tuple[int, str]]":
+def _lines_behind(deck: Any) -> "Iterator[tuple[int, str]]":
     """Number and text of every line behind that of dT that names the cards."""
     lines = deck.source.lines
     last = deck.one("time").at("step").place.line
@@ -234,7 +234,7 @@ class _Cards:
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
-    def error(self, place: Place, subject: str, message: str) -> None:
+    def error(self, place: Place, subject: str, message: str) -> Any:
         self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
 
     def _opening_record(self) -> Record:
@@ -282,7 +282,7 @@ class _Cards:
         ]
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
-    def _number(self, subject: str, column: Column, word: Word) -> Number:
+    def _number(self, subject: str, column: Any, word: Any) -> Any:
         value = 0
         try:
             value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
@@ -342,7 +342,7 @@ class _ReadCard(Record):
         return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
 
     @cached_property
-    def _plain(self) -> re.Match[str] | None:
+    def _plain(self) -> Any:
         """The card in the text; None where a comment stands in it or behind it."""
         found = _PLAIN_CARD.match(self._source.text, self._start)
         return found if found and not found[2] else None
@@ -352,7 +352,7 @@ def _is_keyword(word: Word) -> bool:
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
 
 
-def _unknown(text: str) -> str:
+def _unknown(text: Any) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(text.upper(), BY_KEYWORD, n=1)

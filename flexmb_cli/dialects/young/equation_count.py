@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -77,7 +77,7 @@ def _total(equations: int, coordinates: int, bodies: int) -> str:
     )
 
 
-def _grounds_alone(mechanism: Mechanism, grounded: "Any") -> frozenset[int]:
+def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
     held, twice = set(), set()
@@ -86,7 +86,7 @@ def _grounds_alone(mechanism: Mechanism, grounded: "Any") -> frozenset[int]:
     return frozenset(held - twice - touched)
 
 
-def _links(mechanism: Mechanism, grounded: "Any") -> Iterator[tuple[int, tuple[int, ...]]]:
+def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]]]:
     """Pairs (equations, bodies they touch); `grounded` is the body of each ground."""
     for joint in mechanism.joints:
         yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
@@ -166,9 +166,7 @@ def _named(bodies: list[int]) -> str:
 
 
 @lru_cache(maxsize=4)
-def _groups(
-    bodies: int, fixed: frozenset[int], alone: frozenset[int], links: "tuple[tuple[Any, ...], ...]"
-) -> tuple[_Group, ...]:
+def _groups(bodies: Any, fixed: Any, alone: Any, links: Any) -> tuple[_Group, ...]:
     """The groups in the order of their first bodies, without the balanced ones of those `alone`.
 
     The variants of a study mostly have the same.
@@ -187,7 +185,7 @@ def _groups(
     return tuple(groups.values())
 
 
-def _root(root: list[int], body: int) -> int:
+def _root(root: Any, body: int) -> int:
     while root[body] != body:
         root[body] = root[root[body]]
         body = root[body]

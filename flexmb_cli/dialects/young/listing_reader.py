@@ -8,7 +8,7 @@ do not matter.  Lines that are no part of the layout are passed over.
 import re
 import warnings
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -149,7 +149,7 @@ class _Scan:
     def _open_section(self, key: str) -> None:
         self._interrupted, self._open = None, self.sections.setdefault(key, _Gathered(SECTIONS[key]))
 
-    def _take_title(self, words: list[str]) -> None:
+    def _take_title(self, words: Any) -> None:
         """A title with fewer columns than the layout names those that are there."""
         standard = self._open.columns
         known = {name.lower(): k for k, name in enumerate(standard.names)}

@@ -1,5 +1,7 @@
 """Stresses that a deck reports, per unit of each mode: of nodes and elements by their numbers."""
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -26,13 +28,13 @@ def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
     )
 
 
-def _elements(selection: StressSelection, body: FlexibleBody) -> np.ndarray:
+def _elements(selection: StressSelection, body: Any) -> np.ndarray:
     if selection.every_element:
         return body.stress.numbers
     return np.array(selection.elements, dtype=np.int64)
 
 
-def _places(selection: StressSelection, body: FlexibleBody, elements: np.ndarray) -> np.ndarray:
+def _places(selection: StressSelection, body: Any, elements: Any) -> np.ndarray:
     """Rows of the body's table of elements."""
     order = np.argsort(body.stress.numbers)
     sorted_numbers = body.stress.numbers[order]

@@ -6,7 +6,7 @@ hexahedra, linear in tetrahedra of four points, constant for one point) and eval
 the mean of its elements.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,7 +35,7 @@ DIFFERENT_MASS = 1e-3
 
 
 def body_stress(
-    given: FlexibleInput, K: "Any", mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
+    given: FlexibleInput, K: Any, mass: float, frame: Frame, Phi: Any, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
@@ -61,12 +61,12 @@ def body_stress(
 
 
 def _at_best_points(
-    given: FlexibleInput,
-    positions: np.ndarray,
+    given: Any,
+    positions: Any,
     table: BodyTable,
     nearest: BodyElements,
-    K: np.ndarray,
-    findings: Findings,
+    K: Any,
+    findings: Any,
 ) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
@@ -95,7 +95,7 @@ def _at_best_points(
     return body
 
 
-def _check_density(given: FlexibleInput, mass: float, body: BodyElements, findings: Findings) -> None:
+def _check_density(given: Any, mass: Any, body: BodyElements, findings: Any) -> None:
     material, volume = given.material, body.elements.volumes.sum()
     if abs(material.density * volume - mass) > DIFFERENT_MASS * mass:
         message = (

@@ -5,7 +5,7 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -75,7 +75,7 @@ def element_type(path: Path, form: str) -> str:
     return ""
 
 
-def _inp_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
+def _inp_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
     wanted, words, first = 0, [], 0
     for number, line in enumerate(lines_of(path), start=1):
@@ -113,7 +113,7 @@ def _integers(path: Path, number: int, words: list[str]) -> list[int]:
         raise line_fault(path.name, number, message) from None
 
 
-def _cdb_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
+def _cdb_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
     """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
     lines = lines_of(path)
     start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)

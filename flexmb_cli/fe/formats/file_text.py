@@ -9,7 +9,7 @@ import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def lines_of(path: Path) -> list[str]:
 
 
 def table(
-    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: bool = False
+    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: Any = False
 ) -> np.ndarray:
     """The numbers of `lines`, (len, columns) float64; D exponents are read as E.
 

@@ -4,6 +4,7 @@ MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot s
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -77,7 +78,7 @@ def _read_column(
             values.append(value)
 
 
-def _refuse(path: Path, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
+def _refuse(path: Any, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
     point, wrong = (node, component) if component not in (1, 2, 3) else (row, row_component)
     if wrong == 0:
         message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"

@@ -9,6 +9,7 @@ What a call is asked for and what it answers is reported in `constrained_dop853`
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -95,7 +96,7 @@ of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
 
 
-def new_integration(work: Work, angles: int) -> AlphaIntegration:
+def new_integration(work: Any, angles: Any) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
@@ -248,7 +249,7 @@ def _fill_row(system: System, work: Work, integration: AlphaIntegration, t: floa
 
 
 @kernel
-def _between(system: System, integration: AlphaIntegration, x: float, point: np.ndarray) -> None:
+def _between(system: Any, integration: AlphaIntegration, x: float, point: np.ndarray) -> Any:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]

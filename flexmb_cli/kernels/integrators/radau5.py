@@ -9,6 +9,7 @@ What a call is asked for and what it answers is reported in `constrained_dop853`
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -94,7 +95,7 @@ complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose 
 """
 
 
-def new_integration(work: Work, angles: int) -> RadauIntegration:
+def new_integration(work: Any, angles: Any) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1

@@ -3,7 +3,7 @@
 The shortest way in the metric of the matrix of the step: stiff motions stay at rest.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def close_gaps(system: System, work: Work, integration: "RadauIntegration", t: f
 
 
 @kernel
-def moved(integration: "RadauIntegration", found: np.ndarray) -> float:
+def moved(integration: "RadauIntegration", found: np.ndarray) -> Any:
     """By how many tolerances `trial` was moved from the state found."""
     clock, z, total, counted = integration.clock[0], integration.trial, 0.0, found.shape[0] - 1
     for i in range(counted):

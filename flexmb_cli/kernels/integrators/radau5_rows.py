@@ -1,6 +1,6 @@
 """States between two steps of Radau's method, by Hermite's quintic and cubic."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def between(system: "System", integration: "RadauIntegration", x: float, point: np.ndarray) -> None:
+def between(system: "System", integration: "RadauIntegration", x: float, point: np.ndarray) -> Any:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

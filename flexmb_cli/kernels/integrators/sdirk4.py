@@ -10,7 +10,7 @@ The state is that of `tree_motion`: its speeds are iterated, coordinates follow 
 parameters and the applied work are taken from the last evaluation.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -309,7 +309,7 @@ def _close_loops(
 
 
 @kernel
-def between(x: float, h: float, z: np.ndarray, s: Implicit, out: np.ndarray) -> None:
+def between(x: float, h: float, z: np.ndarray, s: Implicit, out: np.ndarray) -> Any:
     """State at the fraction x of the last step, which ended at z.
 
     Coordinates by Hermite's quintic through coordinates, speeds and accelerations at both ends, speeds

@@ -1,6 +1,6 @@
 """Elements at joints of a YOUNG deck → equations, primitives and loads for the kernels."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -118,7 +118,7 @@ class ElementTable:
         record["function"] = self.table.function(item.function)
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
-    def _composite(self, item: CompositeJoint) -> None:
+    def _composite(self, item: CompositeJoint) -> Any:
         ends = [
             (_point(body, P), _point(body, np.add(P, s)))
             for body, P, s in ((item.i, item.P_i, item.s_i), (item.j, item.P_j, item.s_j))
@@ -159,7 +159,7 @@ class ElementTable:
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
-    def _at(self, joint: int, coordinate: str, shape: int) -> np.ndarray:
+    def _at(self, joint: int, coordinate: str, shape: int) -> Any:
         record = blank_load(ELEMENT)
         record["shape"] = shape
         record["primitive"] = self.table.spring(self.coordinate(joint, coordinate))
@@ -174,14 +174,14 @@ class ElementTable:
     def _spring(self, item: JointSpring) -> np.ndarray:
         return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
 
-    def _line(self, item: "Any") -> "Any":
+    def _line(self, item: "Any") -> Any:
         record = blank_load(ELEMENT)
         record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
         head, tail = (self.table.body_vector(body, P) for body, P in ((item.j, item.P_j), (item.i, item.P_i)))
         record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
-    def _with_data(self, record: np.ndarray, item: JointSpring) -> np.ndarray:
+    def _with_data(self, record: Any, item: Any) -> np.ndarray:
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:

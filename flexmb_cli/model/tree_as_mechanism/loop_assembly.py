@@ -5,11 +5,11 @@ what is prescribed does.  A gap and its rate are (p_a - p_b) · d and d · (v_a 
 closed direction of body b; the rates at single unit speeds are the columns of the Jacobian.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault, Place
+from ...errors import AnalysisError, Fault
 from ...quick_dataclass import replace
 from ..tree import ELASTIC, INERTIAL, ROTATION, Tree
 from .frames import Frames, shape_of
@@ -101,7 +101,7 @@ def _gaps_and_rates(tree: Tree, frames: "Any") -> "Any":
     return np.concatenate(gaps), np.concatenate(rates)
 
 
-def _point(tree: Tree, poses: "Any", body: "Any", place: Place | None, node: int) -> Pose:
+def _point(tree: Tree, poses: "Any", body: "Any", place: Any, node: Any) -> Pose:
     """Motion of a point of a body, or of a node, with the axes of the body."""
     on, body_vector, slide = STILL if body == INERTIAL else poses[body], np.array(place, float), np.zeros(3)
     if node is not None and body != INERTIAL:

@@ -4,7 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def _read_result(path: str) -> Columns:
         return Columns(path, tuple(kinds), kinds, read(file, quantities), whole=True)
 
 
-def _common_rows(report: Report, a: Columns, b: Columns) -> tuple[np.ndarray, np.ndarray]:
+def _common_rows(report: Any, a: Any, b: Any) -> Any:
     """Row numbers of both tables that belong together: by time, unless there are as many in both."""
     if len(a.time) == len(b.time):
         rows = np.arange(len(a.time))

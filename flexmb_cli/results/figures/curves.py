@@ -1,6 +1,7 @@
 """Which curves of a result are drawn, and in which panels: one for each unit."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import h5py
 import numpy as np
@@ -145,7 +146,7 @@ def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _crowd(quantities: list[Quantity]) -> list[Quantity]:
+def _crowd(quantities: Any) -> list[Quantity]:
     """At most `MOST_CURVES` of a unit, the first ones."""
     kept, count = [], {}
     for quantity in quantities:

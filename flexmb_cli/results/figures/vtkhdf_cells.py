@@ -4,6 +4,8 @@ VTKHDF 2.3, "Temporal UnstructuredGrid" (https://docs.vtk.org/en/latest/vtk_file
 points of all steps stand one behind the other, the cells are given once and every step refers to them.
 """
 
+from typing import Any
+
 import h5py
 import numpy as np
 
@@ -66,7 +68,7 @@ def _row(
     }
 
 
-def _rigid_velocities(scene: Scene, body: DrawnBody, row: int) -> np.ndarray:
+def _rigid_velocities(scene: Any, body: Any, row: Any) -> np.ndarray:
     if body.number == GROUND or scene.velocity is None:
         return np.zeros_like(body.marks[row])
     one = body.number - 1
@@ -74,9 +76,7 @@ def _rigid_velocities(scene: Scene, body: DrawnBody, row: int) -> np.ndarray:
     return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)
 
 
-def _write_topology(
-    root: h5py.Group, bodies: list[ElementBody], drawn: list[DrawnBody], counts: list[int]
-) -> None:
+def _write_topology(root: Any, bodies: Any, drawn: Any, counts: Any) -> None:
     connectivity, lengths, types = [], [], []
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for body, first in zip(bodies, firsts, strict=False):
@@ -96,7 +96,7 @@ def _write_topology(
 
 
 def _add(
-    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: list[int], types: list[int]
+    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: Any, types: list[int]
 ) -> None:
     connectivity.append(cells.ravel())
     lengths += [cells.shape[1]] * len(cells)

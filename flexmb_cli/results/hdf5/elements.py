@@ -1,6 +1,6 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.arrays.young_elements import reported_coordinates
 from ...model.element_names import element_names
@@ -72,7 +72,7 @@ def _driver_names(model: "Any") -> "Any":
     ]
 
 
-def _coordinate_names(model: "Any") -> "Any":
+def _coordinate_names(model: "Any") -> Any:
     joints = readable_names("joint", model.mechanism.joints)
     return [
         (f"{joints[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")

@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping
 from contextlib import contextmanager, suppress
 from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -24,7 +24,6 @@ from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, se
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
     from typing import Any
 
 
@@ -102,7 +101,7 @@ class ResultFile:
     Raises `OutputError` when the place cannot be written or the disk is full.
     """
 
-    def __init__(self, path: "Path | str", deck: Deck, layout: Layout):
+    def __init__(self, path: Any, deck: Deck, layout: Layout):
         self._place = Replacement(path)
         if self._place.direct:
             raise OutputError(
@@ -196,7 +195,7 @@ class ResultFile:
             self._make_constant(constant, scales)
         self._series = self._make_series(layout.series, scales)
 
-    def _describe(self, deck: Deck, analysis: str) -> None:
+    def _describe(self, deck: Any, analysis: str) -> None:
         set_texts(
             self._file,
             Conventions=CONVENTIONS,
@@ -216,7 +215,7 @@ class ResultFile:
         text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
         set_texts(text, units="1", long_name="text of the deck")
 
-    def _make_axis(self, axis: Axis) -> h5py.Dataset:
+    def _make_axis(self, axis: Any) -> h5py.Dataset:
         scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
         scale.make_scale(axis.path.rpartition("/")[2])
         set_texts(scale, units="1", long_name=axis.long_name)
@@ -226,12 +225,12 @@ class ResultFile:
             set_texts(dataset, units="1", long_name=long_name)
         return scale
 
-    def _make_constant(self, constant: Constant, scales: dict[str, h5py.Dataset]) -> None:
+    def _make_constant(self, constant: Any, scales: dict[str, h5py.Dataset]) -> None:
         dataset = self._file.create_dataset(constant.path, data=constant.values)
         attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
         set_texts(dataset, units=constant.units, long_name=constant.long_name)
 
-    def _scale_for(self, dataset: str, axis: str, scales: dict[str, h5py.Dataset]) -> h5py.Dataset:
+    def _scale_for(self, dataset: str, axis: Any, scales: Any) -> h5py.Dataset:
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
         folder, _, name = axis.rpartition("/")
         if not folder or dataset.startswith(f"{folder}/"):
@@ -299,7 +298,7 @@ def _plain(values: "tuple[Any, ...]") -> list[str] | np.ndarray:
     return list(values) if isinstance(values[0], str) else np.array(values, np.int32)
 
 
-def _kind(values: "tuple[Any, ...]") -> np.dtype | None:
+def _kind(values: "tuple[Any, ...]") -> Any:
     return TEXT if isinstance(values[0], str) else None
 
 

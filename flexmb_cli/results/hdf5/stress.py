@@ -6,7 +6,7 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressO
 from .result_file import Axis, Constant, Series, Values
 
 if TYPE_CHECKING:
-    from ...model.flexible_body import BodyStress
+    pass
 
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
@@ -131,7 +131,7 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material: "BodyStress") -> np.ndarray:
+def strains(stress: np.ndarray, material: Any) -> np.ndarray:
     """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
     young, poisson = material.young, material.poisson
     strain = stress * ((1 + poisson) / young)

@@ -6,7 +6,7 @@ Create…) is the source of the calls.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -80,7 +80,7 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
 
 
-def _foreign(model: DynamicModel) -> Iterator[tuple]:
+def _foreign(model: Any) -> Iterator[tuple]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     mechanism = model.mechanism
     for joint in mechanism.joints:
@@ -192,7 +192,7 @@ class _Placed:
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         return self.start["r"][body] + self.A[body] @ np.array(point)
 
-    def _local(self, body: "Any", point: "Any") -> "Any":
+    def _local(self, body: "Any", point: "Any") -> Any:
         """A point from the mass centre of a moving body, or global of one at rest."""
         if body in self.still:
             return self._at(body, point)

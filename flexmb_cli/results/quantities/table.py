@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -122,7 +122,7 @@ def _text_line(cells: list[str], heads: list[str]) -> str:
     return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
 
 
-def _separated_lines(rows: list[list[str]], style: str) -> str:
+def _separated_lines(rows: list[list[str]], style: str) -> Any:
     page = io.StringIO()
     csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
     return page.getvalue()

@@ -2,7 +2,7 @@
 
 from functools import partial
 from hashlib import sha256
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
@@ -21,8 +21,6 @@ from ..step_count import StepCount
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ..outcome import RunOptions
 
 
 # The words of INTG cards for the methods of the command line.
@@ -50,7 +48,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
     )
 
 
-def _as_asked(mechanism: FlexibleMechanism, options: "RunOptions") -> FlexibleMechanism:
+def _as_asked(mechanism: Any, options: Any) -> FlexibleMechanism:
     """The mechanism with the method and the tolerance of the options."""
     given, integrator = options.integration, mechanism.integrator
     method = WORDS.get(given.get("method"), integrator.method)

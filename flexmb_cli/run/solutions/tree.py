@@ -1,7 +1,7 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault
 from ...model.tree import Tree
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ...solvers.tree.analysis import TreeAnalysis
-    from ...solvers.tree.rows import TreeRows
 
 
 def solution(tree: Tree, run: Run) -> Solution:
@@ -46,7 +45,7 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: "TreeRows") -> dict:
+def values_of(tree: Tree, rows: Any) -> dict:
     """Return report rows by the paths of their datasets."""
     return tree_values(tree, rows, point_motion(tree, rows))
 

@@ -3,7 +3,7 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -59,7 +59,7 @@ def _finely(mechanism: "Any", options: RunOptions) -> "Any":
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 
-def _rows(mechanism: "Any") -> "Any":
+def _rows(mechanism: Any) -> "Any":
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 

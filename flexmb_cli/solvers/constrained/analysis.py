@@ -1,11 +1,11 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault, Place
+from ...errors import AnalysisError, Fault
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators import constrained_dop853
@@ -24,7 +24,7 @@ from ..singular.dynamic_singularities import (
 )
 from ..singular.mobility import Gap, Mobility, about
 from .coinciding_ends import refuse_coinciding_ends
-from .integrators import ExplicitSteps, GeneralisedAlpha
+from .integrators import ExplicitSteps
 from .start import inertia_failure, order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
@@ -64,7 +64,7 @@ class ConstrainedMotion:
         arrays: SystemArrays,
         grid: TimeGrid,
         tolerance: float,
-        integrator: ExplicitSteps | GeneralisedAlpha | None = None,
+        integrator: Any = None,
     ):
         self.arrays = arrays
         self.grid = grid
@@ -166,7 +166,7 @@ class ConstrainedMotion:
             raise self._failure(constrained_dop853.STEP_VANISHED)
         self.clock["excused"] = 1
 
-    def _breakpoints(self, end: float) -> list[float]:
+    def _breakpoints(self, end: Any) -> list[float]:
         """Points of tables before `end`, s, at which steps end.
 
         What a table does between two steps of any length would be stepped over, and no method keeps its
@@ -321,7 +321,7 @@ def _repetition(found: Mobility, usual: int | None) -> Fault:
     return about("warning", message, *placed)
 
 
-def _in_deck(equation: "Equation") -> tuple[Place, str, str]:
+def _in_deck(equation: "Equation") -> Any:
     return equation.place or (0, 0), equation.owner, equation.part
 
 

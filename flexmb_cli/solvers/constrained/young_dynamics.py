@@ -1,6 +1,6 @@
 """Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -99,7 +99,7 @@ def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
-def _integrator(model: DynamicModel) -> ExplicitSteps:
+def _integrator(model: DynamicModel) -> Any:
     if model.radau:
         return RadauSteps()
     steps = model.alpha_steps

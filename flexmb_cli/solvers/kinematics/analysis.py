@@ -1,7 +1,7 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ...model.mechanism import Mechanism
 from ..checkpoint import faults_reported, reported
 from ..singular.kinematic_singularities import PassedKinematicSingularities
 from ..singular.lockup import singular_start, step_failure
-from ..singular.mobility import CLOSED, Mobility, mobility, moves_freely
+from ..singular.mobility import CLOSED, mobility, moves_freely
 from ..singular.row_at_bifurcation import row_across
 from .assembly import (
     assemble_by_search,
@@ -123,7 +123,7 @@ class KinematicAnalysis:
         self.warnings[:] = faults_reported(checkpoint["warnings"])
         return first
 
-    def _next_block(self, row: int) -> tuple[Rows | None, AnalysisError | None]:
+    def _next_block(self, row: Any) -> tuple[Rows | None, AnalysisError | None]:
         """The next report rows, and why none follow; the last may stand at a bifurcation of two motions."""
         wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
         memory = self.singularities.memory()
@@ -237,7 +237,7 @@ class KinematicAnalysis:
             return first
         return self._with_repetitions(q, found)
 
-    def _with_repetitions(self, q: np.ndarray, found: Mobility) -> Rows:
+    def _with_repetitions(self, q: Any, found: Any) -> Rows:
         """The first row where equations repeat others, if they still do a little later.
 
         Raises AnalysisError if they do not: the start is a dead centre or a branching.

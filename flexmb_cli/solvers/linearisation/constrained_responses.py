@@ -1,6 +1,6 @@
 """Inputs and outputs of the linearised motion of a mechanism in absolute coordinates."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,7 +62,7 @@ class ConstrainedResponses(Responses):
             Signal(f"{name} effort", "N" if is_length else "N m") for name, is_length in self.terms.drivers
         ]
 
-    def respond(self, d: np.ndarray, w: np.ndarray, model: System | None = None) -> np.ndarray:
+    def respond(self, d: Any, w: Any, model: System | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
@@ -104,7 +104,7 @@ class ConstrainedResponses(Responses):
             lambda t: self._functionals(motion.moved(motion.q, t * motion.u)), STEP / size
         )
 
-    def _functionals(self, q: np.ndarray) -> np.ndarray:
+    def _functionals(self, q: np.ndarray) -> Any:
         blocks = [self._of_joint(q, a, b) for _, a, b in self.terms.joints]
         return np.concatenate(blocks) if blocks else np.zeros((0, self.motion.scale.size))
 
@@ -146,7 +146,7 @@ class ConstrainedResponses(Responses):
             for signal, records in _unit_loads(name, is_force, load):
                 yield Input(signal, still, still, self._loaded(records), 1.0)
 
-    def _loaded(self, records: "Callable[..., Any]") -> "Callable[..., Any]":
+    def _loaded(self, records: Any) -> "Callable[..., Any]":
         system = self.motion.system
 
         def change(amount: float) -> System:
@@ -162,7 +162,7 @@ class ConstrainedResponses(Responses):
         for k, (name, is_length) in enumerate(self.terms.drivers):
             yield from self._inputs_of_driver(k, name, "m" if is_length else "rad")
 
-    def _inputs_of_driver(self, k: int, name: str, unit: str) -> "Iterator[Input]":
+    def _inputs_of_driver(self, k: Any, name: Any, unit: Any) -> "Iterator[Input]":
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
@@ -176,7 +176,7 @@ class ConstrainedResponses(Responses):
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
     def _driven(self, k: int, order: int) -> "Callable[..., Any]":
-        def change(amount: float) -> System:
+        def change(amount: Any) -> System:
             additions = [0.0, 0.0, 0.0]
             additions[order] = amount
             return self.analysis.driven_system(k, additions, self.motion.t)

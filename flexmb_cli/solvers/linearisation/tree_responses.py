@@ -1,6 +1,6 @@
 """Inputs and outputs of the linearised motion of a tree."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,6 @@ from .tree import TreeLinearised
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from typing import Any
-
-    from ..tree.rows import TreeRows
 
 
 AXES = "xyz"
@@ -49,7 +47,7 @@ class TreeResponses(Responses):
             Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + closures for axis in AXES
         ]
 
-    def _rows(self, z: np.ndarray, arrays: TreeArrays) -> "TreeRows":
+    def _rows(self, z: np.ndarray, arrays: Any) -> Any:
         """The report row of a state, of the tree with other `arrays`."""
         analysis = self.analysis
         kept = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
@@ -68,7 +66,7 @@ class TreeResponses(Responses):
             bodies += [k] * (len(body.elastic.masses) if body.elastic else 0)
         return [None if body == INERTIAL else axes[body] for body in bodies]
 
-    def respond(self, d: np.ndarray, w: np.ndarray, model: TreeArrays | None = None) -> np.ndarray:
+    def respond(self, d: Any, w: Any, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
         z = self.motion.changed(d, w)
@@ -125,7 +123,7 @@ class TreeResponses(Responses):
                 name = f"{self.tree.bodies[node.body].name} node {node.node + 1} force {AXES[axis]}"
                 yield Input(Signal(name, "N"), still, still, self._changed(records, "force", (k, axis)), 1.0)
 
-    def _changed(self, records: str, field: str, place: int) -> "Callable[..., Any]":
+    def _changed(self, records: str, field: str, place: Any) -> "Callable[..., Any]":
         def change(amount: float) -> TreeArrays:
             array = getattr(self.arrays, records).copy()
             array[field][place] += amount
@@ -137,7 +135,7 @@ class TreeResponses(Responses):
         for k, record in enumerate(self.arrays.prescribed):
             yield from self._inputs_of_driver(k, int(record["coordinate"]))
 
-    def _inputs_of_driver(self, k: int, m: "Any") -> "Iterator[Any]":
+    def _inputs_of_driver(self, k: Any, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
         gaps = motion.gap_rates(motion.z, one)

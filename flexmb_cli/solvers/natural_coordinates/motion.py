@@ -4,7 +4,7 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -204,5 +204,5 @@ def _least(J: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(J, b, rcond=DEPENDENT)[0]
 
 
-def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> NaturalRows:
+def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> Any:
     return NaturalRows(*(np.array(column) for column in zip(*rows, strict=True)))

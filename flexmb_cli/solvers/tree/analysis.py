@@ -5,7 +5,7 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -182,7 +182,7 @@ class TreeAnalysis:
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
 
-    def _advance(self) -> tuple[int, TreeRows]:
+    def _advance(self) -> Any:
         """One call of the kernel: its status, and the rows it filled (None for none)."""
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))

@@ -1,7 +1,7 @@
 """Report rows of a tree by the compiled implicit integration, for stiff elastic modes."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from .rows import TreeRows
 if TYPE_CHECKING:
     from typing import Any
 
-    from ...kernels.constrained.system import Work
     from .analysis import TreeAnalysis
 
 
@@ -59,7 +58,7 @@ def _next_time(analysis: "Any") -> "Any":
     return grid.time(analysis.row) if analysis.row < grid.rows else np.inf
 
 
-def _interpolant(clock: "Any", z: np.ndarray, work: "Work") -> "Any":
+def _interpolant(clock: "Any", z: np.ndarray, work: Any) -> "Any":
     start, h, end = float(clock["step_start"]), float(clock["step_length"]), z.copy()
 
     def state_at(t: float) -> "Any":
