@@ -97,7 +97,7 @@ class FaultList(list[Fault]):
         for fault in faults:
             self.append(fault)
 
-    def __iadd__(self, faults: Any) -> Any:
+    def __iadd__(self, faults: Any) -> Any:  # type: ignore[misc]
         self.extend(faults)
         return self
 

@@ -35,7 +35,7 @@ def dataclass(cls: _Class | None = None, /, *, frozen: bool = False, eq: bool = 
 def fields(of: object) -> tuple[Field, ...]:
     """Return the fields of a data class, or of an object of one."""
     found = getattr(of, "_quick_fields", None)
-    return dataclasses.fields(of) if found is None else tuple(found.values())
+    return dataclasses.fields(of) if found is None else tuple(found.values())  # type: ignore[arg-type]
 
 
 def replace(of: _Object, /, **changes: object) -> _Object:
@@ -51,14 +51,14 @@ def _define(cls: Any, frozen: Any, eq: Any) -> Any:
     if eq:
         compared = [one.name for one in found.values() if one.compare]
         methods["__eq__"] = _comparison(compared)
-        methods["__hash__"] = _hashing(compared) if frozen else None
+        methods["__hash__"] = _hashing(compared) if frozen else None  # type: ignore[assignment]
     if frozen:
         methods["__setattr__"] = _refusal(cls, found, "assign to", object.__setattr__)
         methods["__delattr__"] = _refusal(cls, found, "delete", object.__delattr__)
     for name, method in methods.items():
         if cls.__dict__.get(name) is None:
             setattr(cls, name, method)
-    cls.__match_args__ = tuple(one.name for one in found.values() if one.init)
+    cls.__match_args__ = tuple(one.name for one in found.values() if one.init)  # type: ignore[misc]
     for name in _KNOWN_BY:
         setattr(cls, name, _OfTwin(cls, name))
     return cls
@@ -66,7 +66,7 @@ def _define(cls: Any, frozen: Any, eq: Any) -> Any:
 
 def _fields_with_bases(cls: Any) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
-    found = {}
+    found: dict[Any, Any] = {}
     for base in reversed(cls.__mro__[1:]):
         of_base = base.__dict__
         if "__dataclass_fields__" in of_base and "_quick_fields" not in of_base:

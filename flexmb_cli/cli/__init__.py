@@ -129,7 +129,7 @@ def cli(context: click.Context, debug: bool) -> None:
         click.echo(context.get_help())
 
 
-cli.commands = Commands()
+cli.commands = Commands()  # type: ignore[assignment]
 
 
 def main() -> None:
@@ -228,7 +228,7 @@ def _refuse_usage(fault: "Any") -> None:
 def _print_json(exit_code: Any, *faults: "Any", file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
-    if wants_json(cli.commands, sys.argv[1:]):
+    if wants_json(cli.commands, sys.argv[1:]):  # type: ignore[arg-type]
         print_record(exit_code, faults, file)
 
 

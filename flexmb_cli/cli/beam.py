@@ -103,7 +103,7 @@ def _deck_with(made: Any, path: Any, body: Any) -> str:
     lines = ()
     try:
         source = read_text(path)
-        lines = source.lines
+        lines = source.lines  # type: ignore[assignment]
         return with_beam(DIALECT.read(source), body, made)
     except FlexmbError as failure:
         click.echo(compiler_style(path, failure.faults, lines), err=True)

@@ -41,10 +41,10 @@ def check(
     for report in every_deck(decks, lambda deck: check_deck(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
-            if echo and report.deck and not quiet:
+            if echo and report.deck and not quiet:  # type: ignore[union-attr]
                 _print_echo(report, err=True)
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck and not quiet:
+        elif report.deck and not quiet:  # type: ignore[union-attr]
             _print_check(report, echo)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))

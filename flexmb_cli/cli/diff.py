@@ -132,7 +132,7 @@ def _compare_folders(
         if form_of(pair.a) != LISTING:
             # Results in full precision have no last printed digit: other files of the folder have.
             chosen = chosen.without_digits()
-        return compare(pair.a, pair.b, chosen, **options)
+        return compare(pair.a, pair.b, chosen, **options)  # type: ignore[arg-type]
 
     with faults_in_json(as_json, {"a": a, "b": b}, b):
         summary = compare_many(a, b, compare_pair)

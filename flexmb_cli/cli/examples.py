@@ -76,7 +76,7 @@ def _similar(name: str, decks: dict[str, Path]) -> str:
 
 
 def _list(decks: Any) -> Any:
-    described = {}
+    described: dict[Any, Any] = {}
     for folder in {path.parent for path in decks.values()}:
         described |= dict(_descriptions(folder))
     width = max(map(len, decks))

@@ -99,8 +99,8 @@ class _Talk:
         # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
         self.keeps_draft = self.at_terminal or with_draft
         # A title in another character code is no reason to lose the answers behind it.
-        sys.stdin.reconfigure(errors="replace")
-        self.lines = []  # of a pipe, for the places of faults
+        sys.stdin.reconfigure(errors="replace")  # type: ignore[union-attr]
+        self.lines: list[Any] = []  # of a pipe, for the places of faults
         self.dialogue = self._begin(_form(dialect), restart)
 
     def _begin(self, form: Any, restart: "Any") -> "Any":

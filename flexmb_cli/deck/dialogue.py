@@ -80,19 +80,19 @@ class Dialogue:
         """
         asked = self.question
         texts = _texts(asked, line)
-        cells = asked.entry.cells[self._cell : self._cell + len(texts)]
-        doubts = self._spelling(asked.entry, cells, texts)
+        cells = asked.entry.cells[self._cell : self._cell + len(texts)]  # type: ignore[union-attr]
+        doubts = self._spelling(asked.entry, cells, texts)  # type: ignore[union-attr]
         if len(texts) > len(cells) or any(fault.severity == "error" for fault in doubts):
             return doubts
-        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}
+        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}  # type: ignore[union-attr]
         before, self.values = self.values, {**self.values, **tried}
         end = self._cell + len(texts)
-        faults = self._faults(asked.entry, end)
+        faults = self._faults(asked.entry, end)  # type: ignore[union-attr]
         wrong = next((fault for fault in faults if fault.severity == "error"), None)
         if wrong is None:
-            self._go_on(asked.entry, end)
+            self._go_on(asked.entry, end)  # type: ignore[union-attr]
         elif self._lies_before(wrong):
-            self._cell = _start(asked.entry, wrong.place.column - 1)
+            self._cell = _start(asked.entry, wrong.place.column - 1)  # type: ignore[union-attr]
         else:
             self.values = before
         return [*doubts, *faults]

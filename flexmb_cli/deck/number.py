@@ -48,7 +48,7 @@ def real(word: str) -> tuple[float, str]:
     found = bare or _REAL.fullmatch(word)
     if found is None:
         raise Misspelt(f"must be a number; read {shown(word)}{_hint(word)}")
-    value = _double(word, *found.groups())
+    value = _double(word, *found.groups())  # type: ignore[arg-type]
     return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
 
 

@@ -101,13 +101,13 @@ class LongRecord(Record):
         vars(self).update(head=tuple(head), numbers=_Joined(tuple(head), rest) if head else rest)
 
     @cached_property
-    def values(self) -> Sequence[float]:
+    def values(self) -> Sequence[float]:  # type: ignore[override]
         """Values of the numbers."""
-        head = [number.value for number in self.head]
-        return [*head, *self.rest.values] if head else self.rest.values
+        head = [number.value for number in self.head]  # type: ignore[attr-defined]
+        return [*head, *self.rest.values] if head else self.rest.values  # type: ignore[attr-defined]
 
     @property
-    def positions(self) -> Mapping[str, int]:
+    def positions(self) -> Mapping[str, int]:  # type: ignore[override]
         """Where among the numbers each key stands."""
         return _Positions(self.numbers)
 
@@ -116,8 +116,8 @@ class LongRecord(Record):
 
     def with_number(self, index: int, number: Number) -> Record:
         """Return the record with another number at `index`."""
-        count, head = len(self.head), list(self.head)
-        rest = self.rest if index < count else self.rest.with_changed(index - count, number)
+        count, head = len(self.head), list(self.head)  # type: ignore[attr-defined]
+        rest = self.rest if index < count else self.rest.with_changed(index - count, number)  # type: ignore[attr-defined]
         head[index : index + 1] = [number] if index < count else []
         return LongRecord(self.section, self.number, self.subject, head, rest)
 

@@ -42,7 +42,7 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
     for index, fault in enumerate(named):
         if fault.severity == "error" and _may_follow(fault, cause):
             message = (
-                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"
+                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"  # type: ignore[union-attr]
             )
             named[index] = replace(fault, message=message)
             break
@@ -52,7 +52,7 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
 def _walk(held: Any, needed: Any, kept_per_slip: Any) -> list[tuple[int, int]]:
     """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
     line = record = kept = 0
-    slipped, unconfirmed = [], []
+    slipped, unconfirmed = [], []  # type: ignore[var-annotated]
     while line < len(held) and record < len(needed):
         lines, records = _step(held, needed, line, record)
         if lines:
@@ -90,7 +90,7 @@ def _reach(sizes: list[int], start: int, total: int) -> int:
 
 
 def _extents(read_words: Any) -> dict[int, tuple[int, int]]:
-    extents = {}
+    extents: dict[Any, Any] = {}
     for word in read_words:
         first = extents.setdefault(word.line, (word.column, 0))[0]
         extents[word.line] = first, word.column + len(word.text) - first

@@ -80,7 +80,7 @@ class Words:
         if not starts:
             return []
         text = self._lines.text
-        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]
+        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]  # type: ignore[union-attr]
         if "{" not in piece:
             return piece.split()
         return [
@@ -94,7 +94,7 @@ class Words:
 
 def _word(lines: Lines, start: Any) -> Any:
     text = lines.text
-    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()
+    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()  # type: ignore[union-attr]
     return Word(word, *lines.place_of(start))
 
 

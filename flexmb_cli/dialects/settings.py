@@ -62,7 +62,7 @@ class SettableDeck:
         if not self._many:
             return self._index.get(prefix)
         first = 0
-        for block in self.deck.records.blocks:
+        for block in self.deck.records.blocks:  # type: ignore[attr-defined]
             if prefix == block.section or prefix.startswith(f"{block.section}."):
                 for k, record in enumerate(block):
                     if record.prefix == prefix:
@@ -104,7 +104,7 @@ class SettableDeck:
 
     def _with_changes(self, changes: Any) -> Any:
         """The records with new numbers; those left alone stay the same objects."""
-        changed_records, dialect = {}, dialect_named(self.deck.dialect)
+        changed_records, dialect = {}, dialect_named(self.deck.dialect)  # type: ignore[var-annotated]
         for name, changed in changes.items():
             index, key = self._place(name)
             record = changed_records.get(index, self.deck.records[index])
@@ -113,7 +113,7 @@ class SettableDeck:
             index, _ = self._place(name)
             changed_records[index] = dialect.relabelled(changed_records[index], changed.key)
         if self._many:
-            return self.deck.records.with_changed(changed_records)
+            return self.deck.records.with_changed(changed_records)  # type: ignore[attr-defined]
         records = list(self.deck.records)
         for index, record in changed_records.items():
             records[index] = record

@@ -65,15 +65,24 @@ def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
-        m, c = given.rigid.mass, np.array(given.rigid.centre)
-        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
+        m, c = given.rigid.mass, np.array(given.rigid.centre)  # type: ignore[union-attr]
+        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))  # type: ignore[union-attr]
         pose = np.array(given.r), np.array(given.p)
-        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []
+        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []  # type: ignore[arg-type]
     found, doubts = flexible_body(given.flexible, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
     body = FloatingBody(
-        given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, **places
+        given.name,
+        r,
+        p,
+        *motion,
+        found.m,
+        found.s0,
+        found.J0,
+        found,
+        given.stiffened,
+        **places,  # type: ignore[arg-type]
     )
     return body, doubts
 

@@ -59,7 +59,7 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     frame = reference_frame(given, weights @ given.positions / weights.sum())
     matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, S, K)
     basis = basis_of(given, matrices.K, matrices.S, frame, findings)
-    return basis and _body(given, matrices, frame, basis, figures, findings)
+    return basis and _body(given, matrices, frame, basis, figures, findings)  # type: ignore[return-value]
 
 
 def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Any) -> Any:
@@ -104,7 +104,7 @@ def _body(
         frame.origin,
         frame.axes,
         Phi,
-        **invariants,
+        **invariants,  # type: ignore[arg-type]
         Kr=Kr,
         Dr=Dr,
         KG=_geometric(given, matrices, frame, Phi, findings),
@@ -121,7 +121,7 @@ def _body(
             basis.left_out,
             math.sqrt(basis.next_value) / math.tau,
         ),
-        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
+        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),  # type: ignore[arg-type]
     )
 
 

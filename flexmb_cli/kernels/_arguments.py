@@ -169,7 +169,7 @@ class Results:
 
     def value(self) -> object:
         """Return the value that was left."""
-        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]
+        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]  # type: ignore[index]
         found = [bool(x) if kind == "b" else x for kind, x in zip(self._kinds, found, strict=True)]
         if self._is_tuple:
             return tuple(found)

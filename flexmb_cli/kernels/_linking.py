@@ -63,7 +63,7 @@ class WholeLibrary(JITCodeLibrary):
         for variable in self._final_module.global_variables:
             constants = lookup_environment(variable.name) if variable.name.startswith(_ENVIRONMENT) else None
             if constants is not None:
-                self._codegen.set_env(variable.name, constants)
+                self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
 def _with_parts_of_parts(libraries):
@@ -72,7 +72,7 @@ def _with_parts_of_parts(libraries):
     LLVM links such a function only where something that is linked already calls it, and a part may name
     functions that its own code no longer calls.
     """
-    found, ended = {}, []
+    found, ended = {}, []  # type: ignore[var-annotated]
 
     def visit(library) -> None:
         if library not in found:
@@ -257,7 +257,7 @@ def _numba_type(parameter: Any):
 def _result(kind):
     """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
     if isinstance(kind, types.BaseTuple):
-        return ["t", "", [_result(part) for part in kind]]
+        return ["t", "", [_result(part) for part in kind]]  # type: ignore[attr-defined]
     for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
         if isinstance(kind, number):
             return letter
@@ -294,7 +294,7 @@ def _value(context, builder, words, kind):
     if isinstance(kind, types.Array):
         return _array(context, builder, words, kind)
     if isinstance(kind, types.BaseTuple):
-        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])
+        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])  # type: ignore[attr-defined]
     word = next(words)
     if isinstance(kind, types.Float):
         return builder.bitcast(word, ir.DoubleType())
@@ -322,7 +322,7 @@ def _store_result(builder, kind, value, room, k: Any):
     if kind is types.none:
         return k
     if isinstance(kind, types.BaseTuple):
-        for place, part in enumerate(kind):
+        for place, part in enumerate(kind):  # type: ignore[arg-type, var-annotated]
             k = _store_result(builder, part, builder.extract_value(value, place), room, k)
         return k
     if isinstance(kind, types.Float):

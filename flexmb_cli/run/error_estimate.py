@@ -116,7 +116,7 @@ def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.unheard)
     if not second.integrator.chosen:
-        return nothing_to_refine(run, GIVEN_STEPS)
+        return nothing_to_refine(run, GIVEN_STEPS)  # type: ignore[func-returns-value]
     clock = second.clock
     tolerance = float(clock["rtol"][0])
     run.outcome.faults += why_no_estimate(tolerance)

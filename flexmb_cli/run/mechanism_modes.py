@@ -56,10 +56,10 @@ class MechanismModes:
 
     time: float
     equilibrium: bool
-    modes: object
+    modes: Any
     names: tuple[str, ...]
     position: tuple[tuple[str, tuple[float, ...]], ...]
-    space: object = None
+    space: Any = None
 
     def as_dict(self) -> dict:
         """The record that `--json` prints."""
@@ -156,7 +156,7 @@ def _of_mechanism(analysis: Any, wish: Wish, run: Run) -> MechanismModes:
     space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
-    z = motion.q
+    z = motion.q  # type: ignore[attr-defined]
     position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
     first = 7 * arrays.bodies
     for f in arrays.flexible:
@@ -202,6 +202,6 @@ def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
     found = modes_of(motion, A, constant)
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     n = len(names)
-    q = np.asarray(motion.z[n : 2 * n]).tolist()
+    q = np.asarray(motion.z[n : 2 * n]).tolist()  # type: ignore[attr-defined]
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
     return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)

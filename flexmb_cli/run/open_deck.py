@@ -83,7 +83,7 @@ def own_options(deck: Deck, options: RunOptions) -> RunOptions:
 
 def _doubly_set(changes: Any) -> "Iterator[Fault]":
     """Notes on numbers that `--set` names more than once."""
-    words = {}
+    words: dict[Any, Any] = {}
     for change in changes:
         name, _, word = (part.strip() for part in change.partition("="))
         words.setdefault(name, []).append(word)

@@ -47,7 +47,7 @@ def _parallel(cases: Any) -> "dict[str, list[dict[str, dict[Any, Any] | list[Any
     last = next(reversed(cases.results))
     dimensions = [{"label": html.escape(name), "values": _list(values)} for name, values in columns.items()]
     line = {"color": _list(cases.results[last]), "colorscale": "Viridis"}
-    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}
+    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}  # type: ignore[dict-item]
 
 
 def _result(cases: Any, name: Any) -> Any:

@@ -136,7 +136,7 @@ def _quantities(study: Any, deck: Any, solution: Any) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
-    faults = []
+    faults: list[Any] = []
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = os.path.join(folder, "empty.h5")
         ResultFile(path, deck, solution.layout()).close()
@@ -144,7 +144,7 @@ def _quantities(study: Any, deck: Any, solution: Any) -> list[Quantity]:
             found = [_one(result, item, faults) for item in study.results]
     if faults:
         raise DeckError(faults)
-    return found
+    return found  # type: ignore[return-value]
 
 
 def _one(result: "h5py.File", item: Kept, faults: "Any") -> Quantity | None:
@@ -172,7 +172,7 @@ class _Taken:
     def add(self, values: Any) -> None:
         before, self.count = self.count, self.count + len(values)
         if self.take == SERIES:
-            self.series[before : self.count] = values
+            self.series[before : self.count] = values  # type: ignore[index]
         elif self.take == LAST:
             self.value = values[-1]
         elif self.take == FIRST:

@@ -63,7 +63,7 @@ def _rows(sweep: Sweep) -> Iterator[Row]:
 
 def _every_case(sweep: Any) -> "Iterator[Any]":
     """The result of every case.  Raises OutputError with the numbers of those that are not kept."""
-    missing = []
+    missing: list[Any] = []
     for block in range(sweep.job.blocks):
         found, cases = list(sweep.job.stored(block)), sweep.job.cases(block)
         if len(found) < len(cases):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")  # type: ignore[assignment]
 
 WIDE, _REAL, _INTEGER = 13, 10, 5
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
@@ -139,7 +139,7 @@ class _Deck:
         lines = [_indexed(record, record.numbers[:half]) for record in nodes]
         lines += [_indexed(record, record.numbers[half:]) for record in nodes]
         lines.append((f"{size:5d}", ""))
-        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]
+        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]  # type: ignore[var-annotated]
         for height in skyline.numbers:
             addresses.append((addresses[-1] if addresses else 0) + height.value)
         for numbers in (range(1, size + 1), addresses):

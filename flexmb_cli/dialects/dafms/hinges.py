@@ -88,7 +88,7 @@ def _node(
         return None
     if not 1 <= stated <= len(positions):
         message = f"NP = {stated} is no node of body {parent + 1}, which has {len(positions)}"
-        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")
+        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")  # type: ignore[union-attr]
         return None
     if not _same_point(positions[stated - 1], point):
         _report_other_point(values, positions[stated - 1], stated, parent, k, point, findings)

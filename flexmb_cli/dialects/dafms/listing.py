@@ -226,7 +226,7 @@ class Tables:
     def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: Any):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
-        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None
+        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None  # type: ignore[call-arg]
 
     def begin(self) -> None:
         """Write the echo."""

@@ -95,7 +95,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     lines = text.split("\n")
     if not any("==N==NDM==" in line for line in lines[:50]):
         return None
-    echo, words, faults = [], [], []
+    echo, words, faults = [], [], []  # type: ignore[var-annotated]
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADING):
             words.append((number, " ".join(line.split())))
@@ -104,7 +104,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     if faults:
         raise TableError(name, faults, lines)
     empty = np.empty(0)
-    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))  # type: ignore[arg-type]
 
 
 def _echo_line(number: int, line: str, match: re.Match[str], faults: "Any") -> EchoLine | None:

@@ -29,12 +29,13 @@ def build_functions_of_time(
 ) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
-    springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
+    springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]  # type: ignore[call-arg, misc]
     springs += _dampers(hinged, findings)
-    motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]
-    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
+    motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]  # type: ignore[call-arg]
+    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]  # type: ignore[call-arg]
     drives = [
-        Prescribed(*where, r["C"], r["B"], r["A2"], r.place) for r, where in hinged.entries("prescribed")
+        Prescribed(*where, r["C"], r["B"], r["A2"], r.place)  # type: ignore[call-arg]
+        for r, where in hinged.entries("prescribed")
     ]
     _check_drives(drives, findings)
     _check_rotations(values, bodies, findings)
@@ -52,7 +53,7 @@ def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
         if record["CS"] < 0:
             message = f"CS = {record['CS']}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=record["CS"], place=record.place))
+        dampers.append(Spring(*where, damping=record["CS"], place=record.place))  # type: ignore[misc]
     return dampers
 
 
@@ -117,7 +118,7 @@ def _check_drives(drives: list[Prescribed], findings: Findings) -> None:
 
 def _check_rotations(values: Any, bodies: Any, findings: Any) -> None:
     """The reader has seen that K is a flexible body; `--set` may have changed it since."""
-    seen = {}
+    seen: dict[Any, Any] = {}
     for record in values.section("nodal_rotation"):
         node, where = record.at("I"), (record["K"], record["I"])
         elastic = bodies[record["K"] - 1].elastic if 1 <= record["K"] <= len(bodies) else None

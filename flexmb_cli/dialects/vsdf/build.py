@@ -49,12 +49,12 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     }
     if not bodies:
         findings.error("", "the deck has no body", None, id="VSDF-009")
-    check_motion_functions(parts["motions"], time, findings)
+    check_motion_functions(parts["motions"], time, findings)  # type: ignore[arg-type]
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
     gravity = values.record("gravity")
     g = gravity.vector("g") if gravity else (0.0, 0.0, 0.0)
-    return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
+    return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order  # type: ignore[arg-type]
 
 
 def _time(values: DeckValues, findings: Findings) -> TimeGrid:

@@ -20,7 +20,7 @@ class Field(NamedTuple):
     column: int
     first: int = 0
     last: int = 0
-    index: int = 0
+    index: int = 0  # type: ignore[assignment]
 
     @property
     def span(self) -> str:

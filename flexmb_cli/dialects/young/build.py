@@ -77,7 +77,7 @@ def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True
 
 
 def _holders(records: Any, bodies: Any) -> Mechanism:
-    made = {name: [] for name in _HOLDERS}
+    made: Any = {name: [] for name in _HOLDERS}
     for record in records:
         if record.section in made:
             made[record.section].append(part_of(record, bodies)[0])

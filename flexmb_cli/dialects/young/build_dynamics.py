@@ -56,7 +56,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     _check_method(deck, findings)
     model = DynamicModel(
         mechanism,
-        analysis_of(deck),
+        analysis_of(deck),  # type: ignore[arg-type]
         _made(deck, "mass", _mass, findings),
         _made(deck, "force", partial(_force, functions=functions), findings),
         _made(deck, "torque", partial(_torque, functions=functions), findings),
@@ -133,7 +133,12 @@ def _mass(record: Record, findings: Any) -> MassProperties:
         findings.error(record.subject, message, record.at("m").place, id="YOUNG-004")
     _check_inertia(record, inertia, findings)
     return MassProperties(
-        record.subject, record["body"] - 1, float(record["m"]), record.vector("centre"), inertia, record.place
+        record.subject,
+        record["body"] - 1,
+        float(record["m"]),
+        record.vector("centre"),
+        inertia,  # type: ignore[arg-type]
+        record.place,
     )
 
 

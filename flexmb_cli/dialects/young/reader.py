@@ -226,15 +226,15 @@ class _Read(Record):
 
     @property
     def place(self) -> Place | None:
-        return self._words[self._first].place
+        return self._words[self._first].place  # type: ignore[attr-defined]
 
     def at(self, key: str) -> Number:
         return self._number(self.positions[key])
 
     def _number(self, k: Any) -> Any:
-        word, column = self._words[self._first + k], self._section.columns[k]
-        label = column.label(_turns(self._section, self.values))
-        return Number(column.key, self.values[k], *label, word.place, word.text)
+        word, column = self._words[self._first + k], self._section.columns[k]  # type: ignore[attr-defined]
+        label = column.label(_turns(self._section, self.values))  # type: ignore[attr-defined]
+        return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
 
 
 def _record(reading: _Reading, section: Section, number_of_record: int, found: range) -> _Read:

@@ -13,7 +13,7 @@ from .stress_shapes import point_stresses
 
 def stress_outputs(model: VsdfModel, bodies: list[FloatingBody]) -> tuple[StressOutput, ...]:
     """Return what the model reports of its bodies.  Raises ModelError for an element that a body lacks."""
-    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)
+    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)  # type: ignore[arg-type]
 
 
 def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
@@ -24,7 +24,13 @@ def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
     chosen = _places(selection, body, elements)
     points, volumes = point_stresses(body, chosen)
     return StressOutput(
-        selection.body, nodes, body.stress.nodal[rows], elements, points, volumes, selection.largest
+        selection.body,
+        nodes,
+        body.stress.nodal[rows],  # type: ignore[union-attr]
+        elements,
+        points,
+        volumes,
+        selection.largest,
     )
 
 

@@ -109,7 +109,7 @@ def table(
         found = None
     if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
         _point_at_fault(name, text, numbers, columns, meaning, delimiter)
-    return found
+    return found  # type: ignore[return-value]
 
 
 def _point_at_fault(

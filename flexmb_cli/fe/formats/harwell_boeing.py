@@ -45,7 +45,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     ):
         sections.append(_numbers(name, lines, start, lengths, form, wanted))
         start += lengths
-    return _matrix(name, kind, size, *sections, equations)
+    return _matrix(name, kind, size, *sections, equations)  # type: ignore[call-arg]
 
 
 def read_mapping(path: Path) -> np.ndarray:

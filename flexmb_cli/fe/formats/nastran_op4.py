@@ -35,7 +35,7 @@ def _text_matrices(path: Path) -> dict[str, MatrixFile]:
 
 def _read_one(name: Any, lines: Any, at: Any) -> tuple[str, MatrixFile, int]:
     columns, label, width = _heading(name, lines, at)
-    parts = []
+    parts: list[Any] = []
     while True:
         at += 1
         column, row = _column(name, lines, at)

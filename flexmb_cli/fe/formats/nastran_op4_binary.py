@@ -88,7 +88,7 @@ def _read_one(layout: _Layout, heading: Any, records: Any) -> tuple[str, MatrixF
     columns, rows, _, kind = layout.integers(heading, 0, 4)
     name = heading[4 * layout.word : _HEADING_WORDS * layout.word].decode("latin-1").strip().upper()
     _check(layout, name, columns, rows, kind)
-    strings = []
+    strings: list[Any] = []
     for record in records:
         column, row, words = layout.integers(record, 0, 3)
         if column > columns:

@@ -101,7 +101,7 @@ def new_integration(work: Any, angles: Any) -> AlphaIntegration:
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return AlphaIntegration(
+    return AlphaIntegration(  # type: ignore[call-arg]
         np.zeros(1, CLOCK),
         *states,
         np.ones(size),

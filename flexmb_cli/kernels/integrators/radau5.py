@@ -100,7 +100,7 @@ def new_integration(work: Any, angles: Any) -> RadauIntegration:
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return RadauIntegration(
+    return RadauIntegration(  # type: ignore[call-arg]
         np.zeros(1, CLOCK),
         *states,
         np.ones(size),

@@ -82,10 +82,10 @@ def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
     memory = np.zeros(1, MEMORY)
     memory["stale"], memory["left"] = 1, 1.0
     states = [np.zeros(n) for _ in range(6)]
-    return Implicit(
+    return Implicit(  # type: ignore[call-arg]
         memory,
         np.zeros((STAGES, n)),
-        *states,
+        *states,  # type: ignore[arg-type]
         np.zeros(speeds),
         np.zeros(speeds),
         stiff_work(closures, speeds),

@@ -80,7 +80,7 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
         _add_joint(rows, mechanism, joint)
     for item in mechanism.simplified:
         rows.hold(item.name, item.place, item.body, item.direction, item.value)
-    for item in mechanism.distances:
+    for item in mechanism.distances:  # type: ignore[assignment]
         _add_distance(rows, item)
     for driver in mechanism.drivers:
         _add_driver(rows, driver)
@@ -115,10 +115,10 @@ class _Rows:
 
     def __init__(self, length: Any):
         self.length = length
-        self.records = []
-        self.equations = []
-        self.bodies = []
-        self.screw_angles = []
+        self.records: list[Any] = []
+        self.equations: list[Any] = []
+        self.bodies: list[Any] = []
+        self.screw_angles: list[Any] = []
 
     def add(self, kind: JointType, i: int, j: int, equations: list[Equation], **values: "Any") -> None:
         record = np.zeros((), dtype=CONSTRAINT)
@@ -150,13 +150,13 @@ def _add_joint(rows: Any, mechanism: Any, joint: Joint) -> None:
     kind = BY_NAME[joint.kind]
     values = {"P_i": joint.P_i, "P_j": joint.P_j}
     if joint.kind != "spherical":
-        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}
-        values["a_i"], values["b_i"] = across(values["s_i"])
+        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}  # type: ignore[dict-item]
+        values["a_i"], values["b_i"] = across(values["s_i"])  # type: ignore[assignment]
     if joint.kind == "translational":
-        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
+        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}  # type: ignore[dict-item]
     if joint.kind == "screw":
         values |= _screw_values(mechanism, joint, values["s_i"])
-        values["screw"] = len(rows.screw_angles)
+        values["screw"] = len(rows.screw_angles)  # type: ignore[assignment]
         rows.screw_angles.append(values.pop("theta"))
     rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
 

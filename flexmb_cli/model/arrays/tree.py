@@ -141,7 +141,7 @@ def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
 def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
-    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}
+    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}  # type: ignore[var-annotated]
     for k, body in enumerate(tree.bodies):
         elastic = body.elastic
         if elastic is None:
@@ -173,7 +173,7 @@ def _stiffening(tree: Any, k: Any) -> np.ndarray:
         [
             across(
                 geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,
+                direction,  # type: ignore[arg-type]
                 elastic.axes,
             )
             for prestress in (masses * (elastic.positions @ direction), masses)

@@ -55,7 +55,7 @@ def point_joint(joint: Joint) -> PointJoint:
         (_point(body, P), _point(body, np.add(P, s)))
         for body, P, s in ((joint.i, joint.P_i, joint.s_i), (joint.j, joint.P_j, joint.s_j))
     ]
-    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)
+    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)  # type: ignore[arg-type, call-arg]
 
 
 def _point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
@@ -89,15 +89,15 @@ class ElementTable:
         for item in self.elements.supports:
             held = self.model.mechanism.simplified[item.item]
             self._along_axis(held.name, held.body, held.direction, item)
-        for item in self.elements.composites:
-            self._composite(item)
-        for item in self.elements.couplings:
+        for item in self.elements.composites:  # type: ignore[assignment]
+            self._composite(item)  # type: ignore[arg-type]
+        for item in self.elements.couplings:  # type: ignore[assignment]
             self._coupling(item)
-        for item in self.elements.drivers:
-            body_vectors, is_length = self.body_vectors(item.joint), item.coordinate == STROKE
-            record = self.coordinate(item.joint, item.coordinate, item.function.at(self.start)[0])
+        for item in self.elements.drivers:  # type: ignore[assignment]
+            body_vectors, is_length = self.body_vectors(item.joint), item.coordinate == STROKE  # type: ignore[attr-defined]
+            record = self.coordinate(item.joint, item.coordinate, item.function.at(self.start)[0])  # type: ignore[attr-defined]
             record["function"] = self.table.function(item.function)
-            parts = [(item.coordinate, is_length, record)]
+            parts = [(item.coordinate, is_length, record)]  # type: ignore[attr-defined]
             self.table.equations(item.name, item.place, body_vectors.i, body_vectors.j, parts)
 
     def _driven(self, item: "Any") -> None:
@@ -127,7 +127,8 @@ class ElementTable:
             parts = _revolute_cylindrical(self.table, *ends)
         else:
             body_vectors = JointVectors(
-                self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place)
+                self.table,
+                PointJoint(item.name, item.kind, *ends, item.size, item.place),  # type: ignore[arg-type, call-arg]
             )
             parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)
@@ -154,8 +155,8 @@ class ElementTable:
         found += [self._stop(item) for item in self.elements.stops]
         for item in self.elements.bushings:
             found += self._bushing(item)
-        for item in reported_coordinates(self.model.mechanism):
-            found.append(self._at(item.joint, item.coordinate, SPRING))
+        for item in reported_coordinates(self.model.mechanism):  # type: ignore[assignment]
+            found.append(self._at(item.joint, item.coordinate, SPRING))  # type: ignore[attr-defined]
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
@@ -186,7 +187,7 @@ class ElementTable:
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
             record["curve"] = self.table.function(item.curve, of_time=False)
-            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)
+            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)  # type: ignore[arg-type]
         if item.damper is not None:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record

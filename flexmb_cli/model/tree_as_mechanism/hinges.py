@@ -32,8 +32,8 @@ def hinge_vectors(table: PrimitiveTable, base: Base, body: int) -> HingeVectors:
     """Body vectors of the hinge of `body` on its base."""
     place = table.body_vector(base.body, base.place, base.shape if base.shape.size else None)
     return HingeVectors(
-        tuple(table.body_vector(base.body, axis) for axis in base.axes.T),
-        tuple(table.body_vector(body, axis) for axis in np.eye(3)),
+        tuple(table.body_vector(base.body, axis) for axis in base.axes.T),  # type: ignore[arg-type]
+        tuple(table.body_vector(body, axis) for axis in np.eye(3)),  # type: ignore[arg-type]
         (table.body_vector(body, np.zeros(3)), place),
     )
 

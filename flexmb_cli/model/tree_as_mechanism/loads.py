@@ -27,7 +27,7 @@ class _Loads:
 
     def __init__(self, table: Any, tree: Any, frames: Any):
         self.table, self.tree, self.frames = table, tree, frames
-        self.found = []
+        self.found: list[Any] = []
 
     def records(self) -> "Any":
         for k, body in enumerate(self.tree.bodies):

@@ -43,7 +43,7 @@ def _compare_head(report: Any, kind: str, a: Any, b: Listing, tolerances: Any) -
     lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
     counts = [[len(line.values) for line in part] for part in lines]
     if counts[0] == counts[1]:
-        _compare_lines(report, *lines, tolerances, a.form)
+        _compare_lines(report, *lines, tolerances, a.form)  # type: ignore[arg-type, call-arg]
         return
     title = "echo of the input" if kind == "echo" else kind
     sums = [sum(part) for part in counts]
@@ -110,10 +110,10 @@ def _compare_kind(
         a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
         if report.explaining and form.echo_error:
             cause, explains = form.echo_error
-            known = ((cause, explains(a, b, unit)),)
+            known = ((cause, explains(a, b, unit)),)  # type: ignore[assignment]
 
     def describe(position: Any, distance: Any) -> Found:
         line, number = places[position[0]]
-        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)
+        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)  # type: ignore[call-arg]
 
     report.compare(kind, a, b, tolerance, describe, unit, slack, known)

@@ -75,7 +75,7 @@ class Emulation:
 
 def _rows(mechanism: Any, errors: Any) -> list[Rows]:
     """The rows up to the first that cannot be computed."""
-    blocks = []
+    blocks: list[Any] = []
     with suppress(AnalysisError):
         blocks.extend(AsPrinted(mechanism, errors=errors, block=1).rows())
     return blocks

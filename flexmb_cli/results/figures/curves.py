@@ -92,7 +92,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     Of these those that change, and their sum; `still_energies` are the others.
     """
     known = names(result)
-    chosen = []
+    chosen: list[Any] = []
     for dataset in _datasets(attribute(result, "dialect")):
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
@@ -148,7 +148,7 @@ def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
 
 def _crowd(quantities: Any) -> list[Quantity]:
     """At most `MOST_CURVES` of a unit, the first ones."""
-    kept, count = [], {}
+    kept, count = [], {}  # type: ignore[var-annotated]
     for quantity in quantities:
         count[quantity.unit] = count.get(quantity.unit, 0) + 1
         if count[quantity.unit] <= MOST_CURVES:

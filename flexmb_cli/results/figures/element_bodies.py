@@ -80,7 +80,7 @@ def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     check_shapes(result, shapes | series, {"t": len(result["time"])})
     numbers = result[f"{group}/node"][:]
     one = number - 1
-    return ElementBody(
+    return ElementBody(  # type: ignore[call-arg]
         number,
         name,
         numbers,

@@ -44,7 +44,7 @@ def _normal(places: Any) -> np.ndarray | None:
     _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
     if size[2] > THIN * size[0] or size[1] <= THIN * size[0]:
         return None
-    normal = axes[2]
+    normal = axes[2]  # type: ignore[index]
     return normal * np.sign(normal[np.argmax(np.abs(normal))])
 
 

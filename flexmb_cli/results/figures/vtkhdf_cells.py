@@ -45,7 +45,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
         points[at] = places
         for name, field in fields.items():
             field[at] = values[name]
-    owners = [body.number for body in (*bodies, *drawn)]
+    owners = [body.number for body in (*bodies, *drawn)]  # type: ignore[attr-defined]
     data["body"] = np.repeat(np.array(owners, np.int32), counts)
     _write_steps(root, scene.time, count)
 
@@ -77,7 +77,7 @@ def _rigid_velocities(scene: Any, body: Any, row: Any) -> np.ndarray:
 
 
 def _write_topology(root: Any, bodies: Any, drawn: Any, counts: Any) -> None:
-    connectivity, lengths, types = [], [], []
+    connectivity, lengths, types = [], [], []  # type: ignore[var-annotated]
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for body, first in zip(bodies, firsts, strict=False):
         kind = CELL_TYPES[body.cells.shape[1]]

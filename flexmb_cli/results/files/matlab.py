@@ -88,7 +88,7 @@ def variable_bytes(name: str, content: "dict[Any, Any]") -> bytes:
 
 
 def _struct(group: Any) -> "dict[Any, Any]":
-    fields = {}
+    fields: dict[Any, Any] = {}
     for name, item in group.items():
         fields[_field(name, fields)] = _struct(item) if isinstance(item, h5py.Group) else _values(item)
     return fields

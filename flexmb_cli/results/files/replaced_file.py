@@ -57,13 +57,13 @@ class Replacement:
         Others may write in the folder, too, and put a link where the temporary file stood: it must not be
         opened by its name again.
         """
-        return self.temporary if self.direct else os.dup(self._hold)
+        return self.temporary if self.direct else os.dup(self._hold)  # type: ignore[arg-type]
 
     def finish(self) -> None:
         """Wait until all that was written is on the disk; without that the moved file could be empty."""
         if not self.direct:
             with self._discarding():
-                sync(self._hold)
+                sync(self._hold)  # type: ignore[arg-type]
 
     def move(self) -> None:
         """Put the finished file in its place; it is discarded when it cannot be put there."""
@@ -200,7 +200,7 @@ def put_in_place(files: "list[Any]") -> None:
 
 def _move(files: Any) -> None:
     """Move all; once one is in its place, another that cannot be moved is no wrong command: exit 1."""
-    moved = []
+    moved: list[Any] = []
     for file in files:
         try:
             file.move()

@@ -43,7 +43,7 @@ def element_layout(model: DynamicModel) -> Layout:
         names, units = zip(*drivers, strict=True)
         axes.append(_with_units(numbered_axis("driver", names), "driver", units))
         series.append(effort_series(FORCES["driver_effort"], units))
-    for kind, names in (("coordinate", _coordinate_names(model)), ("element", element_names(model))):
+    for kind, names in (("coordinate", _coordinate_names(model)), ("element", element_names(model))):  # type: ignore[assignment]
         if names:
             texts, units = zip(*names, strict=True)
             axes.append(_with_units(numbered_axis(kind, texts), kind, units))

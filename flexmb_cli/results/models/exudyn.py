@@ -175,18 +175,18 @@ class _Placed:
                 f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
                 f"damping={item.damping!r})"
             )
-        for item in self.model.forces:
-            if item.body not in self.still:
+        for item in self.model.forces:  # type: ignore[assignment]
+            if item.body not in self.still:  # type: ignore[attr-defined]
                 yield (
-                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "
-                    f"localPosition={_list(self._local(item.body, item.point))}, "
-                    f"bodyFixed={bool(item.following)})"
+                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "  # type: ignore[attr-defined]
+                    f"localPosition={_list(self._local(item.body, item.point))}, "  # type: ignore[attr-defined]
+                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
                 )
-        for item in self.model.torques:
-            if item.body not in self.still:
+        for item in self.model.torques:  # type: ignore[assignment]
+            if item.body not in self.still:  # type: ignore[attr-defined]
                 yield (
-                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "
-                    f"bodyFixed={bool(item.following)})"
+                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "  # type: ignore[attr-defined]
+                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
                 )
 
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:

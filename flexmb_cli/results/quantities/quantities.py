@@ -238,7 +238,7 @@ def _matched(known: list[Family], pattern: str) -> list[Quantity]:
 
 
 def _among(known: Any, words: Any) -> list[Quantity]:
-    whole, begun = [], []
+    whole, begun = [], []  # type: ignore[var-annotated]
     for family in known:
         for form in family.forms:
             if len(form) >= len(words):

@@ -90,7 +90,7 @@ def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
     if style == "jsonl":
         return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
     if style != "text":
-        return _separated_lines([heads, *rows], style)
+        return _separated_lines([heads, *rows], style)  # type: ignore[list-item]
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
     return "".join(
         f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows

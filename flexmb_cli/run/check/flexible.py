@@ -94,7 +94,7 @@ def _centre(body: FloatingBody) -> list[float]:
 
 def _gaps(analysis: Any, q: np.ndarray) -> dict[tuple[str, str], float]:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    arrays, gaps = analysis.arrays, {}
+    arrays, gaps = analysis.arrays, {}  # type: ignore[var-annotated]
     scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
     for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
         key = equation.owner, equation.unit

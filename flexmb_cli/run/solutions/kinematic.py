@@ -28,7 +28,7 @@ def _solution(mechanism: Any, analysis: Any, run: Any, resumable: Any) -> Soluti
         analysis,
         mechanism.time.rows,
         lambda: kinematic_layout(mechanism),
-        kinematic_values,
+        kinematic_values,  # type: ignore[arg-type]
         NewtonCount(),
         warnings=analysis.warnings,
         finer=nothing_to_refine,

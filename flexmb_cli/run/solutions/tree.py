@@ -47,7 +47,7 @@ def solution(tree: Tree, run: Run) -> Solution:
 
 def values_of(tree: Tree, rows: Any) -> dict:
     """Return report rows by the paths of their datasets."""
-    return tree_values(tree, rows, point_motion(tree, rows))
+    return tree_values(tree, rows, point_motion(tree, rows))  # type: ignore[return-value]
 
 
 def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
@@ -94,7 +94,7 @@ class TreeCount(NoCount):
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
         """What the energy of the rows makes doubtful."""
         return () if self.one_way else self.drift.doubts
 

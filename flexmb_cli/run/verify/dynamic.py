@@ -100,7 +100,7 @@ def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any) -> tuple[
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
         )
-    return tuple(_difference(rows.time, *pair) for pair in pairs)
+    return tuple(_difference(rows.time, *pair) for pair in pairs)  # type: ignore[arg-type]
 
 
 def _difference(

@@ -45,7 +45,7 @@ class FlexibleDynamics(ConstrainedMotion):
         steps, tolerance = integrator_of(mechanism.integrator)
         super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps)
         self.mechanism = mechanism
-        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
+        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs  # type: ignore[assignment]
 
     @property
     def evaluator(self) -> PositionGaps:
@@ -69,7 +69,7 @@ class FlexibleDynamics(ConstrainedMotion):
     def terms(self) -> Terms:
         """Names of loads, drivers, joints and points."""
         m = self.mechanism
-        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]
+        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]  # type: ignore[attr-defined]
         loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
         return Terms(
             tuple(loads),

@@ -60,7 +60,7 @@ def assemble(gaps: PositionGaps, t: float) -> np.ndarray:
                 return start
             if left < least:
                 best, least = start, left
-    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)
+    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)  # type: ignore[arg-type]
 
 
 def _search(gaps: PositionGaps, q: np.ndarray, t: float, columns: np.ndarray) -> tuple[np.ndarray, float]:

@@ -62,7 +62,7 @@ class AnyCountEvaluator(Evaluator):
 
     def residual(self, q: Any, t: Any, expected: Any) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
-        rotations, phi = self.work.rotations[A], self.work.rows[PHI]
+        rotations, phi = self.work.rotations[A], self.work.rows[PHI]  # type: ignore[attr-defined]
         rotation_matrices(q, rotations)
         equations.residual(self.system.constraints, q, t, expected, rotations, phi)
         return phi[: self.arrays.row_scale.size] / self.arrays.row_scale

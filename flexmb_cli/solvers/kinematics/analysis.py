@@ -138,7 +138,7 @@ class KinematicAnalysis:
                 count = reached if across is None else k
         part = None
         if count:
-            part = first_rows(block, count)
+            part = first_rows(block, count)  # type: ignore[arg-type]
             self.singularities.look(memory, part)
             keeps_axis(self.mechanism, part)
         if across is None:
@@ -173,8 +173,8 @@ class KinematicAnalysis:
         if self._sparse is None:
             from .sparse import SparseContinuation
 
-            self._sparse = SparseContinuation(self.evaluator, *self._left_out)
-        return self._sparse.follow
+            self._sparse = SparseContinuation(self.evaluator, *self._left_out)  # type: ignore[assignment]
+        return self._sparse.follow  # type: ignore[attr-defined]
 
     def carry(
         self,
@@ -255,4 +255,4 @@ class KinematicAnalysis:
             raise singular_start(self, q, t)
         self.state, self.motion, self.clock = start
         self.warnings.append(redundancy_warning(found))
-        return first
+        return first  # type: ignore[return-value]

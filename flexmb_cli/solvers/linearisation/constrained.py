@@ -203,7 +203,7 @@ def linearised(
         if motion.is_constant(A):
             return motion, A, True
         first = first or (motion, A, False)
-    return first
+    return first  # type: ignore[return-value]
 
 
 def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised) -> Modes:

@@ -129,7 +129,7 @@ def state_space(responses: Responses, later: Responses, states: tuple[Signal, ..
         for name, a, b in zip(MATRICES, here, there, strict=True)
     }
     inputs = tuple(one.signal for one in responses.inputs)
-    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)
+    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)  # type: ignore[arg-type, call-arg]
 
 
 def _sizes(matrix: Any) -> np.ndarray:

@@ -59,7 +59,7 @@ class TreeResponses(Responses):
 
     def _point_axes(self) -> list[np.ndarray | None]:
         """Axes (3, 3) of the bodies whose points they are; None for hinges at rest on the inertial frame."""
-        rows = self._rows(self.motion.z, self.arrays)
+        rows = self._rows(self.motion.z, self.arrays)  # type: ignore[attr-defined]
         axes = rotation_matrices(rows.euler_parameters[0])
         bodies = [hinge.parent for hinge in self.tree.hinges]
         for k, body in enumerate(self.tree.bodies):
@@ -69,7 +69,7 @@ class TreeResponses(Responses):
     def respond(self, d: Any, w: Any, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
-        z = self.motion.changed(d, w)
+        z = self.motion.changed(d, w)  # type: ignore[attr-defined]
         rows = self._rows(z, arrays)
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
@@ -86,12 +86,12 @@ class TreeResponses(Responses):
         """Torques on bodies and motors."""
         still = np.zeros(self.n)
         for k, item in enumerate((*self.tree.torques, *self.tree.motors)):
-            body = self.tree.bodies[item.body].name
+            body = self.tree.bodies[item.body].name  # type: ignore[attr-defined]
             if k < len(self.tree.torques):
-                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")
+                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")  # type: ignore[attr-defined]
             else:
-                unit = "N m" if item.motion == ROTATION else "N"
-                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)
+                unit = "N m" if item.motion == ROTATION else "N"  # type: ignore[attr-defined]
+                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)  # type: ignore[attr-defined]
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
 
     def _body_inputs(self) -> "Iterator[Any]":
@@ -138,9 +138,9 @@ class TreeResponses(Responses):
     def _inputs_of_driver(self, k: Any, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
-        gaps = motion.gap_rates(motion.z, one)
-        d = one + motion.projected(-gaps)
-        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
+        gaps = motion.gap_rates(motion.z, one)  # type: ignore[attr-defined]
+        d = one + motion.projected(-gaps)  # type: ignore[attr-defined]
+        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
         name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]

@@ -110,13 +110,13 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     for item in mechanism.simplified:
         if item.direction < 4 or item.body not in turned:
             _hold(found, item.body, item.direction, item.value)
-    for item in mechanism.distances:
-        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)
+    for item in mechanism.distances:  # type: ignore[assignment]
+        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)  # type: ignore[attr-defined]
         found.add_linear(form[item.direction - 1 : item.direction], item.value)
     for ground in mechanism.grounds:
         found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)
-        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))
+        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))  # type: ignore[call-overload]
     for driver in mechanism.drivers:
         _drive(found, driver)
     found.close()

@@ -76,7 +76,7 @@ def _largest_value(matrix: "Any", vector: np.ndarray) -> Any:
 
 def weakest_owners(evaluator: Evaluator, weak: Conditioning) -> list:
     """The equations with the largest shares of the combination, one an owner: joints if there are some."""
-    size, owners = np.abs(weak.combination), {}
+    size, owners = np.abs(weak.combination), {}  # type: ignore[var-annotated]
     for row in by_size(size):
         equation = evaluator.arrays.equations[row]
         if size[row] < SHARE * size.max():

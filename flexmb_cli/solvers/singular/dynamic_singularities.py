@@ -112,7 +112,7 @@ class PassedDynamicSingularities:
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
         self.active = 0 < work <= MOST_WORK
         self.stride = max(1, analysis.grid.rows // LOOKS)
-        self.seen, self.row, self.reported = [], 0, 0
+        self.seen, self.row, self.reported = [], 0, 0  # type: ignore[var-annotated]
         self.sorted: list[float] = []  # the values seen
 
     @property
@@ -206,7 +206,7 @@ class PassedDynamicSingularities:
 
 def _owners(equations: Any, size: Any) -> "list[Equation]":
     """One equation of each owner with a large share, in the deck's order."""
-    found = {}
+    found: dict[Any, Any] = {}
     for row in by_size(size):
         if size[row] < SHARE * size.max() or len(found) == MOST_REPORTED:
             break

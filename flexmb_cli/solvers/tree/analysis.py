@@ -124,7 +124,7 @@ class TreeAnalysis:
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
-        grid, times = self.tree.time, []
+        grid, times = self.tree.time, []  # type: ignore[var-annotated]
         while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
             times.append(grid.time(self.row + len(times)))
         return times
@@ -203,7 +203,7 @@ class TreeAnalysis:
             return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
         if clock["strayed"]:
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
-            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
+            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)  # type: ignore[arg-type]
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
@@ -216,14 +216,14 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}
+    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}  # type: ignore[attr-defined]
     return sorted(t for t in times if start < t < end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
     """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
     for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)
+        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)  # type: ignore[attr-defined]
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:
