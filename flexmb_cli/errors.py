@@ -6,7 +6,7 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .quick_dataclass import dataclass, field
 
@@ -97,7 +97,7 @@ class FaultList(list[Fault]):
         for fault in faults:
             self.append(fault)
 
-    def __iadd__(self, faults: "FaultList") -> "FaultList":
+    def __iadd__(self, faults: Any) -> Any:  # type: ignore[misc]
         self.extend(faults)
         return self
 
@@ -106,7 +106,7 @@ class FaultList(list[Fault]):
         return {}
 
 
-def sentences(faults: tuple[Fault, ...]) -> tuple[str, ...]:
+def sentences(faults: Any) -> tuple[str, ...]:
     """Return subject and message of every fault, as results keep them."""
     return tuple(fault.sentence for fault in faults)
 
@@ -133,7 +133,7 @@ class DeckError(FlexmbError):
 
     exit_code = BAD_INPUT
 
-    def __init__(self, faults: "Sequence[Any]"):
+    def __init__(self, faults: Any):
         faults = tuple(faults)
         first = next((fault for fault in faults if fault.severity == "error"), faults[0])
         super().__init__(first.sentence, faults)

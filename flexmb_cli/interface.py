@@ -98,11 +98,11 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     refuse_foreign_method(opened.deck, run.options)
     with _deck_named(opened.path):
         solution = solution_of(model_of(opened.deck, run), run)
-    doubts, blocks = solution.doubts(), []
+    doubts, blocks = solution.doubts(), []  # type: ignore[var-annotated]
     try:
         blocks.extend(solution.blocks_counted())
     except AnalysisError as failure:
-        failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
+        failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)  # type: ignore[attr-defined]
         raise
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
@@ -158,7 +158,7 @@ class Result(Mapping):
     """
 
     deck: OpenDeck
-    values: dict[str, np.ndarray]
+    values: dict[str, np.ndarray]  # type: ignore[assignment]
     layout: "Layout"
     status: str = COMPLETE
     message: str = ""

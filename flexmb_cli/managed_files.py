@@ -6,7 +6,7 @@ pipe could wait for ever, and opening a device could act on it; so only regular 
 
 import os
 import stat
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .errors import OutputError
 
@@ -55,7 +55,7 @@ def refuse_unsafe(path: str, shown: str = "", folder: int | None = None) -> None
     _refuse(found, shown or path)
 
 
-def _refuse(found: "Any", shown: str) -> None:
+def _refuse(found: Any, shown: str) -> None:
     if stat.S_ISLNK(found.st_mode):
         raise UnsafePlace(f"{shown}: it is a link, which is not followed; remove it", id="FLEXMB-001")
     if not stat.S_ISREG(found.st_mode):
@@ -105,11 +105,11 @@ class ManagedFolder:
         """Remove the file or link `name`."""
         os.unlink(self._at(name), dir_fd=self._number)
 
-    def _at(self, name: str) -> str:
+    def _at(self, name: str) -> Any:
         return name if self._number is not None else os.path.join(self.path, name)
 
 
-def unbuffered(number: int) -> "Any":
+def unbuffered(number: int) -> Any:
     """Return an unbuffered stream for reading and writing of an open descriptor.
 
     What a full disk refused must not be tried again when the stream is closed.

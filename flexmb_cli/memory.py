@@ -12,7 +12,7 @@ try:
     # Here, because where memory is short it could not be loaded any more.
     import resource
 except ImportError:  # no such limits on this system
-    resource = None
+    resource = None  # type: ignore[assignment]
 
 LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
 # Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.

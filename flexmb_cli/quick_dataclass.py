@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .model.flexible_body import Dropped
-
 
 __all__ = ["dataclass", "field", "fields", "replace"]
 
@@ -37,7 +35,7 @@ def dataclass(cls: _Class | None = None, /, *, frozen: bool = False, eq: bool = 
 def fields(of: object) -> tuple[Field, ...]:
     """Return the fields of a data class, or of an object of one."""
     found = getattr(of, "_quick_fields", None)
-    return dataclasses.fields(of) if found is None else tuple(found.values())
+    return dataclasses.fields(of) if found is None else tuple(found.values())  # type: ignore[arg-type]
 
 
 def replace(of: _Object, /, **changes: object) -> _Object:
@@ -46,29 +44,29 @@ def replace(of: _Object, /, **changes: object) -> _Object:
     return type(of)(**kept, **changes)
 
 
-def _define(cls: type, frozen: bool, eq: bool) -> type:
+def _define(cls: Any, frozen: Any, eq: Any) -> Any:
     found = _fields_with_bases(cls)
     cls._quick_fields, cls._quick_options = found, {"frozen": frozen, "eq": eq}
     methods = {"__init__": _initialiser(cls, found), "__repr__": _representation}
     if eq:
         compared = [one.name for one in found.values() if one.compare]
         methods["__eq__"] = _comparison(compared)
-        methods["__hash__"] = _hashing(compared) if frozen else None
+        methods["__hash__"] = _hashing(compared) if frozen else None  # type: ignore[assignment]
     if frozen:
         methods["__setattr__"] = _refusal(cls, found, "assign to", object.__setattr__)
         methods["__delattr__"] = _refusal(cls, found, "delete", object.__delattr__)
     for name, method in methods.items():
         if cls.__dict__.get(name) is None:
             setattr(cls, name, method)
-    cls.__match_args__ = tuple(one.name for one in found.values() if one.init)
+    cls.__match_args__ = tuple(one.name for one in found.values() if one.init)  # type: ignore[misc]
     for name in _KNOWN_BY:
         setattr(cls, name, _OfTwin(cls, name))
     return cls
 
 
-def _fields_with_bases(cls: type) -> dict[str, Any]:
+def _fields_with_bases(cls: Any) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
-    found = {}
+    found: dict[Any, Any] = {}
     for base in reversed(cls.__mro__[1:]):
         of_base = base.__dict__
         if "__dataclass_fields__" in of_base and "_quick_fields" not in of_base:
@@ -141,7 +139,7 @@ def _default(one: Any) -> Any:
     return one.default if one.default_factory is MISSING else one.default_factory()
 
 
-def _representation(self: "Dropped") -> str:
+def _representation(self: Any) -> str:
     shown = (f"{one.name}={getattr(self, one.name)!r}" for one in self._quick_fields.values() if one.repr)
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
@@ -155,14 +153,14 @@ def _comparison(names: list[str]) -> "Callable[..., Any]":
     return __eq__
 
 
-def _hashing(names: list[str]) -> "Callable[..., Any]":
+def _hashing(names: list[str]) -> Any:
     return lambda self: hash(tuple([getattr(self, name) for name in names]))
 
 
 def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
     """What stands for __setattr__ or __delattr__ of a frozen class."""
 
-    def refuse(self: Any, name: Any, *value: Any) -> None:
+    def refuse(self: Any, name: Any, *value: Any) -> Any:
         if type(self) is cls or name in names:
             raise FrozenInstanceError(f"cannot {action} field {name!r}")
         perform(self, name, *value)
@@ -170,7 +168,7 @@ def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Ca
     return refuse
 
 
-def _twin(cls: type) -> type:
+def _twin(cls: Any) -> type:
     """A class of the standard library with the same fields."""
     parts = [(one.name, one.type, one) for one in cls._quick_fields.values()]
     afterwards = {name: getattr(cls, name) for name in ("__post_init__",) if hasattr(cls, name)}

@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -70,11 +70,11 @@ class Commands(Mapping):
 class Group(click.Group):
     """Keeps the commands in the order of `COMMANDS`."""
 
-    def list_commands(self, ctx: click.Context) -> "Any":
+    def list_commands(self, ctx: Any) -> "Any":
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 
-    def parse_args(self, ctx: click.Context, args: "Any") -> "Any":
+    def parse_args(self, ctx: Any, args: "Any") -> "Any":
         """Read the options before the command; those of commands belong behind it."""
         try:
             return super().parse_args(ctx, args)
@@ -88,7 +88,7 @@ class Group(click.Group):
                 raise click.UsageError(message, ctx) from None
             raise
 
-    def resolve_command(self, ctx: click.Context, args: "Any") -> "Any":
+    def resolve_command(self, ctx: Any, args: "Any") -> "Any":
         """Return the command that the arguments name; a deck in its place is a slip."""
         if args[0] not in self.commands and os.path.exists(args[0]):
             raise click.UsageError(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx)
@@ -129,7 +129,7 @@ def cli(context: click.Context, debug: bool) -> None:
         click.echo(context.get_help())
 
 
-cli.commands = Commands()
+cli.commands = Commands()  # type: ignore[assignment]
 
 
 def main() -> None:
@@ -225,10 +225,10 @@ def _refuse_usage(fault: "Any") -> None:
     _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
 
 
-def _print_json(exit_code: int, *faults: "Any", file: str | None = None) -> None:
+def _print_json(exit_code: Any, *faults: "Any", file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
-    if wants_json(cli.commands, sys.argv[1:]):
+    if wants_json(cli.commands, sys.argv[1:]):  # type: ignore[arg-type]
         print_record(exit_code, faults, file)
 
 

@@ -1,7 +1,7 @@
 """`flexmb beam`: a straight uniform beam as the finite-element block of a DAFMS deck."""
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -83,7 +83,7 @@ def _check_choice(whole: bool, into: str | None, body: int | None) -> None:
         raise click.UsageError("--into DECK and --body K go together")
 
 
-def _text(made: "Any", ndm: None, whole: bool, title: str, into: str | None, body: int | None) -> str:
+def _text(made: "Any", ndm: Any, whole: bool, title: str, into: str | None, body: int | None) -> str:
     from ..dialects.dafms.beam_cards import beam_block, beam_deck
 
     if whole:
@@ -93,7 +93,7 @@ def _text(made: "Any", ndm: None, whole: bool, title: str, into: str | None, bod
     return _deck_with(made, into, body)
 
 
-def _deck_with(made: "Any", path: str, body: int) -> str:
+def _deck_with(made: Any, path: Any, body: Any) -> str:
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
     from ..deck.text import read_text
     from ..dialects.dafms import DIALECT
@@ -103,7 +103,7 @@ def _deck_with(made: "Any", path: str, body: int) -> str:
     lines = ()
     try:
         source = read_text(path)
-        lines = source.lines
+        lines = source.lines  # type: ignore[assignment]
         return with_beam(DIALECT.read(source), body, made)
     except FlexmbError as failure:
         click.echo(compiler_style(path, failure.faults, lines), err=True)

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,8 +12,6 @@ from .terminal.screen import show, wants_debug
 if TYPE_CHECKING:
     from typing import Any
 
-    from ..run.check.check import CheckReport
-
 
 @click.command()
 @DECK
@@ -22,9 +20,9 @@ if TYPE_CHECKING:
 def check(
     decks: tuple[str],
     changes: tuple[str, ...],
-    echo: bool,
+    echo: Any,
     as_json: bool,
-    quiet: bool,
+    quiet: Any,
     jacobian: str | None,
     **options: "Any",
 ) -> None:
@@ -43,10 +41,10 @@ def check(
     for report in every_deck(decks, lambda deck: check_deck(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
-            if echo and report.deck and not quiet:
+            if echo and report.deck and not quiet:  # type: ignore[union-attr]
                 _print_echo(report, err=True)
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck and not quiet:
+        elif report.deck and not quiet:  # type: ignore[union-attr]
             _print_check(report, echo)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
@@ -68,7 +66,7 @@ def _check_jacobian_option(jacobian: str | None) -> None:
         )
 
 
-def _print_check(report: "CheckReport", with_echo: bool) -> None:
+def _print_check(report: Any, with_echo: bool) -> None:
     from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
     from ..results.texts.check_tree_text import check_tree_text
@@ -82,7 +80,7 @@ def _print_check(report: "CheckReport", with_echo: bool) -> None:
         show(jacobian_text(report.jacobian))
 
 
-def _print_echo(report: "CheckReport", err: bool = False) -> None:
+def _print_echo(report: Any, err: Any = False) -> None:
     from ..results.texts.echo import echo
 
     show(echo(report.deck), err)

@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,7 +17,7 @@ from .terminal.written_place import WrittenPlace
 if TYPE_CHECKING:
     from typing import Any
 
-    from ..results.diff.folders import Compared, Pair, Summary
+    from ..results.diff.folders import Compared, Summary
     from ..results.diff.report import Report
     from ..results.diff.tolerance_file import FileTolerances
 
@@ -105,9 +105,7 @@ def _tolerances(options: "dict[Any, Any]") -> "FileTolerances":
     return read_tolerances(path, general) if path else FileTolerances(general=general)
 
 
-def _compare_files(
-    a: str, b: str, tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, bool | None]
-) -> "Compared":
+def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> "Compared":
     from ..deck.listing import TableError
     from ..results.diff.accept import accept, is_missing
     from ..results.diff.compare import compare
@@ -135,12 +133,12 @@ def _compare_folders(
     from ..results.diff.folders import compare_many
     from ..results.diff.forms import LISTING, form_of
 
-    def compare_pair(pair: "Pair") -> "Report":
+    def compare_pair(pair: Any) -> "Report":
         chosen = tolerances.of_file(pair.name)
         if form_of(pair.a) != LISTING:
             # Results in full precision have no last printed digit: other files of the folder have.
             chosen = chosen.without_digits()
-        return compare(pair.a, pair.b, chosen, **options)
+        return compare(pair.a, pair.b, chosen, **options)  # type: ignore[arg-type]
 
     with faults_in_json(as_json, {"a": a, "b": b}, b):
         summary = compare_many(a, b, compare_pair)
@@ -162,7 +160,7 @@ def _write_junit(path: str, summary: "Summary") -> None:
     write_whole(path, content)
 
 
-def _print_report(compared: "Compared", update: bool, as_json: bool, quiet: bool) -> None:
+def _print_report(compared: Any, update: Any, as_json: Any, quiet: Any) -> None:
     a, b, updated = compared.pair.a, compared.pair.b, compared.updated
     if as_json:
         click.echo(json.dumps(compared.report.as_dict() | {"a": a, "updated": updated}))

@@ -4,7 +4,7 @@ import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -30,7 +30,7 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 )
 @click.option("--force", is_flag=True, help="Replace files that are there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def examples(names: tuple[str, ...], output_dir: "Any", force: "Any", quiet: bool) -> None:
+def examples(names: Any, output_dir: "Any", force: "Any", quiet: bool) -> None:
     """List the supplied decks, or copy those named, with the files they need.
 
     \b
@@ -75,8 +75,8 @@ def _similar(name: str, decks: dict[str, Path]) -> str:
     return f"is one of these meant: {names}?" if names else "`flexmb examples` lists them"
 
 
-def _list(decks: "Any") -> None:
-    described = {}
+def _list(decks: Any) -> Any:
+    described: dict[Any, Any] = {}
     for folder in {path.parent for path in decks.values()}:
         described |= dict(_descriptions(folder))
     width = max(map(len, decks))
@@ -96,7 +96,7 @@ def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
                 yield from (((suffix, name), cells[1]) for suffix in suffixes)
 
 
-def _whole_names(names: tuple[str, ...]) -> "Iterator[Any]":
+def _whole_names(names: Any) -> "Iterator[Any]":
     """Complete names such as `_n5` behind `shaft_beam_n2`."""
     for name in names:
         yield names[0].rpartition("_")[0] + name if name.startswith("_") else name

@@ -3,7 +3,7 @@
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,8 +15,6 @@ from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ..run.modes import ModesReport
 
 
 @click.command()
@@ -41,14 +39,14 @@ if TYPE_CHECKING:
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
 def modes(
-    decks: tuple[str],
-    changes: "tuple[Any, ...]",
-    echo: bool,
-    as_json: bool,
-    quiet: bool,
-    time: float | None,
-    equilibrium: bool,
-    out: None,
+    decks: Any,
+    changes: Any,
+    echo: Any,
+    as_json: Any,
+    quiet: Any,
+    time: Any,
+    equilibrium: Any,
+    out: Any,
     **options: "Any",
 ) -> None:
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
@@ -75,7 +73,7 @@ def modes(
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck:
+        elif report.deck:  # type: ignore[union-attr]
             _print_modes(report, echo, quiet)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
@@ -96,7 +94,7 @@ def _refuse_output(out: None, decks: tuple[str]) -> None:
     refuse_inputs(out, decks, "--out")
 
 
-def _print_modes(report: "ModesReport", with_echo: bool, quiet: bool) -> None:
+def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:
     from ..results.texts.echo import echo
     from ..results.texts.modes_text import modes_text
 

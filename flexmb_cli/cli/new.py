@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -92,18 +92,18 @@ def _form(name: "Any") -> "Any":
 class _Talk:
     """The dialogue at a terminal or through a pipe."""
 
-    def __init__(self, dialect: "Any", path: str, restart: "Any", with_draft: "Any"):
+    def __init__(self, dialect: Any, path: Any, restart: Any, with_draft: Any):
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
         # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
         self.keeps_draft = self.at_terminal or with_draft
         # A title in another character code is no reason to lose the answers behind it.
-        sys.stdin.reconfigure(errors="replace")
-        self.lines = []  # of a pipe, for the places of faults
+        sys.stdin.reconfigure(errors="replace")  # type: ignore[union-attr]
+        self.lines: list[Any] = []  # of a pipe, for the places of faults
         self.dialogue = self._begin(_form(dialect), restart)
 
-    def _begin(self, form: str, restart: "Any") -> "Any":
+    def _begin(self, form: Any, restart: "Any") -> "Any":
         from ..deck.dialogue import Dialogue, from_draft
         from ..deck.text import read_text
 
@@ -189,7 +189,7 @@ class _Talk:
                 [Fault("error", f"no record {name} was asked for yet; names are like driver.1", id="CLI-005")]
             )
 
-    def show(self, faults: "Any", question: "Any" = None) -> None:
+    def show(self, faults: "Any", question: "Any" = None) -> Any:
         """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""
         if self.at_terminal:
             for fault in faults:
@@ -251,7 +251,7 @@ class _Talk:
     def _text(self) -> "Any":
         return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
 
-    def write(self) -> None:
+    def write(self) -> Any:
         """The deck in its place, and the draft away."""
         from ..results.files.replaced_file import write_whole
 
@@ -263,7 +263,7 @@ class _Talk:
         if self.keeps_draft and os.path.lexists(self.draft):
             os.unlink(self.draft)
 
-    def keep(self) -> None:
+    def keep(self) -> Any:
         """Write the draft, whole or not at all, so that a closed terminal loses nothing."""
         if not self.keeps_draft:
             return

@@ -2,7 +2,7 @@
 
 import contextlib
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -158,10 +158,10 @@ def _drawn(
 def _source(
     open_files: "Any",
     path: str,
-    label: str,
-    names: tuple[str, ...],
+    label: Any,
+    names: Any,
     across: str,
-    window: tuple[None, None, int],
+    window: Any,
     quiet: bool,
 ) -> "Source":
     from ..results.figures.curves import Source, default_quantities, still_energies

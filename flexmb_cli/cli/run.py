@@ -3,7 +3,7 @@
 import json
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -65,7 +65,7 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
 def run(
-    decks: tuple[str, ...],
+    decks: Any,
     changes: tuple[str, ...],
     echo: bool,
     as_json: bool,
@@ -117,7 +117,7 @@ def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
             raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
 
 
-def _refuse_parallel_input(decks: list[str], jobs: int) -> None:
+def _refuse_parallel_input(decks: Any, jobs: int) -> None:
     if jobs > 1 and len(decks) > 1 and "-" in decks:
         raise click.UsageError("standard input goes to one process only: with -j give every deck by its name")
 
@@ -143,7 +143,7 @@ def _given(options: "dict[Any, Any]", **names: "Any") -> "dict[Any, Any]":
 
 
 def _all_outcomes(
-    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
+    decks: Any, options: "RunOptions", jobs: int, quiet: bool, verbose: bool
 ) -> "Iterator[Any]":
     """What became of every deck; one that was not begun before a stop is as if stopped at its first row."""
     from ..run.outcome import Outcome, Stop
@@ -183,7 +183,7 @@ def _outcomes(
         yield outcome
 
 
-def _refuse_shared_files(decks: list[str], options: "RunOptions") -> None:
+def _refuse_shared_files(decks: Any, options: "RunOptions") -> None:
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 

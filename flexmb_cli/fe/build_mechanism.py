@@ -1,7 +1,7 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,19 +62,28 @@ def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Faul
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _body(given: VsdfBody, cached: bool) -> tuple[FloatingBody, list[Fault]]:
+def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
-        m, c = given.rigid.mass, np.array(given.rigid.centre)
-        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
+        m, c = given.rigid.mass, np.array(given.rigid.centre)  # type: ignore[union-attr]
+        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))  # type: ignore[union-attr]
         pose = np.array(given.r), np.array(given.p)
-        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []
+        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []  # type: ignore[arg-type]
     found, doubts = flexible_body(given.flexible, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
     body = FloatingBody(
-        given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, **places
+        given.name,
+        r,
+        p,
+        *motion,
+        found.m,
+        found.s0,
+        found.J0,
+        found,
+        given.stiffened,
+        **places,  # type: ignore[arg-type]
     )
     return body, doubts
 

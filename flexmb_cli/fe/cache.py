@@ -10,7 +10,7 @@ import io
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -97,14 +97,12 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     content, digest = raw[:-DIGEST], raw[-DIGEST:]
     if hashlib.sha256(content).digest() != digest:
         return None
-    stream = io.BytesIO(content)
+    stream = io.BytesIO(content)  # type: ignore[assignment]
     notes = json.loads(str(np.load(stream, allow_pickle=False)))
     return _restored(given, notes, {name: np.load(stream, allow_pickle=False) for name in notes["arrays"]})
 
 
-def _restored(
-    given: FlexibleInput, notes: "dict[Any, Any]", stored: dict[str, np.ndarray]
-) -> "tuple[FlexibleBody, Any]":
+def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
     arrays = {name: stored[name] for name in _ARRAYS}
     for name in ("m", "mass_deviation", "rigid_residual", "massless"):
         arrays[name] = arrays[name].item()
@@ -118,7 +116,7 @@ def _restored(
     return body, faults
 
 
-def _stress(stored: dict[str, np.ndarray]) -> BodyStress | None:
+def _stress(stored: Any) -> BodyStress | None:
     """The stresses of a body whose material is known."""
     if "stress_nodal" not in stored:
         return None
@@ -145,9 +143,7 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
         return
 
 
-def _write(
-    path: Path, notes: "dict[str, dict[str, float | tuple[Any, ...]] | list[str]]", arrays: "Iterable[Any]"
-) -> None:
+def _write(path: Any, notes: Any, arrays: "Iterable[Any]") -> None:
     import tempfile
 
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")

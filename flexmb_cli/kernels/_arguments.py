@@ -6,7 +6,7 @@ array and ["t", class, parameters] for a tuple.  An array is handed over as addr
 
 import ctypes
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def key_of(parameters: list) -> str:
     return json.dumps(parameters, separators=(",", ":"))
 
 
-def _described_type(dtype: np.dtype) -> str:
+def _described_type(dtype: np.dtype) -> Any:
     return dtype.descr if dtype.names else dtype.str
 
 
@@ -93,7 +93,7 @@ class Words:
             raise TypeError(f"{len(values)} arguments, where {len(self._packers)} are taken")
         return all(put(value) for put, value in zip(self._packers, values, strict=True))
 
-    def _packer(self, parameter: "list[Any] | str", first: int) -> "Callable[..., Any]":
+    def _packer(self, parameter: Any, first: Any) -> "Callable[..., Any]":
         """Return the function that fills the words of a parameter from `first` on."""
         if parameter[0] == "a":
             return _array_packer(self._room[0], first, parameter[1], described_dtype(parameter[2]))
@@ -107,7 +107,7 @@ class Words:
         return _number_packer(room, first, _ACCEPTED[parameter])
 
 
-def _array_packer(words: "Any", first: int, dimensions: int, dtype: np.dtype) -> "Callable[..., Any]":
+def _array_packer(words: "Any", first: int, dimensions: Any, dtype: np.dtype) -> "Callable[..., Any]":
     end = first + 1 + dimensions
 
     def put(array: float | list[float] | np.ndarray) -> bool:
@@ -169,7 +169,7 @@ class Results:
 
     def value(self) -> object:
         """Return the value that was left."""
-        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]
+        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]  # type: ignore[index]
         found = [bool(x) if kind == "b" else x for kind, x in zip(self._kinds, found, strict=True)]
         if self._is_tuple:
             return tuple(found)

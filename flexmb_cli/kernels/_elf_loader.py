@@ -8,7 +8,7 @@ and gives the same code, but importing it takes a quarter of the time of importi
 import ctypes
 import mmap
 import struct
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -116,7 +116,7 @@ class LoadedObject:
         begin = begins[self._symbols["section"]]
         return np.where(begin, begin + self._symbols["value"], 0)
 
-    def _add_jump(self, place: tuple[float, float, float], name: str):
+    def _add_jump(self, place: Any, name: str):
         """Write the jump to a function of the C library; return its address."""
         jump = _JUMP + struct.pack("<q", _foreign_address(name))
         self._memory[place : place + len(jump)] = np.frombuffer(jump, np.uint8)

@@ -111,7 +111,7 @@ class Entry:
             if _load_unit(unit, digest) and found():  # another process was quicker
                 return True
             try:
-                data = emit(unit, entries(), digest, [_objects.target()])[_objects.target()]
+                data = emit(unit, entries(), digest, [_objects.target()])[_objects.target()]  # type: ignore[index, list-item]
             except NotDescribedError:
                 return False
             _cache.keep(folder, unit, data)
@@ -165,7 +165,7 @@ def _compiler():
     import numba
 
     # Loops over three or four numbers gain nothing from vectors, and compilation takes a fifth longer.
-    numba.config.LOOP_VECTORIZE = 0
+    numba.config.LOOP_VECTORIZE = 0  # type: ignore[attr-defined]
     from . import _linking
 
     return _linking

@@ -8,7 +8,7 @@ Kernels must not call one another in a circle.
 
 import importlib
 import itertools
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import llvmlite.binding as llvm
 from llvmlite import ir
@@ -63,7 +63,7 @@ class WholeLibrary(JITCodeLibrary):
         for variable in self._final_module.global_variables:
             constants = lookup_environment(variable.name) if variable.name.startswith(_ENVIRONMENT) else None
             if constants is not None:
-                self._codegen.set_env(variable.name, constants)
+                self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
 def _with_parts_of_parts(libraries):
@@ -72,7 +72,7 @@ def _with_parts_of_parts(libraries):
     LLVM links such a function only where something that is linked already calls it, and a part may name
     functions that its own code no longer calls.
     """
-    found, ended = {}, []
+    found, ended = {}, []  # type: ignore[var-annotated]
 
     def visit(library) -> None:
         if library not in found:
@@ -133,9 +133,7 @@ class Part(CPUDispatcher):
 class Kernel(CPUDispatcher):
     """A function that is compiled whole when Python calls it, and as a part when another kernel does."""
 
-    def __init__(
-        self, function: "Callable[..., Any]", locals: None = None, targetoptions: dict | None = None
-    ):
+    def __init__(self, function: "Callable[..., Any]", locals: Any = None, targetoptions: dict | None = None):
         # Without a word of its own a part would be forced inline where its first caller is.
         options = {"nopython": True, "boundscheck": None, "forceinline": False} | (targetoptions or {})
         # Earlier versions of numba take no None for them.
@@ -245,7 +243,7 @@ def _refuse_foreign(module) -> None:
         raise AssertionError(f"compiled kernels call {sorted(foreign)}")
 
 
-def _numba_type(parameter: "list[Any] | str"):
+def _numba_type(parameter: Any):
     """numba's type of a parameter."""
     if parameter[0] == "a":
         return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
@@ -259,7 +257,7 @@ def _numba_type(parameter: "list[Any] | str"):
 def _result(kind):
     """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
     if isinstance(kind, types.BaseTuple):
-        return ["t", "", [_result(part) for part in kind]]
+        return ["t", "", [_result(part) for part in kind]]  # type: ignore[attr-defined]
     for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
         if isinstance(kind, number):
             return letter
@@ -296,7 +294,7 @@ def _value(context, builder, words, kind):
     if isinstance(kind, types.Array):
         return _array(context, builder, words, kind)
     if isinstance(kind, types.BaseTuple):
-        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])
+        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])  # type: ignore[attr-defined]
     word = next(words)
     if isinstance(kind, types.Float):
         return builder.bitcast(word, ir.DoubleType())
@@ -319,12 +317,12 @@ def _array(context, builder, words, kind):
     return array._getvalue()
 
 
-def _store_result(builder, kind, value, room, k: int):
+def _store_result(builder, kind, value, room, k: Any):
     """Store what a kernel returns from word k on; return the word behind it."""
     if kind is types.none:
         return k
     if isinstance(kind, types.BaseTuple):
-        for place, part in enumerate(kind):
+        for place, part in enumerate(kind):  # type: ignore[arg-type, var-annotated]
             k = _store_result(builder, part, builder.extract_value(value, place), room, k)
         return k
     if isinstance(kind, types.Float):

@@ -13,7 +13,7 @@ import os
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..memory import TO_LOAD, require_memory
 from ._arguments import Results, Words, key_of
@@ -133,7 +133,7 @@ class Compiled:
             return True, self._results.value()
 
 
-_engines = []  # machine code lives as long as they do
+_engines: list[Any] = []  # machine code lives as long as they do
 
 
 def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
@@ -179,9 +179,9 @@ def _llvm_engine(code):
 
 def _name_symbols(llvm) -> None:
     """Tell LLVM where the functions of the C library are: on Windows it does not find them by itself."""
-    library = ctypes.WinDLL("ucrtbase")
+    library = ctypes.WinDLL("ucrtbase")  # type: ignore[attr-defined]
     for name in OF_C:
         llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
-    checked_stack = ctypes.WinDLL("ntdll").__chkstk  # what LLVM calls for large frames
+    checked_stack = ctypes.WinDLL("ntdll").__chkstk  # type: ignore[attr-defined]  # what LLVM calls for large frames
     llvm.add_symbol("__chkstk", ctypes.cast(checked_stack, ctypes.c_void_p).value)
     llvm.add_symbol("_fltused", id(_engines))  # a mark that nothing reads

@@ -1,6 +1,7 @@
 """What a deck itself says of the attitudes of its bodies, and the estimates that follow from it."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +22,11 @@ class Attitudes:
     def __init__(self, mechanism: Mechanism):
         self.bodies = mechanism.bodies
         self.driven = {d.body for d in mechanism.drivers if d.direction > 3}
-        self.held = [{} for _ in mechanism.bodies]
+        self.held: Any = [{} for _ in mechanism.bodies]
         holders: list[Simplified | Ground] = [*mechanism.simplified, *mechanism.grounds]
         for item in holders:
             single = isinstance(item, Simplified)
-            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)
+            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)  # type: ignore[union-attr]
             for direction, value in pairs:
                 if direction > 3:
                     self.held[item.body][direction] = held_coordinate(direction, value)[1]

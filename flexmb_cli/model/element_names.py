@@ -1,6 +1,7 @@
 """Names and units of springs and elements in results, in the order of their loads."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from .joints import ANGLE
 from .loads import DynamicModel
@@ -21,7 +22,7 @@ def element_names(model: DynamicModel) -> list[tuple[str, str]]:
     return list(_names(model))
 
 
-def _names(model: DynamicModel) -> Iterator[tuple[str, str]]:
+def _names(model: Any) -> Iterator[tuple[str, str]]:
     elements = model.elements
     for item in model.springs:
         yield item.name, LENGTH

@@ -6,6 +6,8 @@ that give rho L^3/3 with lumped masses leave less than nothing, and the coupled 
 thesis (Zhao, 1992, eq. 3.16) then have no positive definite mass matrix.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ..deck.records import DeckValues
@@ -110,7 +112,7 @@ def _smallest(left: np.ndarray, whole: np.ndarray, motions: np.ndarray) -> tuple
     return shares[0], scaled @ shapes[:, 0]
 
 
-def _report(body: Body, k: int, motion: np.ndarray, values: DeckValues, findings: Findings) -> None:
+def _report(body: Body, k: Any, motion: np.ndarray, values: Any, findings: Findings) -> None:
     turning = np.abs(motion[3:])
     if not turning.any():
         axis = int(np.argmax(np.abs(motion[:3]))) + 1
@@ -149,7 +151,7 @@ def _rotation(axis: int, angle: float) -> np.ndarray:
     return _matrix((np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis - 1])))
 
 
-def _matrix(attitude: tuple[float, float, float, float]) -> np.ndarray:
+def _matrix(attitude: tuple[float, float, float, float]) -> Any:
     """T of DAFMS (listing, SOK), with the scalar first: components in P_k = T x components in O_k."""
     e0, e = attitude[0], np.array(attitude[1:])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * _cross(e)

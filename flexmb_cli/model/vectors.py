@@ -5,11 +5,12 @@ the kernels as data must not.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
 
-def dot(a: np.ndarray | tuple[float, float, float], b: np.ndarray | tuple[float, float, float]) -> float:
+def dot(a: Any, b: np.ndarray | tuple[float, float, float]) -> float:
     """Scalar product."""
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
@@ -30,12 +31,12 @@ def cross_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return product
 
 
-def length(v: np.ndarray) -> float:
+def length(v: Any) -> float:
     """Euclidean length of a vector of any size."""
     return math.sqrt(sum(float(x) * float(x) for x in v))
 
 
-def unit(v: np.ndarray | tuple[float, float, float]) -> np.ndarray:
+def unit(v: Any) -> np.ndarray:
     """The vector of length one along v, which is not zero."""
     v = np.asarray(v, dtype=float)
     v = v / np.max(np.abs(v))  # squares of very long or short vectors leave the range of doubles

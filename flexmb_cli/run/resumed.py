@@ -4,7 +4,7 @@ A checksum says that the file is as it was written, not that this run wrote it: 
 state behind them must have the names, shapes and types that this run gives them.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, ModelError
 from ..results.hdf5.result_file import TIME, Layout
@@ -13,8 +13,6 @@ from .checkpoint import ResumeFile
 
 if TYPE_CHECKING:
     from typing import Any
-
-    import numpy as np
 
 
 def restore(resume_file: ResumeFile, analysis: "Any", layout: Layout) -> None:
@@ -26,7 +24,7 @@ def restore(resume_file: ResumeFile, analysis: "Any", layout: Layout) -> None:
         analysis.restore(resume_file.last_checkpoint)
         shapes = _shapes_of(layout)
         rows = sum(_rows_of(values, shapes) for values, _ in resume_file.stored())
-        if rows != row_of(resume_file.last_checkpoint):
+        if rows != row_of(resume_file.last_checkpoint):  # type: ignore[arg-type]
             raise OtherRun("row")
     except OtherRun as found:
         message = (
@@ -42,7 +40,7 @@ def _shapes_of(layout: "Any") -> "Any":
     return {item.path: tuple(length[path] for path in item.axes) for item in (TIME, *layout.series)}
 
 
-def _rows_of(values: "dict[str, np.ndarray]", shapes: "Any") -> "Any":
+def _rows_of(values: Any, shapes: "Any") -> "Any":
     """Return how many rows a block has.  Raises OtherRun."""
     rows = values["time"].size
     for path, shape in shapes.items():

@@ -66,7 +66,7 @@ class Solution:
 
     def blocks(self) -> Iterator[dict]:
         """Yield the blocks of values; raises as the analysis does."""
-        return map(self.values, self.analysis.rows())
+        return map(self.values, self.analysis.rows())  # type: ignore[attr-defined]
 
     def blocks_counted(self) -> Iterator[dict]:
         """Yield the blocks of values and count them."""
@@ -214,11 +214,11 @@ class _Keeper:
             self.run.listener.notice("nothing to resume; the run starts at its beginning")
         if self.run.outcome.rows >= solution.rows:
             return
-        for rows in solution.analysis.rows():
+        for rows in solution.analysis.rows():  # type: ignore[attr-defined]
             values = solution.values(rows)
             if resume_file.path is not None:
                 with Stop.later():
-                    resume_file.append(values, solution.analysis.checkpoint)
+                    resume_file.append(values, solution.analysis.checkpoint)  # type: ignore[attr-defined]
             yield self._with_errors(values)
 
     def _with_errors(self, values: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]":

@@ -24,7 +24,7 @@ class StepCount(NoCount):
             self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
         """What the energy of the rows makes doubtful."""
         return self.drift.doubts if self.drift else ()
 

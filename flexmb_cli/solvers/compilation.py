@@ -68,8 +68,8 @@ def compile_unit(unit: str) -> None:
     target, digest = _objects.target(), _objects.kernel_digest()
     with _cache.alone(folder, unit):
         if not all(map(_entry.is_ready, UNITS[unit])):  # another process was not quicker
-            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])
-            _cache.keep(folder, unit, made[target])
+            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])  # type: ignore[list-item]
+            _cache.keep(folder, unit, made[target])  # type: ignore[index]
     if _cache.content(unit) is None:
         raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 

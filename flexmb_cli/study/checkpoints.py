@@ -11,7 +11,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -175,7 +175,7 @@ class Part:
         self._file.close()
 
 
-def _name(block: int) -> str:
+def _name(block: int) -> Any:
     return f"block-{block:08d}{_PART}"
 
 

@@ -8,7 +8,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
@@ -81,7 +81,7 @@ def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
     return done, time.perf_counter() - start
 
 
-def _handed_on(job: Job) -> "Any":
+def _handed_on(job: Any) -> "Any":
     return job
 
 
@@ -92,14 +92,14 @@ class _Cluster:
     it before anything else is handed out.
     """
 
-    def __init__(self, client: "Any", sweep: Sweep, advance: "Any", address: "Any"):
+    def __init__(self, client: Any, sweep: Any, advance: Any, address: Any):
         from distributed import as_completed
 
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
         # No scattered data: those are lost with the workers that have them, a task is done anew.
         self.shared = client.submit(_handed_on, sweep.job, pure=False)
-        self.rest, self.struck, self.deaths = deque(), deque(), Counter()
-        self.shares = {}  # blocks by the key of their future
+        self.rest, self.struck, self.deaths = deque(), deque(), Counter()  # type: ignore[var-annotated]
+        self.shares: dict[Any, Any] = {}  # blocks by the key of their future
         self.seconds = None  # of a block, as reported last
         self.threads, self.counted = 1, -CENSUS
         self.arriving = as_completed(loop=client.loop)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 TABLES = ("parameters", "results")
 _HEAD = re.compile(r"\s*\[\s*[\"']?([^][\"']*?)[\"']?\s*\]")
@@ -29,9 +30,9 @@ def key_places(lines: Iterable[str]) -> dict[tuple[str, str], tuple[int, int]]:
     return places
 
 
-def _starts(line: str, table: str) -> Iterator[tuple[str, int]]:
+def _starts(line: Any, table: str) -> Iterator[tuple[str, int]]:
     """Return where a name may begin, and the table it would be in."""
-    yield "", _BEFORE_KEY.match(line).end()
+    yield "", _BEFORE_KEY.match(line).end()  # type: ignore[union-attr]
     if table in TABLES:
         yield table, len(line) - len(line.lstrip())
     dotted = _BEFORE_KEY_OF_TABLE.match(line)

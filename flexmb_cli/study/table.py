@@ -5,7 +5,7 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 
 from collections.abc import Iterable, Iterator
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -169,7 +169,7 @@ def _pyarrow() -> "Any":
     return pyarrow
 
 
-def _write_parquet(place: "Any", head: TableHead, rows: "Any") -> None:
+def _write_parquet(place: "Any", head: Any, rows: "Any") -> None:
     pyarrow = _pyarrow()
     kinds = {name: pyarrow.int64() for name, _ in COUNTS} | {"message": pyarrow.string()}
     for column in head.columns:

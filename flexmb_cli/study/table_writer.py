@@ -1,7 +1,7 @@
 """The table of a study from the cases that are kept."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ANALYSIS_FAILED, OutputError
 from ..run.outcome import Stop
@@ -67,9 +67,9 @@ def _rows(sweep: Sweep) -> Iterator[Row]:
         yield result.case + 1, result.exit_code, result.rows, result.message, [*result.parameters, *kept]
 
 
-def _every_case(sweep: Sweep) -> "Iterator[Any]":
+def _every_case(sweep: Any) -> "Iterator[Any]":
     """The result of every case.  Raises OutputError with the numbers of those that are not kept."""
-    missing = []
+    missing: list[Any] = []
     for block in range(sweep.job.blocks):
         found, cases = list(sweep.job.stored(block)), sweep.job.cases(block)
         if len(found) < len(cases):
@@ -86,7 +86,7 @@ def _add(ranges: list[range], cases: range) -> None:
     ranges.append(cases)
 
 
-def _reported(missing: list[range], job: Job) -> str:
+def _reported(missing: Any, job: Job) -> str:
     numbers = ", ".join(map(_numbers, missing[:MOST_RANGES])) + (", …" if len(missing) > MOST_RANGES else "")
     return (
         f"{job.parts_folder}: {sum(map(len, missing))} of {job.study.cases} cases are missing ({numbers}): "

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -116,7 +116,7 @@ def chosen_columns(
     return list(found)
 
 
-def _unknown(columns: list[StudyColumn], pattern: str) -> str:
+def _unknown(columns: Any, pattern: str) -> str:
     known = {column.path.rpartition("/")[2]: column.name for column in columns}
     close = [known[word] for word in get_close_matches(pattern, known, cutoff=0.4)]
     hint = f"; near it are {', '.join(close)}" if close else ""
@@ -142,7 +142,7 @@ def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
     return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
 
 
-def _rows(table: h5py.File, columns: list[StudyColumn], cases: slice) -> "list[Any]":
+def _rows(table: h5py.File, columns: Any, cases: slice) -> "list[Any]":
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:

@@ -3,7 +3,7 @@
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ANALYSIS_FAILED, FlexmbError
 from ..quick_dataclass import dataclass, field
@@ -78,7 +78,7 @@ class _Work:
             self._hear(worker, worker.answer())
         return True
 
-    def _start(self) -> None:
+    def _start(self) -> Any:
         wanted = len(self.waiting) or min(1, len(self.alone))
         while len(self.given) < min(self.jobs, wanted):
             try:
@@ -139,7 +139,7 @@ class _Work:
             (self.alone if last_try else self.waiting).appendleft(block)
 
 
-def _serve(line: "Any", job: Job) -> None:
+def _serve(line: "Any", job: Any) -> None:
     """Solve the blocks that come through `line`."""
     line.send(_begin_process() or BEGUN)
     while True:
@@ -159,7 +159,7 @@ def _begin_process() -> "Any":
     return None
 
 
-def _solve(job: Job, block: int) -> "Any":
+def _solve(job: Any, block: int) -> "Any":
     try:
         return solve_block(job, block)
     except Exception as fault:
@@ -183,5 +183,5 @@ def note_deaths(job: Job, blocks: Iterable[int], deaths: Counter) -> None:
                 give_up_case(job, block)
 
 
-def _place(job: Job, block: int) -> "Any":
+def _place(job: Any, block: int) -> Any:
     return block, next_case(job, block)

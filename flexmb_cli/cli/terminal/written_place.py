@@ -1,6 +1,6 @@
 """Where something is to be written, as the command line names it."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 class WrittenPlace(click.types.StringParamType):
     """A path; the empty one is what a variable of the shell leaves that was never set."""
 
-    def convert(self, value: str, param: "Any", ctx: click.Context) -> str:
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The path, or a usage error that names the option."""
         if value == "":
             self.fail("an empty name; give a path", param, ctx)
         return super().convert(value, param, ctx)
 
-    def shell_complete(self, ctx: click.Context, param: "Any", incomplete: "Any") -> "Any":
+    def shell_complete(self, ctx: Any, param: "Any", incomplete: "Any") -> "Any":
         """Have the shell complete names of files."""
         return files(ctx, param, incomplete)

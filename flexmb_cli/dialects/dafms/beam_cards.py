@@ -1,5 +1,7 @@
 """A beam as cards of FMBD.DAT: its FE block, a deck around it, or in the place of a body of a deck."""
 
+from typing import Any
+
 import numpy as np
 
 from ...deck.fortran_fields import indexed, integer_list, real_list
@@ -40,8 +42,8 @@ def beam_block(beam: Beam, dimension: int = 2) -> str:
             integer_list([len(addresses)]),
             integer_list(range(1, len(addresses) + 1)),
             integer_list(addresses),
-            real_list(packed, 13, 6),
-            real_list(beam.masses, 10, 10),
+            real_list(packed, 13, 6),  # type: ignore[arg-type]
+            real_list(beam.masses, 10, 10),  # type: ignore[arg-type]
         )
     )
 
@@ -72,7 +74,7 @@ def beam_deck(beam: Beam, title: str, steps: int = 500, step: float = 0.001) -> 
             f"MASS\n{indexed(1, [beam.mass])}",
             f"INER\n{indexed(1, [beam.inertia, 0.0, beam.inertia])}",
             f"EULT\n{indexed(1, attitude)}EULL\n{indexed(1, attitude)}",
-            f"Y(L)\n{real_list(np.zeros(2 * coordinates), 10, 5)}",
+            f"Y(L)\n{real_list(np.zeros(2 * coordinates), 10, 5)}",  # type: ignore[arg-type]
             "END \nSTAR\nSTOP\n",
         )
     )
@@ -128,7 +130,7 @@ def _numbers(deck: Deck, section: str) -> list[Number]:
     return [record.numbers[0] for record in deck.section(section)]
 
 
-def _span(numbers: list[Number], text: str) -> tuple[int, int, str]:
+def _span(numbers: Any, text: str) -> tuple[int, int, str]:
     lines = [number.place.line for number in numbers]
     return min(lines), max(lines), text
 
@@ -138,7 +140,7 @@ def _spliced(numbers: list[Number], start: int, old: int, new: int) -> list[floa
     return [*values[:start], *new * [0.0], *values[start + old :]]
 
 
-def _block_change(deck: Deck, body: int, beam: Beam) -> tuple[int, int, str]:
+def _block_change(deck: Any, body: Any, beam: Beam) -> tuple[int, int, str]:
     """The lines of the body's FE block, or the place where it must be inserted."""
     text = beam_block(beam, deck.one("counts")["NDM"])
     masses = {record.number: record.numbers[-1].place.line for record in deck.section("bmi")}

@@ -4,7 +4,7 @@ DAFMS thesis (Zhao, 1992), appendix C, DFIN (skyline, lumped masses) and TSYSIN 
 TOQU).
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ...model.tree import Body, Elasticity
 from .skyline import full_matrix
 
 if TYPE_CHECKING:
-    from ...errors import Place
+    pass
 
 
 AXES_BY_DOFS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
@@ -44,12 +44,12 @@ def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
     return tuple(_body(values, k, findings) for k in range(1, count + 1))
 
 
-def _cards_begin(values: DeckValues) -> "Place":
+def _cards_begin(values: DeckValues) -> Any:
     """Return where cards are expected: at the last number of the time, which stands before them."""
     return values.number("time", 0, "H").place
 
 
-def _body(values: DeckValues, k: int, findings: Findings) -> Body:
+def _body(values: DeckValues, k: int, findings: Findings) -> Any:
     name = f"body {k}"
     flexible = values.number("counts", k, "NUMNP").value > 0
     elastic = _elasticity(values, k, findings) if flexible else None
@@ -109,7 +109,7 @@ def _mass(values: DeckValues, k: int, elastic: Elasticity | None, findings: Find
     return max(mass, nodes)
 
 
-def _inertia(values: DeckValues, k: int, findings: Findings) -> np.ndarray:
+def _inertia(values: Any, k: Any, findings: Findings) -> np.ndarray:
     moments = values.record("inertia", k).numbers
     for number in moments:
         if number.value < 0:
@@ -179,7 +179,7 @@ def _node_vectors(values: DeckValues, section: str, k: int, nodes: int) -> np.nd
     return vectors
 
 
-def _nodal_masses(values: DeckValues, k: int, findings: Findings) -> np.ndarray:
+def _nodal_masses(values: Any, k: Any, findings: Any) -> np.ndarray:
     record = values.record("bmi", k)
     masses = np.array(record.values, float)
     for node in np.flatnonzero(masses <= 0):
@@ -189,14 +189,14 @@ def _nodal_masses(values: DeckValues, k: int, findings: Findings) -> np.ndarray:
     return masses
 
 
-def _stiffness(values: DeckValues, k: int, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
+def _stiffness(values: Any, k: Any, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
     matrix = full_matrix(values.record("counts.jdi", k).values, values.record("bkp", k).values)
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 
 
 def _check_definite(
-    matrix: np.ndarray, values: DeckValues, k: int, findings: Findings, axes: tuple[int, ...]
+    matrix: np.ndarray, values: Any, k: Any, findings: Findings, axes: tuple[int, ...]
 ) -> None:
     try:
         np.linalg.cholesky(matrix)

@@ -1,7 +1,7 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -68,7 +68,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     return tree, findings.in_order
 
 
-def _shapes(values: "Any", findings: Findings) -> "Any":
+def _shapes(values: "Any", findings: Any) -> "Any":
     if not values.section("shape"):
         return ()
     # Few decks have any.

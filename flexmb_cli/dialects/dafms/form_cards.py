@@ -1,6 +1,6 @@
 """Cards of DAFMS as `flexmb new dafms` asks for them: those of every body, and those that were counted."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def counted_entries(word: str, answers: Answers, bodies: range) -> list[Entry]:
     return [entry for n in counted(count) for entry in (_card_entry(card, n), *_rows(word, answers, n))]
 
 
-def _rows(word: str, answers: Answers, n: int) -> "Any":
+def _rows(word: str, answers: Any, n: int) -> Any:
     """The table that follows the `n`-th head of the card."""
     section = f"{CARDS[word].section}.{n}"
     if word in TABLES:

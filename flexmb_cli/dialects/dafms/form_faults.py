@@ -4,9 +4,9 @@
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ...deck.record import Number, Record
+from ...deck.record import Record
 from ...errors import DeckError, Fault
 from .beam import Beam
 from .cards import CARDS
@@ -57,7 +57,7 @@ def _faults_of_size(record: Record) -> list[Fault]:
     )
 
 
-def _faults_of_node(records: list[Record], record: Record) -> list[Fault]:
+def _faults_of_node(records: Any, record: Record) -> list[Fault]:
     """A node that turns is one of a flexible body."""
     body, *node = record.numbers
     by_prefix = {earlier.prefix: earlier for earlier in records}
@@ -92,7 +92,7 @@ def _faults_of_title(record: Record) -> "Any":
     )
 
 
-def _outside(records: list[Record], record: Record, value: Number) -> "Any":
+def _outside(records: Any, record: Record, value: Any) -> "Any":
     least, most = _range(records, record, value.key)
     if least is None or least <= value.value <= most:
         return []

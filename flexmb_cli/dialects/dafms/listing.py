@@ -7,7 +7,7 @@ differ.  It knew no extension cards, and echoes none; its ==WKD== debug lines ar
 
 from collections.abc import Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,8 +17,6 @@ from .skyline import full_matrix
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ...solvers.tree.analysis import TreeAnalysis
 
 
 # DFIN adds the weight of the nodes to their forces when it reads them; a GRAV card, which it did not know,
@@ -64,7 +62,7 @@ class _Page:
         self.counts = self.sections["counts"]
         self.heading = self.sections["heading"][0].numbers[0].text.ljust(80) + "\n"
 
-    def line(self, *parts: "Any", values: "list[Any]") -> str:
+    def line(self, *parts: "Any", values: Any) -> str:
         return Layout(*parts, "\n", layout=self.layout).lines(values)
 
     def listed(self, tag: str, edit: Edit, per_line: int, values: Sequence) -> str:
@@ -225,10 +223,10 @@ class Tables:
     `analysis` has the `tree`, and tells where it stopped (`stopped_at`), if it knows.
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: "TreeAnalysis"):
+    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: Any):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
-        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None
+        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None  # type: ignore[call-arg]
 
     def begin(self) -> None:
         """Write the echo."""

@@ -6,7 +6,7 @@ program, blank lines) are passed over.
 
 import os
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -95,7 +95,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     lines = text.split("\n")
     if not any("==N==NDM==" in line for line in lines[:50]):
         return None
-    echo, words, faults = [], [], []
+    echo, words, faults = [], [], []  # type: ignore[var-annotated]
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADING):
             words.append((number, " ".join(line.split())))
@@ -104,7 +104,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     if faults:
         raise TableError(name, faults, lines)
     empty = np.empty(0)
-    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))  # type: ignore[arg-type]
 
 
 def _echo_line(number: int, line: str, match: re.Match[str], faults: "Any") -> EchoLine | None:
@@ -119,7 +119,7 @@ def _echo_line(number: int, line: str, match: re.Match[str], faults: "Any") -> E
     return EchoLine(number, tag.name, values, units, tag.columns, tag.kind, edits)
 
 
-def _fault(number: int, line: str, start: int, tag: _Tag) -> Fault:
+def _fault(number: int, line: str, start: int, tag: _Tag) -> Any:
     wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
     read = line[start:].strip()
     column = start + 1 + len(line[start:]) - len(line[start:].lstrip())

@@ -5,6 +5,7 @@ DAFMS thesis (Zhao, 1992), appendix C, MAIN, QCONTR and DFIN; TSYSIN is in `syst
 
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
 from ...deck.number_list import NumberList, record_of
@@ -213,7 +214,7 @@ def _read_array(
     size: tuple[int, int],
     read: list[Record],
     section: str | None = None,
-) -> tuple[Number, ...]:
+) -> Any:
     """A list of one body.  The skyline's addresses count as counts: the deck's layout hangs on them."""
     k, count = size
     numbers = records.read_list(

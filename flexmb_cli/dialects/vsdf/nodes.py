@@ -1,6 +1,6 @@
 """Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.
 
 def sets_of(values: DeckValues, k: int, nodes: dict, findings: Findings) -> dict[int, tuple[int, ...]]:
     """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
-    sets = {}
+    sets: dict[Any, Any] = {}
     for record in values.section("node_set"):
         if record["body"] != k:
             continue

@@ -1,5 +1,7 @@
 """The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
 
+from typing import Any
+
 import numpy as np
 
 from ...deck.record import Record
@@ -66,7 +68,7 @@ def _has_node(body: VsdfBody, record: Record, findings: Findings) -> bool:
 
 
 def _attitude(
-    body: VsdfBody, records: list[Record], nodes: np.ndarray, points: np.ndarray, findings: Findings
+    body: VsdfBody, records: Any, nodes: np.ndarray, points: np.ndarray, findings: Findings
 ) -> np.ndarray | None:
     """Rotation matrix that takes the triad of the nodes to that of the points; None with a fault found."""
     own, wanted = _triad(nodes), _triad(points)

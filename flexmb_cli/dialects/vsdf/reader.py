@@ -3,7 +3,7 @@
 import re
 from array import array
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records
 from ...deck.many_records import Block, ManyRecords
@@ -14,8 +14,6 @@ from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP, Car
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from .fields import Field
 
 
 _TITLE_WIDTH = 75
@@ -60,7 +58,7 @@ def _again(source: DeckText, card: Card, lines: "Any", index: int) -> Record:
     return Record(card.section, number, card.subject.format(number), _with_own_keys(numbers))
 
 
-def _number_of(card: Card, head: Number, count: int) -> int:
+def _number_of(card: Card, head: Number, count: int) -> Any:
     """The number of a record, of its kind the `count`-th, whose first number is `head`."""
     return {"single": 0, "list": count}.get(card.counted, head.value)
 
@@ -85,7 +83,7 @@ class _Reader:
     def read(self) -> None:
         """Title, keyword blocks, END, STAR and STOP."""
         self._read_title()
-        card, ended = None, {}
+        card, ended = None, {}  # type: ignore[var-annotated]
         while (line := self._next()) is not None:
             if len(self.faults) > _MOST_FAULTS:
                 place = Place(self.at, 1)
@@ -196,9 +194,7 @@ class _Reader:
             return []
         return self._read_card(card, line, card.second, None)
 
-    def _read_card(
-        self, card: Card, line: str, columns: tuple[Column, ...], more: Column | None
-    ) -> list[Number]:
+    def _read_card(self, card: Card, line: str, columns: Any, more: Column | None) -> list[Number]:
         found = fields.fields(line, columns, more)
         wanted = [*columns, *([more] * (len(found) - len(columns)))]
         numbers = [self._number(card, line, columns, *pair) for pair in zip(found, wanted, strict=True)]
@@ -210,7 +206,7 @@ class _Reader:
         return [number for number in numbers if number is not None]
 
     def _number(
-        self, card: Card, line: str, columns: tuple[Column, ...], field: "Field", column: Column
+        self, card: Card, line: str, columns: tuple[Column, ...], field: Any, column: Column
     ) -> Number | None:
         place = Place(self.at, field.column, max(1, len(field.text)))
         try:
@@ -267,7 +263,7 @@ class _Reader:
             self.strange.add((section, count))
         return earlier
 
-    def _error(self, subject: str, message: str, place: Place, guide: tuple[str, ...] = ()) -> None:
+    def _error(self, subject: str, message: str, place: Any, guide: tuple[str, ...] = ()) -> None:
         self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))
 
     def _warn(self, subject: str, message: str, place: Place) -> None:
@@ -289,7 +285,7 @@ def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
     keys = [number.key for number in numbers]
     if len(set(keys)) == len(keys):
         return tuple(numbers)
-    named, counts = [], {}
+    named, counts = [], {}  # type: ignore[var-annotated]
     for found in numbers:
         if keys.count(found.key) > 1:
             counts[found.key] = counts.get(found.key, 0) + 1

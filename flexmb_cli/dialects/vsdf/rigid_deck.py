@@ -1,22 +1,20 @@
 """A rigid model as a VSDF deck, in free form, every number with all of its digits."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import Fault, ModelError, Place
+from ...errors import Fault, ModelError
 from ...model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
 from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
-from ...model.joint_elements import ANGLE
-from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, MotionFunction
+from ...model.joint_elements import ANGLE  # type: ignore[attr-defined]
+from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
 from .cards import FINAL
-from .joints import JOINT_WORDS, SLIDING, TURNING
+from .joints import JOINT_WORDS, SLIDING, TURNING  # type: ignore[attr-defined]
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Any
-
-    from ...model.loads import DynamicModel
 
 
 _WORDS = {joint.kind: joint for joint in JOINT_WORDS}
@@ -44,7 +42,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
 class _Deck:
     """Collects nodes and tables while the cards are made."""
 
-    def __init__(self, model: "DynamicModel"):
+    def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
@@ -111,7 +109,7 @@ class _Deck:
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
             self.refusals.add(body, message)
 
-    def _node(self, body: "Any", place: Place) -> "Any":
+    def _node(self, body: "Any", place: Any) -> "Any":
         """Number of the node at a place of a body."""
         key = (body, *(float(x) + 0.0 for x in place))
         if key not in self.nodes:
@@ -181,7 +179,7 @@ class _Deck:
         self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
-    def _factor(self, function: MotionFunction, item: "Any") -> "Any":
+    def _factor(self, function: Any, item: "Any") -> "Any":
         """A constant factor, and the number of a table."""
         value = value_of(function)
         if value is not None:

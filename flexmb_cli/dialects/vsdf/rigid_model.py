@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,15 +25,13 @@ from ...model.exchange.rigid_model import (
 )
 from ...model.exchange.start import Pair, Start, angle_between, stroke_between
 from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.joint_elements import ANGLE, STROKE, JointDriver
+from ...model.joint_elements import ANGLE, STROKE, JointDriver  # type: ignore[attr-defined]
 from ...model.loads import AppliedForce, AppliedTorque, SpringDamper
-from ...model.mechanism import Mechanism, Point
+from ...model.mechanism import Point
 from ...model.vectors import rotation_matrix
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ...model.time_functions import MotionFunction
 
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
@@ -51,7 +49,7 @@ def rigid_model(
     if flexible:
         raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
     mechanism, refusals = build(), Refusals()
-    made = _Conversion(mechanism, start(mechanism), refusals)
+    made = _Conversion(mechanism, start(mechanism), refusals)  # type: ignore[arg-type]
     found = made.model()
     _raise(refusals)
     return found
@@ -66,11 +64,11 @@ def _raise(refusals: "Any") -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, mechanism: Mechanism, start: int, refusals: "Any"):
+    def __init__(self, mechanism: Any, start: int, refusals: "Any"):
         self.deck, self.start, self.refusals = mechanism, start, refusals
         ground = np.zeros(3), np.eye(3)
         self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]  # type: ignore[attr-defined]
 
     def model(self) -> "Any":
         deck, integrator = self.deck, self.deck.integrator
@@ -116,7 +114,7 @@ class _Conversion:
         body, start = self.deck.bodies[k], self.start
         c = body.s0 / body.m
         inertia = body.J0 - body.m * (c @ c * np.eye(3) - np.outer(c, c))
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
         return RigidBody(body.name, *motion, body.m, c, inertia, body.place)
 
     def _joint(self, joint: "Any") -> "Any":
@@ -174,7 +172,7 @@ class _Conversion:
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 
-def _from_zero(function: "MotionFunction") -> "Any":
+def _from_zero(function: Any) -> "Any":
     return moved(function, 0.0, function.at(0.0)[0])
 
 

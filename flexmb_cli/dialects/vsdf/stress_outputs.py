@@ -1,13 +1,13 @@
 """The cards OUTS: at which nodes and elements of a body stresses are reported."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import StressSelection, VsdfBody
 
 if TYPE_CHECKING:
-    from ...deck.record import Number, Record
+    from ...deck.record import Record
 
 
 def build_stresses(
@@ -60,7 +60,7 @@ def _selection(k: int, body: VsdfBody, records: "list[Record]", findings: Findin
     return StressSelection(k - 1, tuple(nodes), tuple(elements), every, largest, records[0].place)
 
 
-def _nodes(record: "Record", numbers: "tuple[Number, ...]", body: VsdfBody, findings: Findings) -> list[int]:
+def _nodes(record: Any, numbers: Any, body: Any, findings: Any) -> list[int]:
     if not numbers:
         return list(body.nodes)
     found = []

@@ -4,7 +4,7 @@ A written 0 is what an empty field means, and is let pass.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
@@ -40,7 +40,7 @@ def refuse_unread(values: DeckValues, findings: Findings) -> None:
     _doubt_switched_off(values, findings)
 
 
-def _refuse(record: "Record", key: str, reason: str, findings: Findings) -> None:
+def _refuse(record: Any, key: str, reason: str, findings: Findings) -> None:
     number = record.at(key)
     if number.value:
         message = f"{key} is {number.text} and is not read: {reason}; leave the field empty"

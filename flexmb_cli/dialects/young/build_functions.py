@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
@@ -121,16 +121,16 @@ def _points(functions: Functions, record: Record, make: Callable) -> MotionFunct
     return piecewise(make(times, found))
 
 
-def _polynomial(_functions: "Any", record: Record) -> "Any":
+def _polynomial(_functions: "Any", record: Any) -> "Any":
     return piecewise(polynomial(record.values[1:]))
 
 
-def _sine(_functions: Functions, record: Record) -> MotionFunction:
+def _sine(_functions: Functions, record: Any) -> MotionFunction:
     keys = ("mean", "amplitude", "omega", "phase")
-    return MotionFunction(SINE, tuple(float(record[key]) for key in keys))
+    return MotionFunction(SINE, tuple(float(record[key]) for key in keys))  # type: ignore[arg-type]
 
 
-def _between(functions: Functions, record: Record, make: "Callable[..., Any]") -> MotionFunction | None:
+def _between(functions: Any, record: Record, make: "Callable[..., Any]") -> Any:
     ends = [float(record[key]) for key in ("start", "from", "end", "to")]
     if not ends[0] < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
@@ -139,9 +139,7 @@ def _between(functions: Functions, record: Record, make: "Callable[..., Any]") -
     return piecewise(make(*ends))
 
 
-def _ramp(
-    t0: float, v0: float, t1: float, v1: float
-) -> tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]:
+def _ramp(t0: float, v0: float, t1: float, v1: float) -> Any:
     return linear_table((t0, t1), (v0, v1))
 
 

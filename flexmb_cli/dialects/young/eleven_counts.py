@@ -7,7 +7,7 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 from collections.abc import Iterable, Sequence
 from functools import partial
 from itertools import chain, zip_longest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.many_records import ManyRecords
 from ...deck.number import Misspelt, integer
@@ -64,7 +64,7 @@ def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], behind: Wor
     return behind is None or behind.line != line
 
 
-def _within(sizes: "Iterator[Any]") -> "Iterator[Any]":
+def _within(sizes: Any) -> "Iterator[Any]":
     """For every number of records in their order how many of its record stand before it."""
     return chain.from_iterable(range(size) for size in sizes)
 
@@ -74,8 +74,8 @@ def completed(deck: Deck) -> Deck:
     if isinstance(deck.records, tuple):
         records = tuple(_completed(record) for record in deck.records)
     else:
-        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)
-        records = ManyRecords(tuple(blocks))
+        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)  # type: ignore[attr-defined]
+        records = ManyRecords(tuple(blocks))  # type: ignore[assignment]
     note = Fault("note", NOTE, deck.one("counts").place, "counts", id="YOUNG-022")
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 

@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -76,16 +76,16 @@ def _total(equations: int, coordinates: int, bodies: int) -> str:
     )
 
 
-def _grounds_alone(mechanism: Mechanism, grounded: "Any") -> frozenset[int]:
+def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
-    held, twice = set(), set()
+    held, twice = set(), set()  # type: ignore[var-annotated]
     for body in grounded:
         (twice if body in held else held).add(body)
     return frozenset(held - twice - touched)
 
 
-def _links(mechanism: Mechanism, grounded: "Any") -> Iterator[tuple[int, tuple[int, ...]]]:
+def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]]]:
     """Pairs (equations, bodies they touch); `grounded` is the body of each ground."""
     for joint in mechanism.joints:
         yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
@@ -97,7 +97,7 @@ def _links(mechanism: Mechanism, grounded: "Any") -> Iterator[tuple[int, tuple[i
         yield _PER_BODY, (body,)
 
 
-def _balanced(mechanism: Mechanism, grounded: "Any") -> "Any":
+def _balanced(mechanism: Any, grounded: "Any") -> "Any":
     """Whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)
@@ -165,9 +165,7 @@ def _named(bodies: list[int]) -> str:
 
 
 @lru_cache(maxsize=4)
-def _groups(
-    bodies: int, fixed: frozenset[int], alone: frozenset[int], links: "tuple[tuple[Any, ...], ...]"
-) -> tuple[_Group, ...]:
+def _groups(bodies: Any, fixed: Any, alone: Any, links: Any) -> tuple[_Group, ...]:
     """The groups in the order of their first bodies, without the balanced ones of those `alone`.
 
     The variants of a study mostly have the same.
@@ -177,7 +175,7 @@ def _groups(
         free = [body for body in touched if body not in fixed]
         for a, b in pairwise(free):
             root[_root(root, a)] = _root(root, b)
-    groups = defaultdict(_Group)
+    groups: Any = defaultdict(_Group)
     for body in (body for body in range(bodies) if body not in alone):
         groups[_root(root, body)].bodies.append(body)
     for equations, touched in links:
@@ -186,7 +184,7 @@ def _groups(
     return tuple(groups.values())
 
 
-def _root(root: list[int], body: int) -> int:
+def _root(root: Any, body: int) -> int:
     while root[body] != body:
         root[body] = root[root[body]]
         body = root[body]

@@ -5,7 +5,7 @@ body numbers that the program printed without a blank between them (screw joints
 both have one digit.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -143,7 +143,7 @@ def echo_of_input(deck: Deck, layout: str = SAFE) -> str:
     return "".join([*texts, _time(deck.one("time"), layout)])
 
 
-def _section(name: str, title: str, count: int, fields: tuple[Edit, ...]) -> list[Edit | str]:
+def _section(name: str, title: str, count: int, fields: Any) -> Any:
     parts = [f"{name}\n{title}\n"]
     for number in range(1, count + 1):
         parts += [f"{number:3d}", *fields, "\n"]
@@ -164,7 +164,7 @@ def _counts(record: Record, layout: str) -> str:
     return f"{title}\n{_answers(_values(record, 0), integer(3), layout)}"
 
 
-def _body(record: Record, layout: str) -> str:
+def _body(record: Record, layout: str) -> Any:
     title = f"FOR BODY {record.number} ENTER INITIAL ESTIMATES OF X,Y,Z & E0 E1,E2,E3"
     return f"{title}\n{_answers(_values(record, 0), fixed(6, 2), layout)}"
 

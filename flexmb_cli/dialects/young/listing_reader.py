@@ -8,7 +8,7 @@ do not matter.  Lines that are no part of the layout are passed over.
 import re
 import warnings
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def parse_listing(name: str, text: str) -> Listing | None:
     sections = {key: _section(key, lines, gathered, faults) for key, gathered in scan.sections.items()}
     faults += scan.faults
     if faults:
-        raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)
+        raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)  # type: ignore[union-attr]
     time, words = np.array(scan.time), tuple(scan.words)
     return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, FORM, words)
 
@@ -99,9 +99,9 @@ class _Scan:
             self._take_words(number, line)
 
     def _take_row(self, number: int, line: str) -> None:
-        self._open.text.append(line)
-        self._open.step.append(len(self.time) - 1)
-        self._open.line.append(number)
+        self._open.text.append(line)  # type: ignore[union-attr]
+        self._open.step.append(len(self.time) - 1)  # type: ignore[union-attr]
+        self._open.line.append(number)  # type: ignore[union-attr]
 
     def _take_words(self, number: int, line: str) -> None:
         words = line.split()
@@ -149,17 +149,17 @@ class _Scan:
     def _open_section(self, key: str) -> None:
         self._interrupted, self._open = None, self.sections.setdefault(key, _Gathered(SECTIONS[key]))
 
-    def _take_title(self, words: list[str]) -> None:
+    def _take_title(self, words: Any) -> None:
         """A title with fewer columns than the layout names those that are there."""
-        standard = self._open.columns
+        standard = self._open.columns  # type: ignore[union-attr]
         known = {name.lower(): k for k, name in enumerate(standard.names)}
         chosen = [known.get(word.lower()) for word in words]
         if len(words) == len(standard.names) or not words or None in chosen:
             return
-        self._open.columns = Columns(
+        self._open.columns = Columns(  # type: ignore[union-attr]
             standard.item,
-            *(
-                tuple(values[k] for k in chosen)
+            *(  # type: ignore[arg-type]
+                tuple(values[k] for k in chosen)  # type: ignore[index]
                 for values in (standard.names, standard.kinds, standard.decimals)
             ),
         )

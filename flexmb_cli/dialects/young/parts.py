@@ -5,7 +5,7 @@ across it.
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...errors import Fault
@@ -149,9 +149,7 @@ def _joint(kind: JointType) -> "Callable[..., Any]":
     return make
 
 
-def _vectors(
-    record: Record, points: dict[str, tuple[float, float, float]], findings: Findings
-) -> dict[str, Vector]:
+def _vectors(record: Any, points: Any, findings: Any) -> dict[str, Vector]:
     """s_i, s_j, h_i, h_j as far as the joint has them."""
     vectors = {}
     for name, tip in points.items():
@@ -164,9 +162,7 @@ def _vectors(
     return vectors
 
 
-def _check_vector(
-    record: Record, name: str, side: str, vector: tuple[float, float, float], findings: Findings
-) -> None:
+def _check_vector(record: Record, name: str, side: str, vector: Any, findings: Findings) -> None:
     place = record.at(f"{name}.x").place
     if not any(vector):
         message = f"{name} and P_{side} are the same point, so the vector between them has no direction"
@@ -183,7 +179,7 @@ def _across_the_axis(
             findings.error(record.subject, message, record.at(f"H_{side}.x").place, id="YOUNG-043")
 
 
-def _parallel(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
+def _parallel(a: Any, b: Any) -> bool:
     """Return whether two vectors lie along one line; zero and infinite ones are faults of their own."""
     a, b = _unit(a), _unit(b)
     if a is None or b is None:

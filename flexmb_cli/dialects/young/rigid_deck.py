@@ -1,23 +1,21 @@
 """A rigid model as a YOUNG deck with DYNAMICS forward, every number with all of its digits."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
 from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
-from ...model.joint_elements import ANGLE
+from ...model.joint_elements import ANGLE  # type: ignore[attr-defined]
 from ...model.joints import JOINT_TYPES
-from ...model.time_functions import SINE, MotionFunction
+from ...model.time_functions import SINE
 from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
 from .sections import COUNTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Any
-
-    from ...model.loads import DynamicModel
 
 
 _LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}
@@ -41,7 +39,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
 class _Deck:
     """Numbers joints and functions while the sections are made; the ground is the last body."""
 
-    def __init__(self, model: "DynamicModel"):
+    def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
         self.functions: list[str] = []
         proper = [joint for joint in model.joints if joint.kind not in _LINKS]
@@ -85,7 +83,7 @@ class _Deck:
             "NPOINT": len(self.model.points),
             "NGROUN": int(self.with_ground),
         }
-        counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
+        counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}  # type: ignore[attr-defined]
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
     def _body(self, body: "Any") -> "Any":
@@ -121,7 +119,7 @@ class _Deck:
         number = self._function(item.function, item)
         return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
 
-    def _function(self, function: MotionFunction, item: "Any") -> "Any":
+    def _function(self, function: Any, item: "Any") -> "Any":
         """Number of a function card; 1 stands in where there is none."""
         function, number = simple(function), len(self.functions) + 1
         c, points = polynomial_of(function), points_of(function)

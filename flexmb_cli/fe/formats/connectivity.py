@@ -5,7 +5,7 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def read_elements(path: Path, form: str) -> ElementTable:
     if len(counts) > 1:
         mixed = " and of ".join(map(str, sorted(counts)))
         raise FEFileFault(f"{path.name} mixes elements of {mixed} nodes; one kind is wanted", id="FE-021")
-    numbers, nodes, _ = zip(*found, strict=True)
+    numbers, nodes, _ = zip(*found, strict=True)  # type: ignore[assignment]
     return ElementTable(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
 
 
@@ -75,9 +75,9 @@ def element_type(path: Path, form: str) -> str:
     return ""
 
 
-def _inp_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
+def _inp_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
-    wanted, words, first = 0, [], 0
+    wanted, words, first = 0, [], 0  # type: ignore[var-annotated]
     for number, line in enumerate(lines_of(path), start=1):
         if line.startswith("**") or not line.strip():
             continue
@@ -113,7 +113,7 @@ def _integers(path: Path, number: int, words: list[str]) -> list[int]:
         raise line_fault(path.name, number, message) from None
 
 
-def _cdb_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
+def _cdb_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
     """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
     lines = lines_of(path)
     start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)
@@ -122,7 +122,7 @@ def _cdb_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
     layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
     if layout is None:
         raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK")
-    width, words, first = max(1, int(layout[1])), [], 0
+    width, words, first = max(1, int(layout[1])), [], 0  # type: ignore[var-annotated]
     for number, line in enumerate(lines[start + 2 :], start=start + 3):
         if line.strip() == "-1":
             return

@@ -9,7 +9,7 @@ import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def lines_of(path: Path) -> list[str]:
 
 
 def table(
-    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: bool = False
+    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: Any = False
 ) -> np.ndarray:
     """The numbers of `lines`, (len, columns) float64; D exponents are read as E.
 
@@ -110,7 +110,7 @@ def table(
         found = None
     if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
         _point_at_fault(name, text, numbers, columns, meaning, delimiter)
-    return found
+    return found  # type: ignore[return-value]
 
 
 def _point_at_fault(

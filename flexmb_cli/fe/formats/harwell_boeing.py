@@ -7,7 +7,7 @@ numbers as the heading announces, these count: scipy.io.hb_write has other width
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     ):
         sections.append(_numbers(name, lines, start, lengths, form, wanted))
         start += lengths
-    return _matrix(name, kind, size, *sections, equations)
+    return _matrix(name, kind, size, *sections, equations)  # type: ignore[call-arg]
 
 
 def read_mapping(path: Path) -> np.ndarray:
@@ -168,7 +168,7 @@ def _matrix(
     rows: np.ndarray,
     values: np.ndarray,
     equations: np.ndarray,
-) -> MatrixFile:
+) -> Any:
     """ANSYS 9 declared RSA and wrote full columns with wrong pointers: those are not mirrored."""
     full = len(values) == size * size
     if full:

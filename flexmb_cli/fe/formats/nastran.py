@@ -4,6 +4,7 @@ MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot s
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def read_dmig(path: Path, letter: str) -> MatrixFile:
     name = chosen(path, list(matrices), letter)
     header, *columns = matrices[name]
     symmetric = _check_header(path, name, header)
-    entries, values = [], []
+    entries, values = [], []  # type: ignore[var-annotated]
     for card in columns:
         _read_column(path, card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
@@ -77,7 +78,7 @@ def _read_column(
             values.append(value)
 
 
-def _refuse(path: Path, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
+def _refuse(path: Any, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
     point, wrong = (node, component) if component not in (1, 2, 3) else (row, row_component)
     if wrong == 0:
         message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"

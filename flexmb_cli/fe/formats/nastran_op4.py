@@ -5,6 +5,7 @@ values; a line of integers only heads a column, or a string of values in it.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +33,9 @@ def _text_matrices(path: Path) -> dict[str, MatrixFile]:
     return found
 
 
-def _read_one(name: str, lines: list[str], at: int) -> tuple[str, MatrixFile, int]:
+def _read_one(name: Any, lines: Any, at: Any) -> tuple[str, MatrixFile, int]:
     columns, label, width = _heading(name, lines, at)
-    parts = []
+    parts: list[Any] = []
     while True:
         at += 1
         column, row = _column(name, lines, at)

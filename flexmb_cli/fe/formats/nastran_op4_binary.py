@@ -6,7 +6,7 @@ one for every column that is not zero follows, and one behind the last column cl
 
 import struct
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -84,11 +84,11 @@ def _records(layout: _Layout, raw: bytes) -> Iterator[bytes]:
         at = end + 4
 
 
-def _read_one(layout: _Layout, heading: bytes, records: "Iterator[Any]") -> tuple[str, MatrixFile]:
+def _read_one(layout: _Layout, heading: Any, records: Any) -> tuple[str, MatrixFile]:
     columns, rows, _, kind = layout.integers(heading, 0, 4)
     name = heading[4 * layout.word : _HEADING_WORDS * layout.word].decode("latin-1").strip().upper()
     _check(layout, name, columns, rows, kind)
-    strings = []
+    strings: list[Any] = []
     for record in records:
         column, row, words = layout.integers(record, 0, 3)
         if column > columns:

@@ -10,6 +10,8 @@ With f = 0 the same solution is the shortest correction in the metric of M: one 
 accelerations and projections.
 """
 
+from typing import Any
+
 import numpy as np
 
 from .._jit import kernel, part
@@ -148,7 +150,7 @@ def solve(system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: 
 @kernel
 def split(
     system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: np.ndarray, y: np.ndarray
-) -> None:
+) -> Any:
     """Fill x (n,) with x_p, by dependent speeds alone, and y with Zᵀ (forces - M x_p)."""
     rank, (m, n) = work.rank[0], work.jacobian.shape
     right_side, scaled, product = work.rows[SCALED], work.vectors[UNKNOWN], work.vectors[PRODUCT]
@@ -230,7 +232,7 @@ def _forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) 
 
 
 @kernel
-def _iterate_friction(system: System, work, q: np.ndarray, u: np.ndarray, t: float) -> None:
+def _iterate_friction(system: Any, work, q: np.ndarray, u: np.ndarray, t: float) -> None:
     """Find the normal forces of friction that agree with the accelerations they cause."""
     n = work.jacobian.shape[1]
     ud = np.empty(n)

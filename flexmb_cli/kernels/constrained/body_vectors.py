@@ -11,7 +11,7 @@ that of another.
 """
 
 from collections import namedtuple
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..linalg.rotation import rotate
@@ -95,7 +95,7 @@ def move_vectors(geometry: Geometry, u: "np.ndarray") -> None:
 
 
 @kernel
-def vector(rows: "np.ndarray", k: int) -> tuple[float, float, float]:
+def vector(rows: "np.ndarray", k: int) -> Any:
     """Row k of rows (k, 3) as a triple."""
     return rows[k, 0], rows[k, 1], rows[k, 2]
 

@@ -5,6 +5,7 @@ converges as a geometric series whose ratio is about the coefficient of friction
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .._jit import kernel
 from .body_vectors import BODY_VECTOR, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
-from .system import SCALED, System
+from .system import SCALED
 
 MOST_SUBSTITUTIONS = 100
 FRICTION_CONVERGED = 1e-13  # of the largest force
@@ -25,7 +26,7 @@ def has_friction(loads: np.ndarray) -> bool:
 
 
 @kernel
-def normal_changes(system: System, work, ud: np.ndarray):
+def normal_changes(system: Any, work, ud: np.ndarray):
     """Fill the normal forces of the friction elements for the accelerations ud, whose FORCES are at hand.
 
     Returns the largest change, of the largest force.
@@ -45,7 +46,7 @@ def normal_changes(system: System, work, ud: np.ndarray):
 
 
 @kernel
-def _across(system: System, work, load, lam: np.ndarray):
+def _across(system: Any, work, load, lam: np.ndarray):
     """Size of the joint's force across its axis, N."""
     group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
     force = np.zeros(3)

@@ -8,7 +8,7 @@ tanh.
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..linalg.rotation import dot
@@ -51,7 +51,7 @@ def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> floa
 
 
 @kernel
-def add_along_line(geometry: Geometry, k: int, share, f) -> None:
+def add_along_line(geometry: Any, k: int, share, f) -> None:
     """Add to f the force `share` times V of primitive k that drives its ends apart."""
     d, ends = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), geometry.primitives[k]["ends"]
     add_vector_row(geometry, ends[0, 1], d, -share, True, f)
@@ -118,7 +118,7 @@ def _pushed_back(load, depth, approach, sign, answer: "np.ndarray"):
 
 
 @kernel
-def _add_friction(system: "System", work, load, answer: "np.ndarray", f):
+def _add_friction(system: Any, work, load, answer: "np.ndarray", f):
     """Friction of a joint by the force NORMAL between its parts; returns its power."""
     geometry, r = geometry_of(system, work), load["radius"]
     turning = primitive_rates(geometry, load["primitive"])[0] * r if load["primitive"] >= 0 else 0.0
@@ -148,7 +148,7 @@ def friction_share(load, v: tuple[float, float, float]):
 
 @kernel
 def add_element_slope(
-    geometry: Geometry, work, load, k: int, by_position: float, by_speed: float, y: "np.ndarray"
+    geometry: Any, work, load, k: int, by_position: float, by_speed: float, y: "np.ndarray"
 ) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
     answer, r = work.responses[k], load["radius"]

@@ -1,7 +1,7 @@
 """Functions of time with their first two derivatives; formulas and kinds as in `model.time_functions`."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 
@@ -97,9 +97,7 @@ def _piecewise(knots: "np.ndarray", first: int, c: "np.ndarray", t: float) -> tu
 
 
 @kernel
-def _compound(
-    functions: "np.ndarray", knots: "np.ndarray", number: int, t: float
-) -> tuple[float, float, float]:
+def _compound(functions: Any, knots: "np.ndarray", number: int, t: float) -> tuple[float, float, float]:
     """A sum of products; its rows of knots: number of the term, of the function that is a factor."""
     value = rate = bend = 0.0
     f, fd, fdd = 1.0, 0.0, 0.0

@@ -9,6 +9,7 @@ II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -59,12 +60,12 @@ def new_integration(work, angles: int) -> Integration:
 
 
 @kernel
-def _normalise(integration, system: System, work) -> None:
+def _normalise(integration, system: Any, work) -> None:
     """Leave the Euler parameters as they are: the projection brings them to length one."""
 
 
 @kernel
-def _finish(integration, h: float, system: System, work):
+def _finish(integration, h: float, system: Any, work):
     """Project the end of a step and fill its slope; the factor on the step length, or minus that of a try."""
     clock = integration.clock[0]
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
@@ -94,7 +95,7 @@ def _holds(system: System, work: Work, integration: Integration, h: float, moved
 
 
 @kernel
-def _watch(integration, system: System, work):
+def _watch(integration, system: Any, work):
     """Look for short steps, gaps and singular positions ahead; PHI belongs to the state."""
     clock = integration.clock[0]
     clock["longest"] = max(clock["longest"], clock["step_length"])
@@ -113,14 +114,14 @@ def _watch(integration, system: System, work):
 
 
 @kernel
-def _close(integration, system: System, work):
+def _close(integration, system: Any, work):
     """The projected end of a step is the start of the next."""
     copy(integration.slopes[STAGES], integration.slopes[0])
     return READY
 
 
 @kernel
-def _fill_row(integration, t: float, report, system: System, work):
+def _fill_row(integration, t: float, report, system: Any, work):
     """Fill a report row at a time up to the present one; a code."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
@@ -147,7 +148,7 @@ def integrate_rows(
 
 
 @kernel
-def _begin(integration: Integration, system: System, work) -> int:
+def _begin(integration: Integration, system: Any, work) -> int:
     clock = integration.clock[0]
     copy(integration.z, integration.old)
     copy(integration.z, integration.trial)

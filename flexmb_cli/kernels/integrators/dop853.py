@@ -4,7 +4,7 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .._jit import kernel
 from .clock import READY
@@ -104,7 +104,7 @@ def _length(integration, *arrays: "Any"):
 
 
 @kernel
-def _largest_error(clock: "np.void", h: float):
+def _largest_error(clock: Any, h: float):
     """Error of a step of length h, in tolerances, that its projection may take away."""
     return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if leads_over(clock, h) else 1.0
 

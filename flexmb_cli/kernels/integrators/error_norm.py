@@ -3,7 +3,7 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), eq. (II.4.11).
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 
@@ -16,13 +16,13 @@ CLOSING = 1e-10  # share of a state that closing may move whatever the tolerance
 
 
 @kernel
-def tolerance(clock: "np.void", unit, size: int):
+def tolerance(clock: Any, unit, size: int):
     """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
     return clock["atol"] * unit + clock["rtol"] * size
 
 
 @kernel
-def displacement_tolerance(clock: "np.void", unit):
+def displacement_tolerance(clock: Any, unit):
     """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
     return (clock["atol"] + clock["rtol"]) * unit
 
@@ -37,7 +37,7 @@ def scaled_norm(integration, state: "np.ndarray", change):
 
 
 @kernel
-def strayed(open_end, closed_end, clock: "np.void"):
+def strayed(open_end, closed_end, clock: Any):
     """Place in the state that closing the loops moved too far at the end of a step, or -1.
 
     A step that was good left the loops but for its error.  One across a singular position may land on

@@ -34,7 +34,7 @@ def step_error(integration: "Integration", h: float) -> float:
         # `not <=` lets a nan through as the worst place.
         if not abs(error_5) <= largest:
             worst, largest = i, abs(error_5)
-    return _combined(h, square_5, square_3, counted), worst
+    return _combined(h, square_5, square_3, counted), worst  # type: ignore[return-value]
 
 
 @kernel

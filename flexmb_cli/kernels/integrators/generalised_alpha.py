@@ -7,6 +7,7 @@ those of the equations of motion there.
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -58,12 +59,12 @@ of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
 
 
-def new_integration(work: Work, angles: int) -> AlphaIntegration:
+def new_integration(work: Any, angles: Any) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return AlphaIntegration(
+    return AlphaIntegration(  # type: ignore[call-arg]
         new_clock(),
         np.zeros(1, MEMORY),
         *states,
@@ -102,12 +103,12 @@ def _first_step(system: System, integration: AlphaIntegration) -> float:
 
 
 @kernel
-def _length(integration, system: System, work):
+def _length(integration, system: Any, work):
     return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(integration, h: float, system: System, work):
+def _attempt(integration, h: float, system: Any, work):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
     clock, memory = integration.clock[0], integration.memory[0]
     if not solve_step(system, work, integration, h):
@@ -118,7 +119,7 @@ def _attempt(integration, h: float, system: System, work):
 
 
 @kernel
-def _reject(integration, h: float, factor: float, system: System, work) -> None:
+def _reject(integration, h: float, factor: float, system: Any, work) -> None:
     retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 
@@ -169,14 +170,14 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     interpolate_angles(integration, x)
     copy(angles[EXPECTED], work.angles)
     if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
-        return STEP_VANISHED
+        return STEP_VANISHED  # type: ignore[return-value]
     copy(integration.trial, report.states[row])
     copy(integration.rates[NEW], report.rates[row])
     complete(
         system, work, integration.trial, t, angles[EXPECTED], integration.memory[0]["new_power"], report, row
     )
     clock["row"] += 1
-    return READY
+    return READY  # type: ignore[return-value]
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME)
@@ -196,7 +197,7 @@ def integrate_rows(
 
 
 @kernel
-def _between(system: System, integration: AlphaIntegration, x: float, point: np.ndarray) -> None:
+def _between(system: Any, integration: AlphaIntegration, x: float, point: np.ndarray) -> Any:
     """Fill point with the state at the fraction x of the last step."""
     clock, memory, old, z, n = (
         integration.clock[0],

@@ -6,7 +6,7 @@ to it: the longest step that is exact enough leads over the position, and no oth
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from .singular_ahead import LOOK, NOISE, ROUND_OFF, blur, leads_over, round_off
@@ -82,7 +82,7 @@ def _laid_out(clock: "np.void", memory) -> float:
 
 
 @kernel
-def retreat(clock: "np.void", memory, tried, h: float) -> None:
+def retreat(clock: Any, memory, tried, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     if leads_over(clock, tried):
         memory["passing"] = h

@@ -7,6 +7,7 @@ quintic through coordinates, their rates and accelerations at both ends, and are
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -61,12 +62,12 @@ complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose 
 """
 
 
-def new_integration(work: Work, angles: int) -> RadauIntegration:
+def new_integration(work: Any, angles: Any) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return RadauIntegration(
+    return RadauIntegration(  # type: ignore[call-arg]
         new_clock(),
         np.zeros(1, MEMORY),
         *states,
@@ -133,7 +134,7 @@ def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
 
 
 @kernel
-def _length(integration, system: System, work):
+def _length(integration, system: Any, work):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -143,7 +144,7 @@ def _length(integration, system: System, work):
 
 
 @kernel
-def _is_current(integration, system: System, work):
+def _is_current(integration, system: Any, work):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -152,7 +153,7 @@ def _is_current(integration, system: System, work):
 
 
 @kernel
-def _attempt(integration, h: float, system: System, work):
+def _attempt(integration, h: float, system: Any, work):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -171,7 +172,7 @@ def _attempt(integration, h: float, system: System, work):
 
 
 @kernel
-def _reject(integration, h: float, factor: float, system: System, work) -> None:
+def _reject(integration, h: float, factor: float, system: Any, work) -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -241,7 +242,7 @@ def _accept(integration: RadauIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _is_singular(work, clock: np.void, memory):
+def _is_singular(work, clock: Any, memory):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:
@@ -261,11 +262,11 @@ def _fill_row(integration: RadauIntegration, t: float, report: Report, system: S
     clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
     blind = BLIND * integration.memory[0]["branching"]
     if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
-        return STEP_VANISHED
+        return STEP_VANISHED  # type: ignore[return-value]
     copy(integration.trial, report.states[row])
     complete(system, work, integration.trial, t, angles[EXPECTED], power, report, row)
     clock["row"] += 1
-    return READY
+    return READY  # type: ignore[return-value]
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))

@@ -3,7 +3,7 @@
 The shortest way in the metric of the matrix of the step: stiff motions stay at rest.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -84,7 +84,7 @@ def project_state(
 
 
 @kernel
-def between(system: System, integration, x, point) -> None:
+def between(system: Any, integration, x, point) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

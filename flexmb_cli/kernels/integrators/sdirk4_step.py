@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ..tree.motion import derivative
 from .error_norm import tolerance
 
 if TYPE_CHECKING:
-    from ...model.arrays.tree import TreeArrays
+    pass
 
 
 STAGES, GAMMA = 5, 0.25
@@ -39,7 +39,7 @@ LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
 
 
 @kernel
-def prepare_matrix(tree: "TreeArrays", work, coordinates: np.ndarray, z: np.ndarray, h: float, s):
+def prepare_matrix(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, h: float, s):
     """Renew b where it is stale and the factors where b or the step length is another one."""
     memory = s.memory[0]
     if memory["stale"] != 0:
@@ -52,9 +52,7 @@ def prepare_matrix(tree: "TreeArrays", work, coordinates: np.ndarray, z: np.ndar
 
 
 @kernel
-def solve_stages(
-    tree: "TreeArrays", work, coordinates: np.ndarray, clock: np.void, z: np.ndarray, h: float, s
-):
+def solve_stages(tree: Any, work, coordinates: np.ndarray, clock: Any, z: np.ndarray, h: float, s):
     """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
     n = z.shape[0]
     s.memory[0]["contraction"] = 0.0
@@ -73,9 +71,7 @@ def solve_stages(
 
 
 @kernel
-def _solve_stage(
-    tree: "TreeArrays", work, coordinates: np.ndarray, clock: np.void, t: float, h: float, slope, s
-):
+def _solve_stage(tree: Any, work, coordinates: np.ndarray, clock: Any, t: float, h: float, slope, s):
     """Iterate the slope of one stage."""
     memory = s.memory[0]
     # A first iteration is trusted somewhat less than those before it were.
@@ -113,7 +109,7 @@ def _place_trial(h: float, slope, s) -> None:
 
 
 @kernel
-def _correct(tree: "TreeArrays", clock: np.void, h: float, slope, s):
+def _correct(tree: Any, clock: Any, h: float, slope, s):
     """Newton's correction of the slopes, and its size against the tolerance."""
     speeds = s.change.shape[0]
     for m in range(speeds):
@@ -136,7 +132,7 @@ def _correct(tree: "TreeArrays", clock: np.void, h: float, slope, s):
 
 
 @kernel
-def step_error(tree: "TreeArrays", clock: np.void, z: np.ndarray, h: float, s):
+def step_error(tree: Any, clock: Any, z: np.ndarray, h: float, s):
     """Error of the step against the tolerance, what the matrix calls stiff taken out."""
     speeds, last = s.change.shape[0], z.shape[0] - 1
     for i in range(z.shape[0]):

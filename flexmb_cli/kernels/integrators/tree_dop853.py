@@ -3,7 +3,7 @@
 A resumed run goes on from the start of the last step and makes the same steps as an uninterrupted one.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import scaled_norm, strayed
 
 if TYPE_CHECKING:
-    from ...model.arrays.tree import TreeArrays
+    pass
 
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
@@ -45,11 +45,11 @@ def new_integration(n: int) -> Integration:
     clock = new_clock()
     clock["fault"] = SOLVED
     states = [np.zeros(n) for _ in range(3)]
-    return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))
+    return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))  # type: ignore[call-arg]
 
 
 @kernel
-def evaluate(integration, slope, t: float, tree: "TreeArrays", work, coordinates: np.ndarray):
+def evaluate(integration, slope, t: float, tree: Any, work, coordinates: np.ndarray):
     """Fill the slope (n,) of `trial`; return whether there is one."""
     clock = integration.clock[0]
     clock["evaluations"] += 1
@@ -58,17 +58,17 @@ def evaluate(integration, slope, t: float, tree: "TreeArrays", work, coordinates
 
 
 @kernel
-def _slope(integration, stage: int, t: float, tree: "TreeArrays", work, coordinates: np.ndarray):
+def _slope(integration, stage: int, t: float, tree: Any, work, coordinates: np.ndarray):
     return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
 
 
 @kernel
-def _normalise(integration, tree: "TreeArrays", work, coordinates: np.ndarray) -> None:
+def _normalise(integration, tree: Any, work, coordinates: np.ndarray) -> None:
     normalise_attitudes(tree, integration.trial)
 
 
 @kernel
-def _finish(integration, h: float, tree: "TreeArrays", work, coordinates: np.ndarray):
+def _finish(integration, h: float, tree: Any, work, coordinates: np.ndarray):
     clock = integration.clock[0]
     if not _slope(integration, STAGES, clock["t"] + h, tree, work, coordinates):
         return -0.2
@@ -76,13 +76,13 @@ def _finish(integration, h: float, tree: "TreeArrays", work, coordinates: np.nda
 
 
 @kernel
-def _watch(integration, tree: "TreeArrays", work, coordinates: np.ndarray):
+def _watch(integration, tree: Any, work, coordinates: np.ndarray):
     """Tables of loads end the steps by `stop`: there are no other events."""
     return READY
 
 
 @kernel
-def _close(integration, tree: "TreeArrays", work, coordinates: np.ndarray):
+def _close(integration, tree: Any, work, coordinates: np.ndarray):
     """Close the loops at the end of a step, whose slope then is that at the start of the next; a code."""
     clock = integration.clock[0]
     if tree.closures.shape[0] == 0:
@@ -116,7 +116,7 @@ def _take_back(integration, place: tuple[float, float, float]) -> None:
 
 
 @kernel
-def _fill_row(integration, t: float, report, tree: "TreeArrays", work, coordinates: np.ndarray):
+def _fill_row(integration, t: float, report, tree: Any, work, coordinates: np.ndarray):
     """Fill a report row at a time up to the present one; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -132,7 +132,7 @@ def _fill_row(integration, t: float, report, tree: "TreeArrays", work, coordinat
 
 
 @kernel
-def observe_trial(integration, slope, t: float, report, tree: "TreeArrays", work, coordinates: np.ndarray):
+def observe_trial(integration, slope, t: float, report, tree: Any, work, coordinates: np.ndarray):
     """Fill a report row from `trial`, its loops closed first; a code."""
     fault = integration.clock[0]["fault"]
     found = evaluate(integration, slope, t, tree, work, coordinates)
@@ -152,13 +152,13 @@ _advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_r
 
 
 @kernel
-def integrate_rows(tree: "TreeArrays", work, coordinates: np.ndarray, integration, report, budget: int):
+def integrate_rows(tree: Any, work, coordinates: np.ndarray, integration, report, budget: int):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code."""
     return _advance(integration, report, budget, tree, work, coordinates)
 
 
 @kernel
-def begin(task: int, tree: "TreeArrays", work, coordinates: np.ndarray, integration):
+def begin(task: int, tree: Any, work, coordinates: np.ndarray, integration):
     """Do a task that makes no steps; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -174,7 +174,7 @@ def begin(task: int, tree: "TreeArrays", work, coordinates: np.ndarray, integrat
 
 
 @kernel
-def _choose_first_step(integration, tree: "TreeArrays", work, coordinates: np.ndarray):
+def _choose_first_step(integration, tree: Any, work, coordinates: np.ndarray):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     clock, counted = integration.clock[0], integration.z.shape[0] - 1
     first = first_step(integration, integration.slopes[0])

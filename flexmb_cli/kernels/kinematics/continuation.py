@@ -5,6 +5,8 @@ needs: a step counts only if the positions, velocities and accelerations at its 
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
 """
 
+from typing import Any
+
 import numpy as np
 
 from .._jit import kernel
@@ -123,7 +125,7 @@ def accept(
 
 
 @kernel
-def copy(source: np.ndarray, target: np.ndarray) -> None:
+def copy(source: np.ndarray, target: np.ndarray) -> Any:
     """Copy one state (3, n) over another."""
     for row in range(3):
         for k in range(source.shape[1]):

@@ -13,7 +13,7 @@ A constraint c is one record of `model.arrays.CONSTRAINT`.  A row of the Jacobia
 seven coordinates of body i, then those of body j.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..linalg.rotation import add_rotation_row, dot, rotate
@@ -26,7 +26,7 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
-def between(c: "np.void", q: "np.ndarray", A: "np.ndarray") -> tuple[float, float, float]:
+def between(c: "np.void", q: "np.ndarray", A: "np.ndarray") -> Any:
     """d = r_j + A_j P_j - r_i - A_i P_i, the vector from P_i to P_j (4.2), m."""
     i, j = c["body_i"], c["body_j"]
     a = rotate(A, i, c["P_i"])

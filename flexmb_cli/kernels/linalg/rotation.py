@@ -8,7 +8,7 @@ q holds seven coordinates a body: x, y, z (m), e0, e1, e2, e3.  Vectors in globa
 triples (x, y, z), vectors in body axes as arrays of three.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def dot(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
+def dot(a: Any, b: tuple[float, float, float]) -> Any:
     """Scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

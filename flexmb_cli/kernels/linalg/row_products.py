@@ -1,6 +1,6 @@
 """Products of long rows of numbers, which come as slices: indices from 0 on need no test for a sign."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def product(a: "np.ndarray", b: "np.ndarray") -> float:
+def product(a: "np.ndarray", b: Any) -> Any:
     """Scalar product of two rows (n,)."""
     # Four sums side by side: one alone waits for each addition to end.
     s0 = s1 = s2 = s3 = 0.0

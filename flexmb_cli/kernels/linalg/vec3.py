@@ -4,7 +4,7 @@ Axes of a frame are nine numbers A, row by row: A[3 i + j]; A v turns a vector f
 to inertial ones.  Symmetric matrices are six numbers xx xy xz yy yz zz.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .._jit import part
 
@@ -19,7 +19,7 @@ def triple(a: "np.ndarray", first: int) -> tuple[float, float, float]:
 
 
 @part
-def store(v: tuple[float, float, float], a: "np.ndarray", first: int) -> None:
+def store(v: tuple[float, float, float], a: Any, first: int) -> Any:
     """Set three places of a row of numbers."""
     a[first] = v[0]
     a[first + 1] = v[1]
@@ -53,7 +53,7 @@ def scaled(c: float, a: tuple[float, float, float]) -> tuple[float, float, float
 
 
 @part
-def dot(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
+def dot(a: Any, b: tuple[float, float, float]) -> Any:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

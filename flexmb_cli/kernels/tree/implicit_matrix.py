@@ -43,7 +43,7 @@ class Stiff(NamedTuple):
 def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
     """Blank work space."""
     rows = closures.size
-    return Stiff(
+    return Stiff(  # type: ignore[call-arg]
         *(np.zeros((speeds, speeds)) for _ in range(3)),
         *(np.zeros(speeds, np.int64) for _ in range(3)),
         np.zeros(speeds),

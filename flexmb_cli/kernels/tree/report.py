@@ -1,6 +1,6 @@
 """Report rows of a tree: what is found at the states of the report times."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from .motion import parts
 from .projection import largest_gap, largest_rate
 
 if TYPE_CHECKING:
-    from ...model.arrays.tree import TreeArrays
+    pass
 
 
 class Report(NamedTuple):
@@ -26,7 +26,7 @@ class Report(NamedTuple):
 
 
 @kernel
-def observe(tree: "TreeArrays", work, coordinates: np.ndarray, z: np.ndarray, report, row) -> None:
+def observe(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, report, row) -> None:
     """Fill a report row from the state z, which has just been evaluated."""
     copy(z, report.rows[row])
     for k in range(work.shape[0]):

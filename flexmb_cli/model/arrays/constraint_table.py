@@ -6,7 +6,7 @@ modal coordinates, as its points are.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,7 +89,7 @@ class PrimitiveTable(FunctionTable):
         return self.body_vector(NONE, np.eye(3)[k])
 
     def product(
-        self, v: int | tuple[int, int], w: int, alpha: float = 1.0, constant: float = 0.0
+        self, v: int | tuple[int, int], w: Any, alpha: float = 1.0, constant: float = 0.0
     ) -> np.ndarray:
         """The primitive α V · W - constant of V and W, each a body vector or a pair (head, tail) of
         points.

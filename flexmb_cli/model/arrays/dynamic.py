@@ -126,8 +126,8 @@ def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
         for item in items:
             record = blank_load(kind)
             record["following"] = item.following
-            record["vector"] = item.force if kind == FORCE else item.torque
-            record["body_vector"] = table.body_vector(item.body, item.point if kind == FORCE else (0.0,) * 3)
+            record["vector"] = item.force if kind == FORCE else item.torque  # type: ignore[union-attr]
+            record["body_vector"] = table.body_vector(item.body, item.point if kind == FORCE else (0.0,) * 3)  # type: ignore[union-attr]
             if item.factor is not None:
                 record["function"] = table.function(item.factor)
             records.append(record)

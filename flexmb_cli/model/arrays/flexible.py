@@ -1,7 +1,7 @@
 """FlexibleMechanism → the arrays that the kernels of constrained dynamics read."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def _masses(bodies: tuple[FloatingBody, ...]) -> np.ndarray:
     return masses
 
 
-def _flexible(bodies: tuple[FloatingBody, ...]) -> tuple[np.ndarray, np.ndarray]:
+def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
     """FLEXIBLE records, and the invariants in their order."""
     records, parts, first, at, places = [], [np.zeros(0)], 0, 0, 0
     for k, body in enumerate(bodies):

@@ -1,6 +1,6 @@
 """Functions of time as the records and knots that kernels read."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,7 +56,7 @@ class FunctionTable:
 
     def _compound(
         self,
-        terms: tuple[tuple[MotionFunction, MotionFunction], tuple[MotionFunction, MotionFunction]],
+        terms: Any,
         of_time: bool,
     ) -> int:
         rows = [

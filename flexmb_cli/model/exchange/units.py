@@ -1,16 +1,14 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass, replace
-from ..joint_elements import ANGLE
+from ..joint_elements import ANGLE  # type: ignore[attr-defined]
 from .functions import scaled
 from .rigid_model import RigidModel, vector
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ..loads import DynamicModel
 
 
 _INCH, _POUND_FORCE = 0.0254, 4.4482216152605
@@ -46,7 +44,7 @@ class _Scaling:
     def __init__(self, L: float, M: float):
         self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
 
-    def model(self, model: "DynamicModel") -> "Any":
+    def model(self, model: Any) -> "Any":
         L, F, T = self.L, self.force, self.torque
         return replace(
             model,

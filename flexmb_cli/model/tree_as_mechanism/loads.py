@@ -1,6 +1,6 @@
 """Loads of a tree on bodies with coordinates of their own: records of `records.LOAD`."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,9 +25,9 @@ def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
 class _Loads:
     """Collects the records."""
 
-    def __init__(self, table: PrimitiveTable, tree: Tree, frames: "Any"):
+    def __init__(self, table: Any, tree: Any, frames: Any):
         self.table, self.tree, self.frames = table, tree, frames
-        self.found = []
+        self.found: list[Any] = []
 
     def records(self) -> "Any":
         for k, body in enumerate(self.tree.bodies):
@@ -53,7 +53,7 @@ class _Loads:
         kind: "Any",
         body_vector: "Any",
         vector: "Any",
-        function: MotionFunction = NONE,
+        function: Any = NONE,
         following: "Any" = False,
     ) -> None:
         if not np.any(vector):

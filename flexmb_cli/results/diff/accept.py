@@ -2,12 +2,12 @@
 
 import os
 import shutil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
 from ...errors import Fault, FlexmbError
 from ..files.replaced_file import Replacement, located, make_folder
-from .folders import Compared, Pair
+from .folders import Compared
 from .forms import CSV, HDF5, MATLAB, form_of
 from .listings import read_listing
 
@@ -67,7 +67,7 @@ def accept_pair(compared: Compared, folder: str) -> None:
         compared.failure = failure
 
 
-def _folder(folder: str, pair: Pair) -> str:
+def _folder(folder: Any, pair: Any) -> str:
     if os.path.isdir(folder):
         return folder
     raise TableError(
@@ -75,7 +75,7 @@ def _folder(folder: str, pair: Pair) -> str:
     )
 
 
-def _refuse(result: str, message: str) -> None:
+def _refuse(result: Any, message: str) -> None:
     raise TableError(str(result), [Fault("error", message, id="DIFF-002")])
 
 

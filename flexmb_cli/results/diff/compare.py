@@ -1,6 +1,6 @@
 """Compare two results, whatever their form: listings, HDF5 results, and what was exported from these."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
 from ...errors import Fault
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 
 def compare(
-    path_a: "Path | str",
-    path_b: "Path | str",
+    path_a: Any,
+    path_b: Any,
     tolerances: Tolerances | None = None,
     same_attitude: bool = False,
     explain: bool = False,
@@ -66,7 +66,7 @@ def _compare_tables(
 
 
 def _compare_stored(
-    path_a: "Path", path_b: "Path", forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool
+    path_a: Any, path_b: Any, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool
 ) -> Report:
     if set(forms) == {HDF5}:
         from .hdf5 import compare_hdf5

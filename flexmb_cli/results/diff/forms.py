@@ -1,10 +1,10 @@
 """The forms of files that `diff` compares, recognised by their first bytes."""
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    pass
 
 
 HDF5, CSV, MATLAB, LISTING = "an HDF5 file", "a CSV table", "a MATLAB file", "a table for print"
@@ -16,7 +16,7 @@ CSV_HEAD = re.compile(rb"\A(?:\xef\xbb\xbf)?\"?time \[s\]\"?([,\t\r\n]|\Z)")
 _BEGINNING = 64
 
 
-def form_of(path: "Path | str") -> str:
+def form_of(path: Any) -> str:
     """Return the form of the file at `path`; what is unknown counts as a table for print."""
     if str(path) == "-":
         return LISTING

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -183,7 +183,7 @@ def _leave_out_lone_scales(one: dict[str, h5py.Dataset], other: dict[str, h5py.D
 
 
 def _compare_dataset(
-    report: Report, name: str, pair: tuple[h5py.Dataset, h5py.Dataset], tolerance: Tolerance, signs: None
+    report: Report, name: str, pair: tuple[h5py.Dataset, h5py.Dataset], tolerance: Tolerance, signs: Any
 ) -> None:
     """Compare two datasets; `signs`, where there are any, turn part by part of the second one's rows."""
     first, second = pair
@@ -207,7 +207,7 @@ def _compare_dataset(
             _compare_part(report, name, first, part, values, tolerance)
 
 
-def _common_rows(report: Report, name: str, first: h5py.Dataset, second: h5py.Dataset) -> int:
+def _common_rows(report: Report, name: str, first: h5py.Dataset, second: h5py.Dataset) -> Any:
     """Rows that both datasets have; None when their shapes cannot be compared."""
     if first.shape == second.shape:
         return first.shape[0] if first.shape else 0

@@ -1,7 +1,7 @@
 """What a comparison found: counts for every kind of column, the worst place, what is missing."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -137,13 +137,13 @@ class Report:
     def compare(
         self,
         kind: str,
-        a: np.ndarray,
+        a: Any,
         b: np.ndarray,
         tolerance: Tolerance,
         describe: "Callable[..., Any]",
         unit: float | np.ndarray | None = None,
         slack: float | np.ndarray = 0.0,
-        known: "tuple[Any, ...]" = (),
+        known: Any = (),
     ) -> None:
         """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there.
 
@@ -244,5 +244,5 @@ def _tally_record(tally: Tally) -> "dict[Any, Any]":
     }
 
 
-def _json_number(value: float) -> "Any":
+def _json_number(value: Any) -> "Any":
     return value if value is None or math.isfinite(value) else str(value)

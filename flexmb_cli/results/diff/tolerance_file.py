@@ -11,7 +11,7 @@ last_digit = 1
 
 import tomllib
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
@@ -91,7 +91,7 @@ def _overruled(general: Tolerances, special: Tolerances) -> Tolerances:
     )
 
 
-def _tolerances(path: str, where: str, table: "dict[Any, Any]") -> Tolerances:
+def _tolerances(path: Any, where: Any, table: Any) -> Tolerances:
     unknown = [name for name in table if name not in (*FIGURES, *TABLES)]
     if unknown:
         known = ", ".join((*FIGURES, *TABLES, *([] if where else ["files"])))
@@ -117,7 +117,7 @@ def _tolerances(path: str, where: str, table: "dict[Any, Any]") -> Tolerances:
     return Tolerances(**figures, kinds=kinds, quantities=quantities)
 
 
-def _tolerance(path: str, where: str, value: dict[str, float] | float) -> Tolerance:
+def _tolerance(path: Any, where: Any, value: dict[str, float] | float) -> Tolerance:
     """A number is an absolute tolerance."""
     table = value if isinstance(value, dict) else {"atol": value}
     for name in table:
@@ -126,7 +126,7 @@ def _tolerance(path: str, where: str, value: dict[str, float] | float) -> Tolera
     return Tolerance(**{name: _figure(path, f"{where}.", name, figure) for name, figure in table.items()})
 
 
-def _figure(path: str, where: str, name: str, value: float) -> float:
+def _figure(path: str, where: str, name: str, value: float) -> Any:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not value >= 0 or (name == "last_digit" and not isinstance(value, int)):
         what = "a whole number" if name == "last_digit" else "a number"

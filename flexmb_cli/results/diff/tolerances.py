@@ -3,7 +3,7 @@
 import math
 import re
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass, field, replace
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
     from typing import Any
 
 
@@ -149,7 +149,7 @@ class Tolerances:
         return self.quantities[fitting[-1]] if fitting else None
 
 
-def parse_kinds(settings: "Sequence[Any]") -> dict[str, Tolerance]:
+def parse_kinds(settings: Any) -> dict[str, Tolerance]:
     """Tolerances of single kinds from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the kind out.
 
     Raises `ToleranceError` with one fault for every setting that cannot be understood.
@@ -175,7 +175,7 @@ def _folded(name: str) -> str:
     return name.lower().replace(" ", "_")
 
 
-def _figure(text: str) -> float | None:
+def _figure(text: str) -> Any:
     if not re.fullmatch(r"\s*\+?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf)\s*", text, re.IGNORECASE | re.ASCII):
         return None
     figure = float(text)

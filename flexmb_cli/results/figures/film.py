@@ -6,7 +6,7 @@ Faces of bodies are drawn from back to front by matplotlib and written by imagei
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -57,9 +57,9 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
     rate = {"fps": look.rate} if form == "mp4" else {"duration": 1000 / look.rate}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"film.{form}"
-        with imageio.get_writer(path, **options, **rate) as writer:
+        with imageio.get_writer(path, **options, **rate) as writer:  # type: ignore[arg-type]
             for frame in frames:
-                writer.append_data(frame)
+                writer.append_data(frame)  # type: ignore[attr-defined]
         return path.read_bytes()
 
 
@@ -136,10 +136,10 @@ class _Canvas:
         self.scene, self.contours = scene, colormaps["viridis"]
         self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
         most = _largest_stress(bodies)
-        shown = {one.number for one in (*bodies, *scene.shapes)}
+        shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
         self.lines = [body for body in scene.bodies if body.number not in shown]
         self.surfaces = [_Surface(body, most) for body in (*bodies, *scene.shapes)]
-        self.figure = Figure(figsize=self.camera.size / DOTS, dpi=DOTS)
+        self.figure = Figure(figsize=self.camera.size / DOTS, dpi=DOTS)  # type: ignore[arg-type]
         self.axis = self.figure.add_axes((0, 0, 1, 1))
         self.axis.set(xlim=(0, look.width), ylim=(0, look.height))
         self.axis.set_axis_off()
@@ -175,9 +175,9 @@ class _Canvas:
         parts += [self._tubes(body, row) for body in self.lines]
         polygons, depths, colours = (np.concatenate(part) for part in zip(*parts, strict=True))
         order = np.argsort(depths, kind="stable")
-        self.faces.set_verts(polygons[order])
-        self.faces.set_facecolor(colours[order])
-        self.faces.set_edgecolor(colours[order])
+        self.faces.set_verts(polygons[order])  # type: ignore[attr-defined]
+        self.faces.set_facecolor(colours[order])  # type: ignore[arg-type]
+        self.faces.set_edgecolor(colours[order])  # type: ignore[arg-type]
         joints = self.camera.seen(self.scene.joints[row])
         self.joints.set_data(joints[:, 0], joints[:, 1])
         self.time.set_text(f"t = {self.labels[row]} s")
@@ -215,7 +215,7 @@ def _rgb(text: str) -> "Any":
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
 
 
-def _all_places(scene: Scene, bodies: "Any") -> "Any":
+def _all_places(scene: Any, bodies: "Any") -> "Any":
     """Everything at all times; of finite-element bodies at some."""
     rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
     return np.concatenate([scene.places, *(body.places(row) for body in bodies for row in rows)])

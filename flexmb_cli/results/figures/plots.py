@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .curves import Panel
 from .look import PANEL, ROOMY, TICKS, Look
@@ -67,7 +67,7 @@ def _apply(look: Look, matplotlib: "ModuleType") -> None:
         style.use(look.style)
 
 
-def _sizes(panels: list[Panel], look: Look | None) -> tuple[float, list[float], float]:
+def _sizes(panels: Any, look: Look | None) -> tuple[float, list[float], float]:
     """Width of the picture, heights of its panels, and what legends and the lowest axis take, in."""
     if look is None:
         return WIDTH, [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5
@@ -76,7 +76,7 @@ def _sizes(panels: list[Panel], look: Look | None) -> tuple[float, list[float], 
     return look.inches, heights, legends + 0.3
 
 
-def _draw(panel: Panel, axis: "Any", look: None) -> None:
+def _draw(panel: Panel, axis: "Any", look: Any) -> None:
     results = 1 + max(curve.result for curve in panel.curves)
     for curve in panel.curves:
         drawn = style(curve.quantity, curve.result, results)
@@ -110,13 +110,13 @@ def style(quantity: int, result: int = 0, results: int = 1) -> dict:
     }
 
 
-def _text(text: str, look: None) -> str:
+def _text(text: str, look: Any) -> str:
     """Text as matplotlib, or LaTeX, shows it."""
     if look is None or not look.latex:
         return _plain(text)
     return "".join(_LATEX.get(sign, sign) for sign in text)
 
 
-def _plain(text: str) -> str:
+def _plain(text: str) -> Any:
     """Text that matplotlib does not take for mathematics."""
     return text.replace("$", r"\$")

@@ -11,7 +11,7 @@ import json
 from html import escape
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -172,7 +172,7 @@ def _echo(result: h5py.File) -> str:
     return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(reported))
 
 
-def _shown(text: str) -> str:
+def _shown(text: Any) -> str:
     """HTML that shows `text`, with a mark for what turns the direction of writing or cannot be printed."""
     return escape(lines_visible(text.replace("\r\n", "\n")))
 

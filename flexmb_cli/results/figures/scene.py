@@ -4,7 +4,7 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -171,7 +171,7 @@ class _Motion:
         """Path (T, 3) of a joint, that of its point on the first body that moves."""
         return self.end_of_joint(joint, 0 if self.joint_body[joint, 0] else 1)[:, 0]
 
-    def joint_axes(self, vectors: np.ndarray | None) -> np.ndarray:
+    def joint_axes(self, vectors: Any) -> np.ndarray:
         """Axis vectors (T, J, 2, 3) of the joints in global axes; without `vectors` all 0."""
         axes = np.zeros((self.rows, len(self.joint_body), 2, 3))
         for (j, side), body in np.ndenumerate(self.joint_body) if vectors is not None else ():
@@ -225,7 +225,7 @@ def _extent(parts: list[np.ndarray]) -> float:
     return float(np.ptp(places, axis=0).max()) or 1.0
 
 
-def _series(result: h5py.File, path: str, rows: slice) -> np.ndarray:
+def _series(result: h5py.File, path: str, rows: slice) -> Any:
     return result[path][rows] if path in result else None
 
 

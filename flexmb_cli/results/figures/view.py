@@ -1,5 +1,7 @@
 """From where a mechanism is looked at: which way is up, and whether it moves in a plane."""
 
+from typing import Any
+
 import numpy as np
 
 from ...quick_dataclass import dataclass
@@ -36,13 +38,13 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
     return View(_plain(in_plane), _plain(normal), True)
 
 
-def _normal(places: np.ndarray) -> np.ndarray | None:
+def _normal(places: Any) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
     _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
     if size[2] > THIN * size[0] or size[1] <= THIN * size[0]:
         return None
-    normal = axes[2]
+    normal = axes[2]  # type: ignore[index]
     return normal * np.sign(normal[np.argmax(np.abs(normal))])
 
 
@@ -53,5 +55,5 @@ def _aside(up: np.ndarray) -> np.ndarray:
     return 0.75 * side + 1.0 * across + 0.55 * up
 
 
-def _plain(vector: np.ndarray) -> tuple[float, float, float]:
+def _plain(vector: np.ndarray) -> Any:
     return tuple(float(round(x, 9)) + 0.0 for x in vector / np.linalg.norm(vector))

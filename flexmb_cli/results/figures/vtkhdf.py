@@ -5,7 +5,7 @@ points of all steps stand one behind the other, the lines are given once and eve
 """
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -48,7 +48,7 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     return stream.getvalue()
 
 
-def _points(scene: Scene) -> "Any":
+def _points(scene: Any) -> "Any":
     """Marks of bodies (T, n, 3), and behind them the vertices of shapes."""
     parts = [body.marks for body in scene.bodies]
     for shape in scene.shapes:

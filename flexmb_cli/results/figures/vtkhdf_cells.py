@@ -31,11 +31,11 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     `displacement` is from the first row, `deformation` the elastic one, m, `velocity` m/s, in global axes;
     `stress` xx yy zz xy yz zx in the axes of its body, Pa, nan where a body has none.
     """
-    shown = {one.number for one in (*bodies, *scene.shapes)}
+    shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
     drawn = [body for body in scene.bodies if body.number not in shown]
     counts = [len(body.undeformed) for body in bodies] + [body.marks.shape[1] for body in drawn]
     counts += [len(shape.vertices) for shape in scene.shapes]
-    _write_topology(root, (*bodies, *drawn, *scene.shapes), counts)
+    _write_topology(root, (*bodies, *drawn, *scene.shapes), counts)  # type: ignore[arg-type]
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
@@ -52,7 +52,7 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
         points[at] = places
         for name, field in fields.items():
             field[at] = values[name]
-    owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]
+    owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]  # type: ignore[attr-defined]
     data["body"] = np.repeat(np.array(owners, np.int32), counts)
     _write_steps(root, scene.time, count)
 
@@ -81,8 +81,8 @@ def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -
     if number == GROUND or scene.velocity is None:
         return np.zeros_like(places)
     one = number - 1
-    arms = places - scene.origin[row, one]
-    return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)
+    arms = places - scene.origin[row, one]  # type: ignore[index]
+    return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)  # type: ignore[index]
 
 
 def _cells_of(body: "Any") -> "Any":
@@ -95,7 +95,7 @@ def _cells_of(body: "Any") -> "Any":
 
 
 def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[int]) -> None:
-    connectivity, lengths, types = [], [], []
+    connectivity, lengths, types = [], [], []  # type: ignore[var-annotated]
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for body, first in zip(bodies, firsts, strict=True):
         kind, cells = _cells_of(body)
@@ -110,7 +110,7 @@ def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[in
 
 
 def _add(
-    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: list[int], types: list[int]
+    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: Any, types: list[int]
 ) -> None:
     connectivity.append(cells.ravel())
     lengths += [cells.shape[1]] * len(cells)

@@ -3,7 +3,7 @@
 import errno
 import os
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
 from ...memory import file_lacks_memory
@@ -51,7 +51,7 @@ def output_error(path: str, error: OSError) -> OutputError:
     return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT, id="RESULT-007")
 
 
-def _reason(number: int, error: "Any") -> str:
+def _reason(number: Any, error: "Any") -> str:
     return {
         errno.EACCES: "permission denied",
         errno.EPERM: "permission denied",

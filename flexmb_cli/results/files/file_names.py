@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
@@ -153,5 +154,5 @@ def _stem(name: str) -> str:
     return os.path.splitext(name)[0]
 
 
-def _within(folder: str, name: str) -> str:
+def _within(folder: Any, name: str) -> str:
     return os.path.normpath(os.path.join(folder, name))

@@ -4,7 +4,7 @@ import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from typing import Any
@@ -34,7 +34,7 @@ class FullDiskGuard(io.FileIO):
         """Return where HDF5 believes to be."""
         return self._at
 
-    def write(self, data: "Any") -> int:
+    def write(self, data: "Any") -> Any:
         """Write all of `data`; tell HDF5 that it is done in any case."""
         view, start, done = memoryview(data).cast("B"), self._at, 0
         try:

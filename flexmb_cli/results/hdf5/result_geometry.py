@@ -115,5 +115,6 @@ def _centre(body: "Body") -> np.ndarray | tuple[float, float, float]:
 def _closed_points(tree: "Tree", closure: "Closure") -> list[tuple[float, float, float]]:
     sides = ((closure.a, closure.a_node, closure.a_point), (closure.b, closure.b_node, closure.b_point))
     return [
-        point if node is None else tree.bodies[body].elastic.positions[node] for body, node, point in sides
+        point if node is None else tree.bodies[body].elastic.positions[node]  # type: ignore[union-attr]
+        for body, node, point in sides
     ]

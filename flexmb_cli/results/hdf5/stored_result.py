@@ -10,7 +10,7 @@ import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 # Filters of the library itself; another one would have it load a plugin from the disk.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
-FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)
+FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)  # type: ignore[assignment]
 MOST_OBJECTS, DEEPEST = 100_000, 10
 # Errors of a stream or a file that is written while the result is open.
 _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
@@ -236,7 +236,7 @@ def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
     return [visible(line) for line in text.splitlines()]
 
 
-def _text(owner: h5py.Dataset | h5py.File, name: str) -> str:
+def _text(owner: h5py.Dataset | h5py.File, name: Any) -> str:
     found = h5py.h5a.open(owner.id, name.encode())
     # An array may lead to the same text from each of its places; flexmb writes single texts.
     if found.shape != () or found.dtype.itemsize > _most_bytes(owner.file):
@@ -267,6 +267,6 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
                 raise Damaged(f"/{_reported(path)} has {length} places along an axis of {wanted}")
 
 
-def _reported(name: str) -> str:
+def _reported(name: Any) -> str:
     name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
     return visible(name if len(name) < 100 else f"{name[:80]}…")

@@ -6,7 +6,7 @@ Create…) is the source of the calls.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,7 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
 
 
-def _foreign(model: DynamicModel) -> Iterator[tuple]:
+def _foreign(model: Any) -> Iterator[tuple]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     mechanism = model.mechanism
     for joint in mechanism.joints:
@@ -177,24 +177,24 @@ class _Placed:
                 f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
                 f"damping={item.damping!r})"
             )
-        for item in self.model.forces:
-            if item.body not in self.still:
+        for item in self.model.forces:  # type: ignore[assignment]
+            if item.body not in self.still:  # type: ignore[attr-defined]
                 yield (
-                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "
-                    f"localPosition={_list(self._local(item.body, item.point))}, "
-                    f"bodyFixed={bool(item.following)})"
+                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "  # type: ignore[attr-defined]
+                    f"localPosition={_list(self._local(item.body, item.point))}, "  # type: ignore[attr-defined]
+                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
                 )
-        for item in self.model.torques:
-            if item.body not in self.still:
+        for item in self.model.torques:  # type: ignore[assignment]
+            if item.body not in self.still:  # type: ignore[attr-defined]
                 yield (
-                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "
-                    f"bodyFixed={bool(item.following)})"
+                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "  # type: ignore[attr-defined]
+                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
                 )
 
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         return self.start["r"][body] + self.A[body] @ np.array(point)
 
-    def _local(self, body: "Any", point: "Any") -> "Any":
+    def _local(self, body: "Any", point: "Any") -> Any:
         """A point from the mass centre of a moving body, or global of one at rest."""
         if body in self.still:
             return self._at(body, point)

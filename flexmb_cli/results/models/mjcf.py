@@ -6,7 +6,7 @@ XML reference (body, joint, inertial, keyframe) is the source of the elements.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -127,7 +127,7 @@ def _central_inertia(body: Body) -> np.ndarray:
     return np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def _start(tree: Tree) -> tuple[list[float], list[float]]:
+def _start(tree: Tree) -> Any:
     """Initial qpos and qvel in MuJoCo's order: body by body, translations first."""
     place = {(c.body, c.motion, c.axis): n for n, c in enumerate(tree.coordinates)}
     qpos, qvel = [], []

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from difflib import SequenceMatcher
+from typing import Any
 
 SHOWN = 3
 LEAST_LIKENESS = 0.6
@@ -17,7 +18,7 @@ def nearest(words: Sequence[str], forms: Sequence[Sequence[Sequence[str]]]) -> l
     return list(ordered)[:SHOWN]
 
 
-def _best(words: list[str], form: list[list[str]]) -> tuple[float, str]:
+def _best(words: Any, form: Any) -> tuple[float, str]:
     chosen = [_closest(word, choices) for word, choices in zip(words, form, strict=False)]
     # A name with more words than were given stands for all of them.
     total = sum(likeness for likeness, _ in chosen) / max(len(words), len(chosen), 1)

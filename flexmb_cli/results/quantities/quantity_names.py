@@ -1,7 +1,7 @@
 """How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
@@ -40,7 +40,7 @@ FORMS = {
 # Unit of the effort along a coordinate in a unit.
 OF_EFFORT = {"m": "N", "rad": "N m"}
 MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
-MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
+MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")  # type: ignore[assignment]
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 
@@ -151,7 +151,7 @@ def _numbered_axes(dataset: h5py.Dataset) -> int:
     return kinds.index(False) if False in kinds else len(kinds)
 
 
-def _slot(word: str, axes: "list[Any]", item: tuple[str, str] | None) -> Slot:
+def _slot(word: str, axes: "list[Any]", item: Any) -> Slot:
     match = re.fullmatch(r"(\w*)\{(\w+)\}", word)
     if match is None:
         return Slot(None, ((word,),))
@@ -215,13 +215,13 @@ class _Labels:
             raise Damaged(f"{path} has {len(found)} names for {count} things")
         return found
 
-    def body(self, name: str) -> tuple[str, str]:
+    def body(self, name: str) -> Any:
         """Number and name of the body that has a group for itself."""
         bodies = self._result.get("body/name")
         given = [] if bodies is None else texts(bodies)
         return (str(given.index(name) + 1), _word(name)) if name in given else (_word(name),)
 
-    def items(self, dataset: h5py.Dataset) -> tuple[str, ...]:
+    def items(self, dataset: h5py.Dataset) -> Any:
         """Names of the things that the first axis counts."""
         scale = scale_of(dataset, 1) if dataset.ndim > 1 else None
         return tuple(self._names(scale)) if scale is not None and is_number(scale) else ()

@@ -1,6 +1,6 @@
 """Names of quantities as people write them: "velocity x of body 3", "kinetic energy"."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass
 from .quantities import Quantity
@@ -90,5 +90,5 @@ def _of_body(group: "Any", words: "Any") -> "Any":
     )
 
 
-def _word(word: str) -> str:
+def _word(word: str) -> Any:
     return _WORDS.get(word, word.replace("_", " "))

@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -90,7 +90,7 @@ def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
     if style == "jsonl":
         return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
     if style != "text":
-        return _separated_lines([heads, *rows], style)
+        return _separated_lines([heads, *rows], style)  # type: ignore[list-item]
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
     return "".join(
         f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows
@@ -122,7 +122,7 @@ def _text_line(cells: list[str], heads: list[str]) -> str:
     return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
 
 
-def _separated_lines(rows: list[list[str]], style: str) -> str:
+def _separated_lines(rows: list[list[str]], style: str) -> Any:
     page = io.StringIO()
     csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
     return page.getvalue()

@@ -3,7 +3,7 @@
 Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
@@ -32,12 +32,12 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
     kinematic.check(report, model.mechanism, run, jacobian)
 
 
-def _check_forward(report: CheckReport, model: DynamicModel, run: Run) -> None:
+def _check_forward(report: Any, model: Any, run: Any) -> None:
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
-    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
+    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds  # type: ignore[attr-defined]
     before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.angles)
     try:
         found = analysis.start()

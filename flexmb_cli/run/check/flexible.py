@@ -1,6 +1,6 @@
 """Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +12,6 @@ from .parts import before_and_after, refuse_jacobian, report_times
 
 if TYPE_CHECKING:
     from typing import Any
-
-    from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
 
 ROUND_OFF = 1e-12
@@ -30,7 +28,7 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     run.warn(())
 
 
-def _diagnose(report: CheckReport, mechanism: "Any") -> None:
+def _diagnose(report: Any, mechanism: "Any") -> None:
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)
@@ -94,9 +92,9 @@ def _centre(body: FloatingBody) -> list[float]:
     return np.where(np.abs(centre) > ROUND_OFF * size, centre, 0.0).tolist()
 
 
-def _gaps(analysis: "FlexibleDynamics", q: np.ndarray) -> dict[tuple[str, str], float]:
+def _gaps(analysis: Any, q: np.ndarray) -> dict[tuple[str, str], float]:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    arrays, gaps = analysis.arrays, {}
+    arrays, gaps = analysis.arrays, {}  # type: ignore[var-annotated]
     scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
     for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
         key = equation.owner, equation.unit

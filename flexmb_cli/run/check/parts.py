@@ -1,6 +1,6 @@
 """What the checks of all models share: parts counted, gaps before and after assembly."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError
 
@@ -9,8 +9,6 @@ if TYPE_CHECKING:
 
     import numpy as np
 
-    from ...model.arrays.dynamic import DynamicArrays
-    from ...model.arrays.kinematic import KinematicArrays
     from ...model.mechanism import Mechanism, TimeGrid
 
 
@@ -41,9 +39,7 @@ def report_times(grid: "TimeGrid") -> dict:
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(
-    analysis: "Any", arrays: "DynamicArrays | KinematicArrays", q: "np.ndarray", expected: "np.ndarray"
-) -> dict:
+def gaps_of(analysis: "Any", arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> dict:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}; expected: the angles
     expected.
     """

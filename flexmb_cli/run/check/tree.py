@@ -3,13 +3,13 @@
 Small trees are evaluated by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import AnalysisError
 from ...model.mechanism import TimeGrid
-from ...model.tree import ELASTIC, Body, Tree
+from ...model.tree import ELASTIC, Tree
 from ...model.unit_checks import unit_doubts
 from ...quick_dataclass import dataclass, replace
 from ..context import Run
@@ -115,7 +115,7 @@ def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     report.counts["degrees_of_freedom"] = len(tree.coordinates) - len(tree.prescribed) - closed
 
 
-def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> list[tuple[str, str, float, float]]:
+def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> Any:
     return [
         (c.name, "rad" if c.motion == "rotation" else "m", float(a), float(b))
         for c, a, b in zip(tree.coordinates, q, y, strict=True)
@@ -143,7 +143,7 @@ def _lightest(tree: Tree, analysis: "TreeAnalysis") -> tuple[str, float] | None:
     return (tree.coordinates[least].name, float(shares[least])) if np.isfinite(shares[least]) else None
 
 
-def _spectrum(body: Body) -> tuple[str, int, int, float, float]:
+def _spectrum(body: Any) -> tuple[str, int, int, float, float]:
     """Frequencies of an elastic body with its root held: what the step length must follow."""
     elastic = body.elastic
     roots = np.sqrt(np.repeat(elastic.masses, len(elastic.axes)))

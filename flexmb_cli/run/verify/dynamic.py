@@ -3,7 +3,7 @@
 Both begin at the position that flexmb assembles.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +18,6 @@ from .difference import Difference, largest_difference
 
 if TYPE_CHECKING:
     from ...solvers.constrained.rows import DynamicRows
-    from ...solvers.constrained.young_dynamics import ForwardDynamics
-    from ...solvers.natural_coordinates.motion import NaturalMotion, NaturalRows
 
 
 FORMULATIONS = "Euler parameters and natural coordinates"
@@ -40,7 +38,7 @@ def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, 
 
 
 def compare(
-    analysis: "ForwardDynamics", mechanism: Mechanism, model: DynamicModel | None, run: Run
+    analysis: Any, mechanism: Mechanism, model: DynamicModel | None, run: Run
 ) -> tuple[Difference, ...]:
     """Return what the motion of an analysis and that in natural coordinates differ in."""
     from ...solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
@@ -60,7 +58,7 @@ def compare(
     return _differences(_joined(blocks), rows, motion)
 
 
-def _refuse_elements(model: DynamicModel) -> None:
+def _refuse_elements(model: Any) -> None:
     """Natural coordinates know the joints and loads of the dissertation, and no functions."""
     factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
     ends = [item.name for item in model.springs if -1 in (item.i, item.j)]
@@ -77,9 +75,7 @@ def _joined(blocks: "list[DynamicRows]") -> dict[str, np.ndarray]:
     return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
 
 
-def _differences(
-    found: dict[str, np.ndarray], rows: "NaturalRows", motion: "NaturalMotion"
-) -> tuple[Difference, ...]:
+def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any) -> tuple[Difference, ...]:
     """Return the differences of positions, attitudes and their derivatives, and of efforts."""
     from ...solvers.natural_coordinates.equations import rotation_of
 
@@ -104,12 +100,12 @@ def _differences(
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
         )
-    return tuple(_difference(rows.time, *pair) for pair in pairs)
+    return tuple(_difference(rows.time, *pair) for pair in pairs)  # type: ignore[arg-type]
 
 
 def _difference(
-    time: np.ndarray, name: str, unit: str, one: np.ndarray, other: np.ndarray, least: float = 0.0
-) -> Difference:
+    time: np.ndarray, name: Any, unit: str, one: np.ndarray, other: np.ndarray, least: float = 0.0
+) -> Any:
     """Return a difference; what should be zero is measured by `least`, the size of what it is made of."""
     return largest_difference(name, unit, time, one, other, max(least, float(np.max(np.abs(one)))))
 

@@ -3,7 +3,7 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ...quick_dataclass import fields, replace
 from ..context import Run
 from ..model import folder_of
-from ..outcome import RunOptions, Stop
+from ..outcome import Stop
 from .difference import Difference, largest_difference
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     return tuple(_differences(mechanism, one, other, unique))
 
 
-def _finely(mechanism: "Any", options: RunOptions) -> "Any":
+def _finely(mechanism: "Any", options: Any) -> "Any":
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
@@ -59,7 +59,7 @@ def _finely(mechanism: "Any", options: RunOptions) -> "Any":
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 
-def _rows(mechanism: "Any") -> "Any":
+def _rows(mechanism: Any) -> "Any":
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
@@ -69,7 +69,7 @@ def _rows(mechanism: "Any") -> "Any":
         Stop.heed()
     names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
-    return rows, not analysis.found.redundant
+    return rows, not analysis.found.redundant  # type: ignore[union-attr]
 
 
 def _differences(mechanism: "Any", one: "Any", other: "Any", unique: "Any") -> "Iterator[Any]":

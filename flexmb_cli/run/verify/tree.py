@@ -1,6 +1,6 @@
 """A tree by two formulations: Kane's equations and absolute coordinates."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     return found
 
 
-def _motions(tree: Tree, run: Run) -> "Any":
+def _motions(tree: Any, run: Any) -> "Any":
     """Values of both formulations, whole runs by the paths of their datasets."""
     analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
@@ -76,7 +76,7 @@ def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
     return tuple(found)
 
 
-def _coordinates(tree: Tree, kane: "Any", absolute: "Any") -> "Iterator[Any]":
+def _coordinates(tree: Any, kane: "Any", absolute: "Any") -> "Iterator[Any]":
     """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]

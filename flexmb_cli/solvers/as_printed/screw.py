@@ -6,7 +6,7 @@ second derivative from its accelerations.
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -135,21 +135,21 @@ def _rate(state: State, joint: "Joint", rows: Rows) -> float:
     return float(product(rows.of_i, state.qd[joint.i])[0] + product(rows.of_j, state.qd[joint.j])[0])
 
 
-def _across(joint: "Joint") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _across(joint: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """û, and the unit vectors f and g across it fixed to body i: f along h_i, g = û × f."""
     axis = unit(joint.s_i)
     f = unit(np.array(joint.h_i) - dot(joint.h_i, axis) * axis)
     return axis, f, cross(axis, f)
 
 
-def _components(state: State, joint: "Joint") -> tuple[Rows, Rows]:
+def _components(state: State, joint: "Joint") -> Any:
     """f · h_j and g · h_j, cosine and sine of the turn."""
     _, f, g = _across(joint)
     h = unit(joint.h_j)
     return tuple(scalar_product(state, joint.i, joint.j, u, h) for u in (f, g))
 
 
-def _slide(state: State, joint: "Joint") -> Rows:
+def _slide(state: State, joint: Any) -> Rows:
     """û · d."""
     i, j, axis = joint.i, joint.j, _across(joint)[0]
     u, d = state.vector(i, axis), separation(state, joint)

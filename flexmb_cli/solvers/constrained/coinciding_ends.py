@@ -1,6 +1,6 @@
 """Springs in line whose ends coincide at the start: with a free length they have no direction to push in."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def refuse_coinciding_ends(
         raise ModelError(faults)
 
 
-def _fault(spring: "Any", free_length: "Any", t: float) -> "Any":
+def _fault(spring: "Any", free_length: "Any", t: float) -> Any:
     message = (
         f"its ends coincide at t = {t:.6g} s, where its free length of {free_length:.6g} m gives it a force "
         "without a direction; move an end, or give it the free length 0"

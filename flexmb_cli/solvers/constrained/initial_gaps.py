@@ -1,7 +1,7 @@
 """How far the positions of a VSDF deck leave its joints apart, and what bringing them together has moved."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray
     return [*_apart(mechanism, gaps, q, t), *_deformed(mechanism, gaps.arrays, q)]
 
 
-def _apart(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray, t: float) -> "Iterator[Fault]":
+def _apart(mechanism: FlexibleMechanism, gaps: Any, q: np.ndarray, t: float) -> "Iterator[Fault]":
     arrays = gaps.arrays
     scaled = gaps.residual(arrays.q, t, arrays.angles)
     limits = np.array([_limit(mechanism, equation) for equation in arrays.equations])

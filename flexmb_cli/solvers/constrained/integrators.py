@@ -5,7 +5,7 @@ Each imports its own kernels when it is used.
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...errors import Fault
 
@@ -43,7 +43,7 @@ class Steps:
         """The kernel."""
         return import_module(self._module).integrate_rows
 
-    def new_integration(self, work: "Work", angles: int) -> "Any":
+    def new_integration(self, work: Any, angles: int) -> "Any":
         """Return an integration at time 0 with an empty state, for this work and so many angles."""
         return import_module(self._module).new_integration(work, angles)
 
@@ -77,7 +77,7 @@ class GeneralisedAlpha(Steps):
         self.radius, self.length = radius, length
 
     @property
-    def chosen(self) -> bool:
+    def chosen(self) -> bool:  # type: ignore[override]
         """Whether the lengths of its steps are its own choice."""
         return self.length == 0.0
 

@@ -1,5 +1,7 @@
 """Report rows of a dynamic analysis: the motion, and the forces and energies that go with it."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -109,7 +111,7 @@ def _forces(mechanism: Mechanism, wrenches: np.ndarray, p: np.ndarray) -> dict[s
     }
 
 
-def _add_fourth_parameters(mechanism: Mechanism, others: np.ndarray, holding: np.ndarray) -> None:
+def _add_fourth_parameters(mechanism: Any, others: Any, holding: Any) -> None:
     """A body whose e1, e2, e3 are held has an equation for e0; its force is its holder's.
 
     others (T, bodies so held, 6) in the order of the bodies.

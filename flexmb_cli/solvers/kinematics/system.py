@@ -1,5 +1,7 @@
 """What a kinematic analysis hands to the kernels, and the quantities derived from its coordinates."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.kinematics.newton import COLUMN, RANK, System
@@ -36,7 +38,7 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     )
 
 
-def with_dependent_columns(system: System, dependent: tuple[int]) -> System:
+def with_dependent_columns(system: System, dependent: Any) -> System:
     """The system for a position at which the coordinates `dependent` follow from the others.
 
     They are eliminated last, and their corrections and rates are 0.
@@ -75,9 +77,7 @@ def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: 
     )
 
 
-def point_motion(
-    mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def point_motion(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> Any:
     """Position, velocity, acceleration (T, points, 3) of the points of interest, global axes."""
     body = np.array([point.body for point in mechanism.points], dtype=np.int64)
     s = np.array([point.s for point in mechanism.points], dtype=float).reshape(-1, 3)

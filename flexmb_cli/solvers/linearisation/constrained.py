@@ -1,6 +1,6 @@
 """Eigenfrequencies and damping of the linearised motion of a mechanism, and its absolute formulation."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,9 +17,7 @@ from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import STEP, LinearisedMotion, differentiated
 
 if TYPE_CHECKING:
-    from ..constrained.flexible_dynamics import FlexibleDynamics
     from ..constrained.young_dynamics import ForwardDynamics
-    from ..tree.analysis import TreeAnalysis
 
 
 # Share of the largest eigenvalue, and 1/s, below which one is that of a motion nothing holds: the differences
@@ -61,7 +59,7 @@ class ConstrainedLinearised(LinearisedMotion):
         self,
         analysis: ConstrainedMotion,
         axes: str = OWN,
-        state: tuple[np.ndarray, np.ndarray, float] | None = None,
+        state: Any = None,
         free: np.ndarray | None = None,
     ):
         self.analysis, self.axes = analysis, axes
@@ -94,7 +92,7 @@ class ConstrainedLinearised(LinearisedMotion):
         h = STEP / size
         return differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
 
-    def _functionals(self, q: np.ndarray) -> np.ndarray:
+    def _functionals(self, q: np.ndarray) -> Any:
         return self.coordinates.functionals(q)[self.free]
 
     def moved(self, q: np.ndarray, d: np.ndarray) -> np.ndarray:
@@ -123,7 +121,7 @@ class ConstrainedLinearised(LinearisedMotion):
         """Return u' (n,) where the position is displaced by d and the speeds by w."""
         return self._rates(self.moved(self.q, d), self.u + w, self.t)
 
-    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: None = None) -> np.ndarray:
+    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: Any = None) -> np.ndarray:
         """Return what the speeds, changed by w, lack to meet the constraints displaced by d (m,), scaled."""
         work, system = self.analysis.work, system or self.system
         evaluate_jacobian(system, work, self.moved(self.q, d))
@@ -191,7 +189,7 @@ class ConstrainedLinearised(LinearisedMotion):
 
 
 def linearised(
-    analysis: "FlexibleDynamics | ForwardDynamics | TreeAnalysis", formulation: type = ConstrainedLinearised
+    analysis: Any, formulation: Any = ConstrainedLinearised
 ) -> tuple[LinearisedMotion, np.ndarray, bool]:
     """Return the motion linearised about the state of `analysis`, its matrix A, and whether A is constant.
 
@@ -205,7 +203,7 @@ def linearised(
         if motion.is_constant(A):
             return motion, A, True
         first = first or (motion, A, False)
-    return first
+    return first  # type: ignore[return-value]
 
 
 def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised) -> Modes:

@@ -1,6 +1,6 @@
 """Inputs and outputs of the linearised motion of a mechanism in absolute coordinates."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -38,7 +38,7 @@ class ConstrainedResponses(Responses):
 
     def __init__(self, motion: ConstrainedLinearised):
         self.motion, self.analysis = motion, motion.analysis
-        self.terms: Terms = self.analysis.terms
+        self.terms: Terms = self.analysis.terms  # type: ignore[attr-defined]
         self.rotations = [rotation_matrix(p) for p in self._poses(motion.q)[:, 3:]]
         self.relative = [
             Signal(f"{name} {what} {axis}", unit)
@@ -62,19 +62,19 @@ class ConstrainedResponses(Responses):
             Signal(f"{name} effort", "N" if is_length else "N m") for name, is_length in self.terms.drivers
         ]
 
-    def respond(self, d: np.ndarray, w: np.ndarray, model: System | None = None) -> np.ndarray:
+    def respond(self, d: Any, w: Any, model: System | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
-        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
+        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])  # type: ignore[attr-defined]
         expected = analysis.integration.angles[EXPECTED][None].copy()
-        system, work = model or motion.system, analysis.work
+        system, work = model or motion.system, analysis.work  # type: ignore[attr-defined]
         # A kernel writes a row for every load, and a model may have one more.
         answers = np.zeros((len(system.loads), COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
-        motion.refuse(SOLVED if filled else NO_INERTIA)
-        rows = analysis.block(report)
+        motion.refuse(SOLVED if filled else NO_INERTIA)  # type: ignore[attr-defined]
+        rows = analysis.block(report)  # type: ignore[attr-defined]
         return np.concatenate([report.rates[0], self._outputs(rows)])
 
     def _outputs(self, rows: "FlexibleRows | DynamicRows") -> np.ndarray:
@@ -97,14 +97,15 @@ class ConstrainedResponses(Responses):
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return P (6 joints, n) of displacement and rotation of body b against a, its axes, and its rate."""
         motion, size = self.motion, np.max(np.abs(self.motion.u) / self.motion.scale, initial=0.0)
-        P = self._functionals(motion.q)
+        P = self._functionals(motion.q)  # type: ignore[attr-defined]
         if size == 0.0:
             return P, np.zeros_like(P)
         return P, differentiated(
-            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)), STEP / size
+            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),  # type: ignore[attr-defined]
+            STEP / size,
         )
 
-    def _functionals(self, q: np.ndarray) -> np.ndarray:
+    def _functionals(self, q: np.ndarray) -> Any:
         blocks = [self._of_joint(q, a, b) for _, a, b in self.terms.joints]
         return np.concatenate(blocks) if blocks else np.zeros((0, self.motion.scale.size))
 
@@ -140,14 +141,14 @@ class ConstrainedResponses(Responses):
         return 6 * arrays.bodies + (own[0] if own else 0)
 
     def _load_inputs(self) -> "Iterator[Input]":
-        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads
+        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads  # type: ignore[attr-defined]
         # Elements at joints stand behind the loads that have names, and are no inputs.
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
             for signal, records in _unit_loads(name, is_force, load):
                 yield Input(signal, still, still, self._loaded(records), 1.0)
 
-    def _loaded(self, records: "Callable[..., Any]") -> "Callable[..., Any]":
-        system = self.motion.system
+    def _loaded(self, records: Any) -> "Callable[..., Any]":
+        system = self.motion.system  # type: ignore[attr-defined]
 
         def change(amount: float) -> System:
             # Friction stays behind all others.
@@ -162,24 +163,24 @@ class ConstrainedResponses(Responses):
         for k, (name, is_length) in enumerate(self.terms.drivers):
             yield from self._inputs_of_driver(k, name, "m" if is_length else "rad")
 
-    def _inputs_of_driver(self, k: int, name: str, unit: str) -> "Iterator[Input]":
+    def _inputs_of_driver(self, k: Any, name: Any, unit: Any) -> "Iterator[Input]":
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
-        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)
-        d = motion.projected(asked)
-        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:
+        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)  # type: ignore[attr-defined]
+        d = motion.projected(asked)  # type: ignore[attr-defined]
+        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
-        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)
-        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])
+        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)  # type: ignore[attr-defined]
+        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])  # type: ignore[attr-defined]
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
     def _driven(self, k: int, order: int) -> "Callable[..., Any]":
-        def change(amount: float) -> System:
+        def change(amount: Any) -> System:
             additions = [0.0, 0.0, 0.0]
             additions[order] = amount
-            return self.analysis.driven_system(k, additions, self.motion.t)
+            return self.analysis.driven_system(k, additions, self.motion.t)  # type: ignore[attr-defined]
 
         return change
 

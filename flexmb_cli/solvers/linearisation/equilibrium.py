@@ -1,14 +1,13 @@
 """Equilibrium of a mechanism: its independent joint coordinates at rest while its drivers go on."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import AnalysisError, Fault
 
 if TYPE_CHECKING:
-    from ..constrained.young_dynamics import ForwardDynamics
-    from ..tree.analysis import TreeAnalysis
+    pass
 
 
 SHORT_STENCIL = ((-1.0, -0.5), (1.0, 0.5))  # of second order, enough to find the way to an equilibrium
@@ -18,7 +17,7 @@ NO_STIFFNESS = 1e-10  # of the largest eigenvalue
 SMALLEST_CORRECTION = 1e-9  # scaled correction that counts as none
 
 
-def find_equilibrium(analysis: "ForwardDynamics | TreeAnalysis", linearised: type) -> None:
+def find_equilibrium(analysis: Any, linearised: type) -> None:
     """Bring a started `analysis` into an equilibrium: the one it stands in, else one it can fall into.
 
     Drivers keep their speeds: on a turning frame this is the equilibrium relative to the frame.

@@ -11,7 +11,7 @@ For a steady motion seen from its turning axes the coefficients are constant.
 """
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,7 +32,7 @@ FAR = 0.3  # scaled displacement up to which an accelerating motion is followed
 SAME_EIGENVALUE, SLOWEST = 1e-5, 1e-6  # relative change of an eigenvalue, and share of the largest one
 
 
-def differentiated(function: "Callable[..., Any]", h: float) -> np.ndarray:
+def differentiated(function: "Callable[..., Any]", h: float) -> Any:
     """Return the derivative of function(x) at x = 0 by differences of fourth order with the step h."""
     return sum(weight / h * function(place * h) for place, weight in STENCIL)
 

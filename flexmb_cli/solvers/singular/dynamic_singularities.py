@@ -2,7 +2,7 @@
 
 from bisect import insort
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from ...model.equations import Equation
-    from ..constrained.analysis import ConstrainedMotion
-    from ..constrained.flexible_dynamics import FlexibleDynamics
 
 
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
@@ -38,7 +36,7 @@ CLOSED = 1e-9  # scaled gap of a position between two rows
 HALVINGS = 40
 
 
-def weakest_of_speeds(analysis: "FlexibleDynamics", state: np.ndarray) -> tuple[float, list]:
+def weakest_of_speeds(analysis: Any, state: np.ndarray) -> tuple[float, list]:
     """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
 
     The condition is the largest over the last singular value that is counted in the rank.
@@ -51,7 +49,7 @@ def weakest_of_speeds(analysis: "FlexibleDynamics", state: np.ndarray) -> tuple[
     return _weakest(analysis, analysis.work.jacobian)
 
 
-def _weakest(analysis: "FlexibleDynamics", jacobian: np.ndarray) -> "tuple[float, list[Equation]]":
+def _weakest(analysis: Any, jacobian: np.ndarray) -> "tuple[float, list[Equation]]":
     left, values, _ = np.linalg.svd(jacobian)
     last = int(analysis.work.rank[0]) - 1
     if last < 0:
@@ -108,14 +106,14 @@ class PassedDynamicSingularities:
     back to the equations.
     """
 
-    def __init__(self, analysis: "ConstrainedMotion"):
+    def __init__(self, analysis: Any):
         self.analysis = analysis
         arrays = analysis.arrays
         self.gaps = PositionGaps(arrays, analysis.system, new_work(arrays))
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
         self.active = 0 < work <= MOST_WORK
         self.stride = max(1, analysis.grid.rows // LOOKS)
-        self.seen, self.row, self.reported = [], 0, 0
+        self.seen, self.row, self.reported = [], 0, 0  # type: ignore[var-annotated]
         self.sorted: list[float] = []  # the values seen
 
     @property
@@ -186,7 +184,7 @@ class PassedDynamicSingularities:
         self._tell(first[0] + 0.5 * (low + high) * (last[0] - first[0]), q)
         return True
 
-    def _at(self, first: "Any", last: "Any", x: np.ndarray) -> "Any":
+    def _at(self, first: "Any", last: "Any", x: Any) -> Any:
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""
         gaps, arrays = self.gaps, self.analysis.arrays
         t, q = first[0] + x * (last[0] - first[0]), (1.0 - x) * first[1] + x * last[1]
@@ -211,9 +209,9 @@ class PassedDynamicSingularities:
         self.analysis.warnings.append(about("note", message, *owners))
 
 
-def _owners(equations: "tuple[Equation, ...]", size: np.ndarray) -> "list[Equation]":
+def _owners(equations: Any, size: Any) -> "list[Equation]":
     """One equation of each owner with a large share, in the deck's order."""
-    found = {}
+    found: dict[Any, Any] = {}
     for row in by_size(size):
         if size[row] < SHARE * size.max() or len(found) == MOST_REPORTED:
             break

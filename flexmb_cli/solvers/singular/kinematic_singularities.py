@@ -5,7 +5,7 @@ narrow place beside one.  Both cost many short steps: rows that took many iterat
 sign of det Φ_q has changed, are walked again step by step.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -53,7 +53,7 @@ class PassedKinematicSingularities:
             begin = memory[2][TIME] if first == 0 else rows.time[first - 1]
             self._walk(memory, float(begin), float(rows.time[last]))
 
-    def first_without_rates(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: "Rows") -> int:
+    def first_without_rates(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: Any) -> int:
         """The first row so near to a singular position that its rates are round-off; their number if none."""
         busy = np.flatnonzero(rows.newton_iterations > FEW) if self.active else ()
         limit = BLIND * self._condition_of(memory) if len(busy) else np.inf

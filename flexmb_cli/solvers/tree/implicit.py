@@ -1,7 +1,7 @@
 """Report rows of a tree by the compiled implicit integrator, for stiff elastic modes."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...kernels.integrators import sdirk4
 from .rows import TreeRows
@@ -9,7 +9,6 @@ from .rows import TreeRows
 if TYPE_CHECKING:
     from typing import Any
 
-    from ...kernels.constrained.report import Report
     from .analysis import TreeAnalysis
 
 
@@ -26,7 +25,7 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + CALL_WORK // (1 + n * n)
 
-    def integrate_rows(report: "Report") -> "Any":
+    def integrate_rows(report: Any) -> "Any":
         return sdirk4.integrate_rows(
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )

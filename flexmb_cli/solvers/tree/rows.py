@@ -1,5 +1,7 @@
 """Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.tree.report import Report
@@ -100,9 +102,7 @@ def displacements(tree: Tree, q: np.ndarray) -> tuple[np.ndarray, ...]:
     return tuple(out.values())
 
 
-def node_positions(
-    tree: Tree, position: np.ndarray, axes: np.ndarray, displacement: tuple[np.ndarray, ...]
-) -> np.ndarray:
+def node_positions(tree: Any, position: Any, axes: Any, displacement: tuple[np.ndarray, ...]) -> np.ndarray:
     """Places (T, n, 3) of the nodes of all flexible bodies; position (T, N, 3), axes (T, N, 3, 3)."""
     flexible = [k for k, body in enumerate(tree.bodies) if body.elastic is not None]
     places = [

@@ -5,7 +5,7 @@ normalisation: (6.9), (6.12), (6.15) of the source omit the term that makes the 
 """
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..._jit import kernel
 
@@ -17,7 +17,7 @@ EQUATIONS = 1
 
 
 @kernel
-def function(c: "np.void", t: float) -> tuple[float, float, float]:
+def function(c: Any, t: float) -> Any:
     """f, df/dt and d²f/dt² at time t."""
     return c["C"] + (c["B"] + 0.5 * c["A"] * t) * t, c["B"] + c["A"] * t, c["A"]
 
