@@ -10,7 +10,7 @@ INTERRUPTED = 130
 OBJECTS_UNTIL_COLLECTED = 50_000
 
 
-def main():
+def main() -> None:
     """Entry point of `flexmb`; Ctrl-C is heeded without a traceback while the commands are imported, too."""
     gc.set_threshold(OBJECTS_UNTIL_COLLECTED)
     # The system takes all memory back at once; to look for cycles in it is a tenth of a short run.

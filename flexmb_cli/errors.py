@@ -6,9 +6,14 @@ Faults are collected, not thrown one at a time: a reader goes on after a fault a
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .quick_dataclass import dataclass, field
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3
 
@@ -92,16 +97,16 @@ class FaultList(list[Fault]):
         for fault in faults:
             self.append(fault)
 
-    def __iadd__(self, faults):
+    def __iadd__(self, faults: Any) -> Any:  # type: ignore[misc]
         self.extend(faults)
         return self
 
     @cached_property
-    def _counts(self):
+    def _counts(self) -> "Any":
         return {}
 
 
-def sentences(faults) -> tuple[str, ...]:
+def sentences(faults: Any) -> tuple[str, ...]:
     """Return subject and message of every fault, as results keep them."""
     return tuple(fault.sentence for fault in faults)
 
@@ -128,7 +133,7 @@ class DeckError(FlexmbError):
 
     exit_code = BAD_INPUT
 
-    def __init__(self, faults):
+    def __init__(self, faults: Any):
         faults = tuple(faults)
         first = next((fault for fault in faults if fault.severity == "error"), faults[0])
         super().__init__(first.sentence, faults)
@@ -160,7 +165,7 @@ class OutputError(FlexmbError):
         self.exit_code = exit_code
 
 
-def compiler_style(deck_name: str, faults, lines=()) -> str:
+def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: "Any" = ()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
     `lines` are the deck's lines; a fault without a place shows neither line nor caret.
@@ -172,7 +177,7 @@ def compiler_style(deck_name: str, faults, lines=()) -> str:
     return "\n".join(blocks)
 
 
-def _most_serious(faults):
+def _most_serious(faults: "Sequence[Any]") -> "Sequence[Any]":
     """At most `SHOWN_FAULTS` of `faults` in their order, so that no crowd of warnings hides an error."""
     if len(faults) <= SHOWN_FAULTS:
         return faults
@@ -180,7 +185,7 @@ def _most_serious(faults):
     return [faults[index] for index in sorted(by_weight[:SHOWN_FAULTS])]
 
 
-def _one_fault(deck_name, fault, lines):
+def _one_fault(deck_name: str, fault: Fault, lines: "Any") -> str:
     if fault.place is None:
         return f"{deck_name}: {fault.severity}: {visible(fault.sentence)}"
     place = fault.place
@@ -195,7 +200,7 @@ def _one_fault(deck_name, fault, lines):
     return "\n    ".join((head, *shown))
 
 
-def _excerpt(line, before):
+def _excerpt(line: str, before: int) -> tuple[int, str]:
     """The line and how much stands before the caret; long lines cut."""
     if len(line) > SHOWN_LINE:
         start = max(0, before - SHOWN_LINE // 2)

@@ -148,7 +148,7 @@ class Result(Mapping):
     """
 
     deck: OpenDeck
-    values: dict[str, np.ndarray]
+    values: dict[str, np.ndarray]  # type: ignore[assignment]
     layout: "Layout"
     status: str = COMPLETE
     message: str = ""
@@ -214,14 +214,14 @@ class Result(Mapping):
         }
         return pandas.DataFrame(columns, index=pandas.Index(self.time, name="time"))
 
-    def _quantity(self, name):
+    def _quantity(self, name: Any) -> Any:
         quantities = self._quantities(name)
         if len(quantities) > 1:
             several = ", ".join(quantity.name for quantity in quantities[:6])
             raise KeyError(f"{name} is more than one number: {several} …; name one, or use to_pandas")
         return quantities[0]
 
-    def _quantities(self, name):
+    def _quantities(self, name: Any) -> Any:
         """The quantities that a name means; they are looked up in a file without rows."""
         if name not in self.found:
             import h5py

@@ -6,8 +6,13 @@ pipe could wait for ever, and opening a device could act on it; so only regular 
 
 import os
 import stat
+from typing import TYPE_CHECKING, Any
 
 from .errors import OutputError
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # The file may be exchanged between the look at it and its opening: these keep the opening harmless.
 _CAREFUL = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
@@ -50,7 +55,7 @@ def refuse_unsafe(path: str, shown: str = "", folder: int | None = None) -> None
     _refuse(found, shown or path)
 
 
-def _refuse(found, shown):
+def _refuse(found: Any, shown: str) -> None:
     if stat.S_ISLNK(found.st_mode):
         raise UnsafePlace(f"{shown}: it is a link, which is not followed; remove it", id="FLEXMB-001")
     if not stat.S_ISREG(found.st_mode):
@@ -80,7 +85,7 @@ class ManagedFolder:
     def __enter__(self) -> "ManagedFolder":
         return self
 
-    def __exit__(self, *failure) -> None:
+    def __exit__(self, *failure: "Any") -> None:
         if self._number is not None:
             os.close(self._number)
 
@@ -100,11 +105,11 @@ class ManagedFolder:
         """Remove the file or link `name`."""
         os.unlink(self._at(name), dir_fd=self._number)
 
-    def _at(self, name):
+    def _at(self, name: str) -> Any:
         return name if self._number is not None else os.path.join(self.path, name)
 
 
-def unbuffered(number: int):
+def unbuffered(number: int) -> Any:
     """Return an unbuffered stream for reading and writing of an open descriptor.
 
     What a full disk refused must not be tried again when the stream is closed.

@@ -2,12 +2,17 @@
 
 import errno
 import mmap
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 try:
     # Here, because where memory is short it could not be loaded any more.
     import resource
 except ImportError:  # no such limits on this system
-    resource = None
+    resource = None  # type: ignore[assignment]
 
 LACK_OF_MEMORY = "not enough memory (`ulimit -v` tells a limit)"
 # Bytes of addresses that kernels may need: libraries and their buffers, and LLVM at work.
@@ -50,7 +55,7 @@ def lack_of_memory_text(fault: BaseException) -> str:
     return LACK_OF_MEMORY
 
 
-def _is_there(size):
+def _is_there(size: "Any") -> "Any":
     try:
         require_memory(size)
     except MemoryError:

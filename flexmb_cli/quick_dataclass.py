@@ -9,7 +9,11 @@ these classes, too.
 
 import dataclasses
 from dataclasses import MISSING, Field, FrozenInstanceError, field
-from typing import Any, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, TypeVar, dataclass_transform
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 
 __all__ = ["dataclass", "field", "fields", "replace"]
 
@@ -31,7 +35,7 @@ def dataclass(cls: _Class | None = None, /, *, frozen: bool = False, eq: bool = 
 def fields(of: object) -> tuple[Field, ...]:
     """Return the fields of a data class, or of an object of one."""
     found = getattr(of, "_quick_fields", None)
-    return dataclasses.fields(of) if found is None else tuple(found.values())
+    return dataclasses.fields(of) if found is None else tuple(found.values())  # type: ignore[arg-type]
 
 
 def replace(of: _Object, /, **changes: object) -> _Object:
@@ -40,29 +44,29 @@ def replace(of: _Object, /, **changes: object) -> _Object:
     return type(of)(**kept, **changes)
 
 
-def _define(cls, frozen, eq):
+def _define(cls: Any, frozen: Any, eq: Any) -> Any:
     found = _fields_with_bases(cls)
     cls._quick_fields, cls._quick_options = found, {"frozen": frozen, "eq": eq}
     methods = {"__init__": _initialiser(cls, found), "__repr__": _representation}
     if eq:
         compared = [one.name for one in found.values() if one.compare]
         methods["__eq__"] = _comparison(compared)
-        methods["__hash__"] = _hashing(compared) if frozen else None
+        methods["__hash__"] = _hashing(compared) if frozen else None  # type: ignore[assignment]
     if frozen:
         methods["__setattr__"] = _refusal(cls, found, "assign to", object.__setattr__)
         methods["__delattr__"] = _refusal(cls, found, "delete", object.__delattr__)
     for name, method in methods.items():
         if cls.__dict__.get(name) is None:
             setattr(cls, name, method)
-    cls.__match_args__ = tuple(one.name for one in found.values() if one.init)
+    cls.__match_args__ = tuple(one.name for one in found.values() if one.init)  # type: ignore[misc]
     for name in _KNOWN_BY:
         setattr(cls, name, _OfTwin(cls, name))
     return cls
 
 
-def _fields_with_bases(cls):
+def _fields_with_bases(cls: Any) -> dict[str, Any]:
     """Fields by name, those of the bases first."""
-    found = {}
+    found: dict[Any, Any] = {}
     for base in reversed(cls.__mro__[1:]):
         of_base = base.__dict__
         if "__dataclass_fields__" in of_base and "_quick_fields" not in of_base:
@@ -73,7 +77,7 @@ def _fields_with_bases(cls):
     return found
 
 
-def _field(cls, name, kind):
+def _field(cls: type, name: str, kind: Any) -> Any:
     given = cls.__dict__.get(name, MISSING)
     one = given if isinstance(given, Field) else field(default=given)
     if type(one.default).__hash__ is None:
@@ -87,13 +91,13 @@ def _field(cls, name, kind):
     return one
 
 
-def _initialiser(cls, found):
+def _initialiser(cls: type, found: dict[str, Any]) -> "Callable[..., Any]":
     """The function __init__: positions and names, defaults, and what the class does afterwards."""
     names = [one.name for one in found.values() if one.init]
     rest = {one.name: one for one in found.values() if not one.init}
     after, whole, left = hasattr(cls, "__post_init__"), len(names), _MANY
 
-    def __init__(self, *given, **named):
+    def __init__(self: Any, *given: Any, **named: Any) -> None:
         nonlocal left
         left -= 1
         if not left:
@@ -109,7 +113,9 @@ def _initialiser(cls, found):
     return __init__
 
 
-def _set_others(self, names, surplus, named, found):
+def _set_others(
+    self: Any, names: list[str], surplus: tuple[Any, ...], named: dict[Any, Any], found: dict[str, Any]
+) -> None:
     """Set the fields that were not given by position: those `named`, defaults, those without argument."""
     if surplus:
         raise TypeError(f"{type(self).__qualname__}() takes {len(surplus)} arguments less")
@@ -129,17 +135,17 @@ def _set_others(self, names, surplus, named, found):
             _set(self, one.name, value)
 
 
-def _default(one):
+def _default(one: Any) -> Any:
     return one.default if one.default_factory is MISSING else one.default_factory()
 
 
-def _representation(self):
+def _representation(self: Any) -> str:
     shown = (f"{one.name}={getattr(self, one.name)!r}" for one in self._quick_fields.values() if one.repr)
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
 
-def _comparison(names):
-    def __eq__(self, other):
+def _comparison(names: list[str]) -> "Callable[..., Any]":
+    def __eq__(self: Any, other: Any) -> Any:
         if type(other) is not type(self):
             return NotImplemented
         return [getattr(self, name) for name in names] == [getattr(other, name) for name in names]
@@ -147,14 +153,14 @@ def _comparison(names):
     return __eq__
 
 
-def _hashing(names):
+def _hashing(names: list[str]) -> Any:
     return lambda self: hash(tuple([getattr(self, name) for name in names]))
 
 
-def _refusal(cls, names, action, perform):
+def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
     """What stands for __setattr__ or __delattr__ of a frozen class."""
 
-    def refuse(self, name, *value):
+    def refuse(self: Any, name: Any, *value: Any) -> Any:
         if type(self) is cls or name in names:
             raise FrozenInstanceError(f"cannot {action} field {name!r}")
         perform(self, name, *value)
@@ -162,14 +168,14 @@ def _refusal(cls, names, action, perform):
     return refuse
 
 
-def _twin(cls):
+def _twin(cls: Any) -> type:
     """A class of the standard library with the same fields."""
     parts = [(one.name, one.type, one) for one in cls._quick_fields.values()]
     afterwards = {name: getattr(cls, name) for name in ("__post_init__",) if hasattr(cls, name)}
     return dataclasses.make_dataclass(cls.__name__, parts, namespace=afterwards, **cls._quick_options)
 
 
-def _take_compiled(cls):
+def _take_compiled(cls: type) -> None:
     """Give a class the functions that the standard library compiles, where it has no others of its own."""
     twin = _twin(cls)
     for name in ("__init__", "__eq__", "__hash__"):

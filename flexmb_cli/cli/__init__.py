@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Mapping
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,6 +20,10 @@ from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.exit_codes import epilog
 from .terminal.screen import lines_visible
 from .terminal.stops import ignore_stops, pass_over_stops
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -55,21 +60,21 @@ class Commands(Mapping):
         command.epilog = epilog(name)
         return command
 
-    def __iter__(self):
+    def __iter__(self) -> "Any":
         return iter(COMMANDS)
 
-    def __len__(self):
+    def __len__(self) -> "Any":
         return len(COMMANDS)
 
 
 class Group(click.Group):
     """Keeps the commands in the order of `COMMANDS`."""
 
-    def list_commands(self, ctx):
+    def list_commands(self, ctx: Any) -> "Any":
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 
-    def parse_args(self, ctx, args):
+    def parse_args(self, ctx: Any, args: "Any") -> "Any":
         """Read the options before the command; those of commands belong behind it."""
         try:
             return super().parse_args(ctx, args)
@@ -83,19 +88,19 @@ class Group(click.Group):
                 raise click.UsageError(message, ctx) from None
             raise
 
-    def resolve_command(self, ctx, args):
+    def resolve_command(self, ctx: Any, args: "Any") -> "Any":
         """Return the command that the arguments name; a deck in its place is a slip."""
         if args[0] not in self.commands and os.path.exists(args[0]):
             raise click.UsageError(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx)
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx, formatter):
+    def format_commands(self, ctx: click.Context, formatter: "Any") -> None:
         """Write the names with their help."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-def _tell_version(context, option, asked):
+def _tell_version(context: click.Context, option: "Any", asked: bool) -> None:
     if not asked or context.resilient_parsing:
         return
     from .terminal.commit import commit
@@ -111,7 +116,7 @@ def _tell_version(context, option, asked):
               help="Show the version, and in a checkout the commit, and exit.")  # fmt: skip
 @click.option("--debug", is_flag=True, help="Show the traceback of a fault of flexmb itself.")
 @click.pass_context
-def cli(context, debug):
+def cli(context: click.Context, debug: bool) -> None:
     """Solve rigid and flexible multibody systems from legacy decks.
 
     \b
@@ -124,10 +129,10 @@ def cli(context, debug):
         click.echo(context.get_help())
 
 
-cli.commands = Commands()
+cli.commands = Commands()  # type: ignore[assignment]
 
 
-def main():
+def main() -> None:
     """Entry point of `flexmb`: no traceback reaches a user, and a closed pipe ends quietly."""
     if hasattr(signal, "SIGPIPE"):
         # `flexmb diff a b | head` would otherwise end in a BrokenPipeError.
@@ -150,7 +155,7 @@ def main():
             ignore_stops()
 
 
-def _run_command():
+def _run_command() -> None:
     """Run the command that is asked for; how it ended is reported, and is the exit code."""
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")
@@ -177,14 +182,14 @@ def _run_command():
         _admit(fault)
 
 
-def _end_stopped(how, exit_code):
+def _end_stopped(how: "Any", exit_code: "Any") -> None:
     """Commands that keep something when they are stopped have their own words for it and end themselves."""
     _tell(f"flexmb: {how}; what was not complete is not written")
     _print_json(exit_code)
     sys.exit(exit_code)
 
 
-def _refuse_lack(fault):
+def _refuse_lack(fault: "Any") -> None:
     """The machine has too little memory: no fault of flexmb, nor of the deck."""
     if "--debug" in sys.argv:
         raise fault
@@ -196,7 +201,7 @@ def _refuse_lack(fault):
     sys.exit(ANALYSIS_FAILED)
 
 
-def _admit(fault):
+def _admit(fault: "Any") -> None:
     """A fault of flexmb itself, with a request to report it."""
     if "--debug" in sys.argv:
         raise fault
@@ -209,7 +214,7 @@ def _admit(fault):
     sys.exit(INTERNAL_FAULT)
 
 
-def _refuse_usage(fault):
+def _refuse_usage(fault: "Any") -> None:
     """How the command is called, and what is wrong with the call, in the form of all errors."""
     context = getattr(fault, "ctx", None)
     if context is not None:
@@ -220,14 +225,14 @@ def _refuse_usage(fault):
     _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
 
 
-def _print_json(exit_code, *faults, file=None):
+def _print_json(exit_code: Any, *faults: "Any", file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
-    if wants_json(cli.commands, sys.argv[1:]):
+    if wants_json(cli.commands, sys.argv[1:]):  # type: ignore[arg-type]
         print_record(exit_code, faults, file)
 
 
-def _refuse_lost_folder():
+def _refuse_lost_folder() -> None:
     try:
         os.getcwd()
     except OSError:
@@ -235,30 +240,30 @@ def _refuse_lost_folder():
         sys.exit(BAD_INPUT)
 
 
-def _end_in_order():
+def _end_in_order() -> None:
     """SIGTERM and a closed terminal end the program by an exception, so that it clears up."""
     signal.signal(signal.SIGTERM, _terminate)
     if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
         signal.signal(signal.SIGHUP, _terminate)
 
 
-def _terminate(number, frame):
+def _terminate(number: "Any", frame: "Any") -> None:
     raise Terminated
 
 
-def _open_closed_streams():
+def _open_closed_streams() -> None:
     """A shell can close a standard stream (`2>&-`); Python then has None in its place."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
 
 
-def _tell(sentence):
+def _tell(sentence: str) -> None:
     with contextlib.suppress(OSError):
         click.echo(lines_visible(sentence), err=True)
 
 
-def _report_failure(failure):
+def _report_failure(failure: FlexmbError) -> None:
     """Faults on standard error, after the name of the file in which they are, else that of the program."""
     click.echo(compiler_style(failure.file or "flexmb", failure.faults), err=True)
     if not failure.printed:

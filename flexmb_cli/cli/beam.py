@@ -1,11 +1,16 @@
 """`flexmb beam`: a straight uniform beam as the finite-element block of a DAFMS deck."""
 
 import sys
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options.finite import Finite
 from .terminal.screen import standard_output
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Powers and quotients of these are still numbers.
 ABOVE_ZERO = Finite(1e-50, 1e50)
@@ -39,7 +44,21 @@ ABOVE_ZERO = Finite(1e-50, 1e50)
 @click.option("--title", default="uniform beam", help="Heading of the whole deck.")
 @click.option("--into", metavar="DECK", help="Write DECK with the beam as the block of body --body.")
 @click.option("--body", type=click.IntRange(1), help="Body of --into that becomes the beam.")
-def beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass, ndm, whole, title, into, body):
+def beam(
+    length: float,
+    nodes: int,
+    ei: float,
+    rho: float,
+    offset: float,
+    ea: None,
+    ei1: None,
+    tip_mass: float,
+    ndm: None,
+    whole: bool,
+    title: str,
+    into: str | None,
+    body: int | None,
+) -> None:
     """Write the finite-element block of a beam to standard output.
 
     The beam lies along axis 2 of its body, clamped at its first end: Hermite elements, rotations
@@ -57,14 +76,14 @@ def beam(length, nodes, ei, rho, offset, ea, ei1, tip_mass, ndm, whole, title, i
     click.echo(f"beam: its share of MASS {made.mass:.9g} kg, of INER {made.inertia:.9g} kg m^2", err=True)
 
 
-def _check_choice(whole, into, body):
+def _check_choice(whole: bool, into: str | None, body: int | None) -> None:
     if whole and into:
         raise click.UsageError("--deck and --into exclude each other")
     if (into is None) != (body is None):
         raise click.UsageError("--into DECK and --body K go together")
 
 
-def _text(made, ndm, whole, title, into, body):
+def _text(made: "Any", ndm: Any, whole: bool, title: str, into: str | None, body: int | None) -> str:
     from ..dialects.dafms.beam_cards import beam_block, beam_deck
 
     if whole:
@@ -74,7 +93,7 @@ def _text(made, ndm, whole, title, into, body):
     return _deck_with(made, into, body)
 
 
-def _deck_with(made, path, body):
+def _deck_with(made: Any, path: Any, body: Any) -> str:
     """The deck at `path` with the beam in it; its faults are shown like those of `check`."""
     from ..deck.text import read_text
     from ..dialects.dafms import DIALECT
@@ -84,7 +103,7 @@ def _deck_with(made, path, body):
     lines = ()
     try:
         source = read_text(path)
-        lines = source.lines
+        lines = source.lines  # type: ignore[assignment]
         return with_beam(DIALECT.read(source), body, made)
     except FlexmbError as failure:
         click.echo(compiler_style(path, failure.faults, lines), err=True)

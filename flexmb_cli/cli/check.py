@@ -2,18 +2,30 @@
 
 import json
 import sys
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
 
+if TYPE_CHECKING:
+    from typing import Any
+
 
 @click.command()
 @DECK
 @deck_options
 @click.option("--jacobian", metavar="TIME|estimate", help="Print the Jacobian, rows and columns labelled.")
-def check(decks, changes, echo, as_json, quiet, jacobian, **options):
+def check(
+    decks: tuple[str],
+    changes: tuple[str, ...],
+    echo: Any,
+    as_json: bool,
+    quiet: Any,
+    jacobian: str | None,
+    **options: "Any",
+) -> None:
     """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
 
     \b
@@ -29,16 +41,16 @@ def check(decks, changes, echo, as_json, quiet, jacobian, **options):
     for report in every_deck(decks, lambda deck: check_deck(deck, choices, jacobian)):
         show_faults(report.outcome, quiet)
         if as_json:
-            if echo and report.deck and not quiet:
+            if echo and report.deck and not quiet:  # type: ignore[union-attr]
                 _print_echo(report, err=True)
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck and not quiet:
+        elif report.deck and not quiet:  # type: ignore[union-attr]
             _print_check(report, echo)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
 
 
-def _check_jacobian_option(jacobian):
+def _check_jacobian_option(jacobian: str | None) -> None:
     from math import isfinite
 
     if jacobian in (None, "estimate"):
@@ -54,7 +66,7 @@ def _check_jacobian_option(jacobian):
         )
 
 
-def _print_check(report, with_echo):
+def _print_check(report: Any, with_echo: bool) -> None:
     from ..results.texts.check_flexible_text import check_flexible_text
     from ..results.texts.check_text import check_text, jacobian_text
     from ..results.texts.check_tree_text import check_tree_text
@@ -68,7 +80,7 @@ def _print_check(report, with_echo):
         show(jacobian_text(report.jacobian))
 
 
-def _print_echo(report, err=False):
+def _print_echo(report: Any, err: Any = False) -> None:
     from ..results.texts.echo import echo
 
     show(echo(report.deck), err)

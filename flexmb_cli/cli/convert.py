@@ -1,6 +1,7 @@
 """`flexmb convert`: a deck's model for another program."""
 
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
 import click
 
@@ -8,6 +9,10 @@ from ..dialects.recognise import every_dialect
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
 DECKS = {each.name: each for each in every_dialect() if each.rigid_deck}
@@ -29,7 +34,9 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
 @click.option("--to-unit", type=click.Choice(UNITS), default="m",
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def convert(deck, form, output, changes, unit, to_unit, quiet):
+def convert(
+    deck: str, form: str, output: str, changes: "tuple[Any, ...]", unit: "Any", to_unit: "Any", quiet: bool
+) -> None:
     """Write the model of DECK for another program or dialect.
 
     Numbers are in SI units. What the form cannot hold is refused, with its place in the deck.
@@ -56,7 +63,7 @@ def convert(deck, form, output, changes, unit, to_unit, quiet):
         tell(f"{deck} → {reported(output)}")
 
 
-def _check_units(form, unit, to_unit):
+def _check_units(form: str, unit: "Any", to_unit: "Any") -> None:
     """Other programs get SI units, as decks of most dialects do."""
     if unit != "m" and form in PROGRAMS:
         reported = (

@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +13,13 @@ from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
 from .terminal.screen import show, tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..results.diff.folders import Compared, Summary
+    from ..results.diff.report import Report
+    from ..results.diff.tolerance_file import FileTolerances
 
 
 @click.command()
@@ -39,7 +47,9 @@ from .terminal.written_place import WrittenPlace
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
-def diff(a, b, update, junit, as_json, quiet, **options):
+def diff(
+    a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: "Any"
+) -> None:
     """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
 
     A is the reference.  A value differs when it exceeds all tolerances given; by default every printed
@@ -100,7 +110,7 @@ def _tolerances(options):
     return read_tolerances(path, general) if path else FileTolerances(general=general)
 
 
-def _compare_files(a, b, tolerances, update, as_json, options):
+def _compare_files(a: Any, b: Any, tolerances: Any, update: bool, as_json: bool, options: Any) -> "Compared":
     from ..deck.listing import TableError
     from ..results.diff.accept import accept, is_missing
     from ..results.diff.compare import compare
@@ -120,18 +130,20 @@ def _compare_files(a, b, tolerances, update, as_json, options):
     return Compared(Pair(a, a, b), report, updated=updated, new=new)
 
 
-def _compare_folders(a, b, tolerances, update, as_json, options):
+def _compare_folders(
+    a: str, b: str, tolerances: "FileTolerances", update: bool, as_json: bool, options: dict[str, bool | None]
+) -> "Summary":
     from ..results.diff.accept import accept_pair
     from ..results.diff.compare import compare
     from ..results.diff.folders import compare_many
     from ..results.diff.forms import LISTING, form_of
 
-    def compare_pair(pair):
+    def compare_pair(pair: Any) -> "Report":
         chosen = tolerances.of_file(pair.name)
         if form_of(pair.a) != LISTING:
             # Results in full precision have no last printed digit: other files of the folder have.
             chosen = chosen.without_digits()
-        return compare(pair.a, pair.b, chosen, **options)
+        return compare(pair.a, pair.b, chosen, **options)  # type: ignore[arg-type]
 
     with faults_in_json(as_json, {"a": a, "b": b}, b):
         summary = compare_many(a, b, compare_pair)
@@ -140,7 +152,7 @@ def _compare_folders(a, b, tolerances, update, as_json, options):
     return summary
 
 
-def _write_junit(path, summary):
+def _write_junit(path: str, summary: "Summary") -> None:
     from ..results.diff.junit import junit_bytes
     from ..results.files.replaced_file import write_whole
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs
@@ -153,7 +165,7 @@ def _write_junit(path, summary):
     write_whole(path, content)
 
 
-def _print_report(compared, update, as_json, quiet):
+def _print_report(compared: Any, update: Any, as_json: Any, quiet: Any) -> None:
     a, b, updated = compared.pair.a, compared.pair.b, compared.updated
     if as_json:
         click.echo(json.dumps(compared.report.as_dict() | {"a": a, "updated": updated}))
@@ -164,7 +176,7 @@ def _print_report(compared, update, as_json, quiet):
             show(f"{visible(a)}: {'new reference, ' if compared.new else ''}{done}\n")
 
 
-def _print_summary(summary, as_json, quiet):
+def _print_summary(summary: "Summary", as_json: bool, quiet: bool) -> None:
     failed = [compared for compared in summary.compared if compared.failure is not None]
     show("".join(compared.sentence for compared in failed), err=True)
     if as_json:

@@ -4,11 +4,16 @@ import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..dialects.recognise import every_dialect
 from .options.completion import example_names
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
@@ -94,8 +99,8 @@ def _similar(name: str, decks: dict[str, Path]) -> str:
     return f"is one of these meant: {names}?" if names else "`flexmb examples` lists them"
 
 
-def _list(decks):
-    described = {}
+def _list(decks: Any) -> Any:
+    described: dict[Any, Any] = {}
     for folder in {path.parent for path in decks.values()}:
         described |= dict(_descriptions(folder))
     width = max(map(len, decks))
@@ -115,7 +120,7 @@ def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:
                 yield from (((suffix, name), cells[1]) for suffix in suffixes)
 
 
-def _whole_names(names):
+def _whole_names(names: Any) -> "Iterator[Any]":
     """Complete names such as `_n5` behind `shaft_beam_n2`."""
     for name in names:
         yield names[0].rpartition("_")[0] + name if name.startswith("_") else name
@@ -141,7 +146,7 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
     return [folder / deck.name, *targets.values()]
 
 
-def _refuse_taken(targets, force):
+def _refuse_taken(targets: "Any", force: "Any") -> None:
     taken = [str(target) for target in targets if target.exists()]
     if taken and not force:
         raise click.UsageError(f"{taken[0]} is there already; --force replaces it")

@@ -1,12 +1,19 @@
 """`flexmb export`: a result for other programs."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import h5py
+
 
 SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 
@@ -17,7 +24,7 @@ SUFFIX = {"vtkhdf": ".vtkhdf", "csv": ".csv", "mat": ".mat"}
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
               help="The file; - is standard output, for csv [default: NAME.FORM].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def export(result, form, output, quiet):
+def export(result: str, form: str, output: str | None, quiet: bool) -> None:
     """Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or MATLAB and Octave (mat).
 
     vtkhdf holds the moving bodies as a time series for ParaView 5.12 and newer, csv all quantities with
@@ -52,7 +59,7 @@ def export(result, form, output, quiet):
         tell(f"{result} → {reported(output)}")
 
 
-def _export_study(path, form, output):
+def _export_study(path: str, form: str, output: str) -> "Any":
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
@@ -74,21 +81,21 @@ def _export_study(path, form, output):
     return note
 
 
-def _write_vtkhdf(file, output):
+def _write_vtkhdf(file: "h5py.File", output: str) -> None:
     from ..results.figures.vtkhdf import vtkhdf_bytes
     from ..results.files.replaced_file import write_whole
 
     write_whole(output, vtkhdf_bytes(file))
 
 
-def _write_mat(file, output):
+def _write_mat(file: "h5py.File", output: str) -> None:
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
 
     write_whole(output, matlab_bytes(file))
 
 
-def _write_csv(file, output):
+def _write_csv(file: "h5py.File", output: str) -> None:
     from ..results.files.replaced_file import ReplacedText
     from ..results.quantities.quantities import names
     from ..results.quantities.table import chosen_rows, table_text

@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,6 +12,9 @@ from .options.finite import AnyFinite
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @click.command()
@@ -34,7 +38,17 @@ from .terminal.written_place import WrittenPlace
     metavar="FILE",
     help="Write the state space A, B, C, D: FILE.npz (NumPy), FILE.mat (MATLAB) or FILE.json.",
 )
-def modes(decks, changes, echo, as_json, quiet, time, equilibrium, out, **options):
+def modes(
+    decks: Any,
+    changes: Any,
+    echo: Any,
+    as_json: Any,
+    quiet: Any,
+    time: Any,
+    equilibrium: Any,
+    out: Any,
+    **options: "Any",
+) -> None:
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 
     A VSDF deck's flexible bodies are reduced, with effective masses and what is left out; its mechanism
@@ -59,13 +73,13 @@ def modes(decks, changes, echo, as_json, quiet, time, equilibrium, out, **option
         show_faults(report.outcome, quiet)
         if as_json:
             click.echo(json.dumps(report.as_dict()))
-        elif report.deck:
+        elif report.deck:  # type: ignore[union-attr]
             _print_modes(report, echo, quiet)
         codes.append(report.outcome.exit_code)
     sys.exit(max(codes))
 
 
-def _refuse_output(out, decks):
+def _refuse_output(out: None, decks: tuple[str]) -> None:
     from ..results.files.state_space import FORMS
     from .options.output_file import refuse_inputs
 
@@ -80,7 +94,7 @@ def _refuse_output(out, decks):
     refuse_inputs(out, decks, "--out")
 
 
-def _print_modes(report, with_echo, quiet):
+def _print_modes(report: Any, with_echo: bool, quiet: bool) -> None:
     from ..results.texts.echo import echo
     from ..results.texts.modes_text import modes_text
 

@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,6 +14,10 @@ from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # The dialects that have a dialogue, and the decks that it writes.
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
@@ -40,7 +45,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
 @click.option("--draft", "with_draft", is_flag=True,
               help="Keep a draft, and go on with one, in a pipe, too.")  # fmt: skip
-def new(dialect, output, force, restart, with_draft):
+def new(dialect: "Any", output: "Any", force: "Any", restart: "Any", with_draft: "Any") -> None:
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
     Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written, and
@@ -64,7 +69,7 @@ def new(dialect, output, force, restart, with_draft):
         sys.exit(143)
 
 
-def _ask_to_replace(path, force):
+def _ask_to_replace(path: str, force: "Any") -> None:
     if os.path.isdir(path):
         raise click.UsageError(f"{path} is a folder; -o names the deck to write")
     if path != "-":
@@ -79,7 +84,7 @@ def _ask_to_replace(path, force):
         sys.exit(BAD_INPUT)
 
 
-def _form(name):
+def _form(name: "Any") -> "Any":
     dialect = dialect_named(name)
     return dialect.part(dialect.form)()
 
@@ -87,18 +92,18 @@ def _form(name):
 class _Talk:
     """The dialogue at a terminal or through a pipe."""
 
-    def __init__(self, dialect, path, restart, with_draft):
+    def __init__(self, dialect: Any, path: Any, restart: Any, with_draft: Any):
         self.path = path
         self.draft = "flexmb.draft" if path == "-" else f"{path}.draft"
         self.at_terminal = sys.stdin.isatty()
         # Who pipes answers has them: a second try begins with the first of them, and not behind a draft.
         self.keeps_draft = self.at_terminal or with_draft
         # A title in another character code is no reason to lose the answers behind it.
-        sys.stdin.reconfigure(errors="replace")
-        self.lines = []  # of a pipe, for the places of faults
+        sys.stdin.reconfigure(errors="replace")  # type: ignore[union-attr]
+        self.lines: list[Any] = []  # of a pipe, for the places of faults
         self.dialogue = self._begin(_form(dialect), restart)
 
-    def _begin(self, form, restart):
+    def _begin(self, form: Any, restart: "Any") -> "Any":
         from ..deck.dialogue import Dialogue, from_draft
         from ..deck.text import read_text
 
@@ -121,10 +126,10 @@ class _Talk:
         return dialogue
 
     @property
-    def _keys(self):
+    def _keys(self) -> "Any":
         return _KEYS.format(stop=_KEPT if self.keeps_draft else _LOST)
 
-    def run(self):
+    def run(self) -> None:
         """Ask until a deck stands that `check` accepts, and write it."""
         if self.at_terminal:
             click.echo(self._keys, err=True)
@@ -135,7 +140,7 @@ class _Talk:
                 break
         self.write()
 
-    def ask(self, question):
+    def ask(self, question: "Any") -> "Any":
         """The answer to `question` as typed."""
         if not self.at_terminal:
             return self._next_line()
@@ -153,14 +158,14 @@ class _Talk:
         except EOFError:
             return self.stop("end of input")
 
-    def _next_line(self):
+    def _next_line(self) -> "Any":
         line = sys.stdin.readline()
         if not line:
             self.stop("the answers end before the deck is complete")
         self.lines.append(line.rstrip("\r\n"))
         return self.lines[-1]
 
-    def take(self, question, line):
+    def take(self, question: "Any", line: "Any") -> None:
         """Obey a command, or give the answer to the machine; the draft follows every change."""
         word = line.strip()
         if word == "?":
@@ -175,7 +180,7 @@ class _Talk:
             self.show(self.dialogue.answer(line), question)
             self.keep()
 
-    def go_back(self, name):
+    def go_back(self, name: "Any") -> None:
         """To the question before, or to the record called `name`."""
         if not name and not self.dialogue.back():
             self.show([Fault("error", "this is the first question", id="CLI-004")])
@@ -184,7 +189,7 @@ class _Talk:
                 [Fault("error", f"no record {name} was asked for yet; names are like driver.1", id="CLI-005")]
             )
 
-    def show(self, faults, question=None):
+    def show(self, faults: "Any", question: "Any" = None) -> Any:
         """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""
         if self.at_terminal:
             for fault in faults:
@@ -197,14 +202,14 @@ class _Talk:
             self.say_kept("a wrong answer")
             sys.exit(BAD_INPUT)
 
-    def _in_pipe(self, fault, question):
+    def _in_pipe(self, fault: "Any", question: "Any") -> "Any":
         """`fault` at its word of the last line, where it has one."""
         words = list(re.finditer(r"\S+", self.lines[-1])) if self.lines else []
         k = fault.place.column - 1 - question.first if fault.place and question else 0
         start, width = (words[k].start(), len(words[k][0])) if 0 <= k < len(words) else (0, 1)
         return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
 
-    def accepted(self):
+    def accepted(self) -> "Any":
         """Return whether `flexmb check` takes the deck; else show its faults and let the dialogue go back."""
         from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
@@ -226,7 +231,7 @@ class _Talk:
         self._return_to(next((f for f in outcome.faults if f.severity == "error" and f.place), None))
         return False
 
-    def _trial(self):
+    def _trial(self) -> "Any":
         """The deck in a file to be removed; where this call is killed, the next one does it."""
         from ..results.files.replaced_file import ReplacedText
 
@@ -237,16 +242,16 @@ class _Talk:
         trial.flush()
         return trial
 
-    def _return_to(self, fault):
+    def _return_to(self, fault: "Any") -> None:
         """To the record that `check` names, else to the first; Enter keeps what is right."""
         prefix = self.dialogue.lines[fault.place.line - 1][1] if fault else ""
         if not (prefix and self.dialogue.back_to(prefix)):
             self.dialogue.back_to("counts")
 
-    def _text(self):
+    def _text(self) -> "Any":
         return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
 
-    def write(self):
+    def write(self) -> Any:
         """The deck in its place, and the draft away."""
         from ..results.files.replaced_file import write_whole
 
@@ -258,7 +263,7 @@ class _Talk:
         if self.keeps_draft and os.path.lexists(self.draft):
             os.unlink(self.draft)
 
-    def keep(self):
+    def keep(self) -> Any:
         """Write the draft, whole or not at all, so that a closed terminal loses nothing."""
         if not self.keeps_draft:
             return
@@ -268,7 +273,7 @@ class _Talk:
         refuse_unsafe(self.draft)
         write_whole(self.draft, draft_text(self.dialogue).encode())
 
-    def say_kept(self, why):
+    def say_kept(self, why: "Any") -> None:
         """Why the dialogue ends, and where its answers are."""
         if not self.keeps_draft:
             where = "and no draft kept: give all answers again"
@@ -279,7 +284,7 @@ class _Talk:
         click.echo(err=True)
         tell(f"flexmb: {why}; no deck is written, {where}")
 
-    def stop(self, why):
+    def stop(self, why: "Any") -> None:
         """End without a deck (exit 1)."""
         self.say_kept(why)
         sys.exit(ANALYSIS_FAILED)

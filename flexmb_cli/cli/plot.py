@@ -2,6 +2,7 @@
 
 import contextlib
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,6 +10,11 @@ from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..results.figures.curves import Panel, Source
 
 
 @click.command()
@@ -38,8 +44,20 @@ from .terminal.written_place import WrittenPlace
 @click.option("--latex", is_flag=True, help="Set texts by LaTeX, which must be installed.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 def plot(
-    result, names, output, others, across, start, stop, every, title, kind, width, quiet, **print_options
-):
+    result: str,
+    names: tuple[str, ...],
+    output: str | None,
+    others: tuple[str, ...],
+    across: str,
+    start: None,
+    stop: None,
+    every: int,
+    title: str | None,
+    kind: str,
+    width: None,
+    quiet: bool,
+    **print_options: "Any",
+) -> None:
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
     NAMEs are those of flexmb table; without any, what tells most of a result is drawn: points or bodies and
@@ -99,7 +117,9 @@ def _plot_results(paths, names, output, across, part, title, width, quiet, print
         tell(f"{paths[0]} → {output}, {curves} curve{'s' * (curves != 1)}")
 
 
-def _plot_study(path, names, output, form, kind, title, quiet):
+def _plot_study(
+    path: str, names: tuple[str, ...], output: str, form: str, kind: str, title: str | None, quiet: bool
+) -> None:
     from ..results.files.replaced_file import write_whole
     from ..study.cases_table import cases_table
     from ..study.curve_family import curve_family, family_picture, names_series
@@ -128,7 +148,9 @@ def _plot_study(path, names, output, form, kind, title, quiet):
         tell(f"{path} → {output}, {kind} of {', '.join(cases.results)}{left_out}")
 
 
-def _drawn(panels, form, title, width, options):
+def _drawn(
+    panels: "list[Panel]", form: str, title: str, width: float | None, options: "dict[str, Any]"
+) -> bytes:
     """The picture's bytes; options of print need a width."""
     from ..results.figures.look import Look
     from ..results.figures.plots import picture
@@ -149,7 +171,15 @@ def _drawn(panels, form, title, width, options):
         raise click.UsageError(f"--latex: LaTeX cannot be run: {str(error).splitlines()[0]}") from None
 
 
-def _source(open_files, path, label, names, across, window, quiet):
+def _source(
+    open_files: "Any",
+    path: str,
+    label: Any,
+    names: Any,
+    across: str,
+    window: Any,
+    quiet: bool,
+) -> "Source":
     from ..results.figures.curves import Source, default_quantities, still_energies
     from ..results.quantities.quantities import ResultError, open_result, resolve, shortfall
     from ..results.quantities.table import chosen_rows
@@ -178,7 +208,7 @@ def _source(open_files, path, label, names, across, window, quiet):
     return Source(label, file, window, abscissa[0], quantities, energies_change=not names)
 
 
-def _labels(paths):
+def _labels(paths: tuple[str, ...]) -> list[str]:
     """Return labels of results: none for a single one, else file names without suffix, or whole paths."""
     if len(paths) == 1:
         return [""]

@@ -1,10 +1,15 @@
 """`flexmb report`: a page on a result."""
 
+from typing import TYPE_CHECKING
+
 import click
 
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @click.command()
@@ -21,7 +26,7 @@ from .terminal.written_place import WrittenPlace
 @click.option("--view", type=click.Choice(["start", "x", "y", "z"]), default="start",
               help="Look along this axis [default: the page's first view].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result, output, quiet, movie, **film):
+def report(result: str, output: str | None, quiet: bool, movie: "Any", **film: "Any") -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
@@ -63,7 +68,7 @@ def _size(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
 
 
-def _write_film(path, target, page, film, quiet):
+def _write_film(path: str, target: "Any", page: "Any", film: "Any", quiet: bool) -> None:
     from pathlib import Path
 
     from ..results.figures.film import FORMATS, film_bytes
@@ -91,7 +96,7 @@ def _write_film(path, target, page, film, quiet):
         tell(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
 
 
-def _film_look(film):
+def _film_look(film: "Any") -> "Any":
     import re
 
     from ..results.figures.film import FilmLook
@@ -104,7 +109,7 @@ def _film_look(film):
     return FilmLook(width - width % 2, height - height % 2, film["fps"], film["view"])
 
 
-def _need_film_libraries(form):
+def _need_film_libraries(form: str) -> None:
     from ..extras import needed
 
     what = "flexmb report --movie"
@@ -114,7 +119,7 @@ def _need_film_libraries(form):
         needed("imageio_ffmpeg", "imageio-ffmpeg", "movie", f"{what} of an MP4 file")
 
 
-def _result_page(path):
+def _result_page(path: str) -> tuple[bytes, str]:
     from ..results.figures.report_page import report_page
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
 
@@ -123,7 +128,7 @@ def _result_page(path):
         return report_page(file).encode("utf-8"), shortfall(file)
 
 
-def _study_page(path):
+def _study_page(path: str) -> bytes:
     from ..extras import needed
     from ..study.cases_table import cases_table
     from ..study.page import study_page

@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +13,13 @@ from .options.finite import Finite
 from .terminal.screen import show, standard_output, tell, wants_debug
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    from ..run.outcome import Outcome, RunOptions
+
 
 _BEGINNING = 10_000  # characters of a deck that tell its dialect
 
@@ -56,7 +64,16 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
               help="YOUNG: with the errors of the program of 1996, to explain old listings.")  # fmt: skip
 @click.option("--estimate-error", is_flag=True,
               help="Run a second time with finer steps: the global error of every quantity.")  # fmt: skip
-def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
+def run(
+    decks: Any,
+    changes: tuple[str, ...],
+    echo: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+    jobs: int,
+    **options: "Any",
+) -> None:
     """Solve every DECK and write its OUT table and HDF5 result.
 
     \b
@@ -87,7 +104,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     sys.exit(max(codes))
 
 
-def _refuse_mixed_output(as_json, options):
+def _refuse_mixed_output(as_json: bool, options: "dict[Any, Any]") -> None:
     if options["out"] == "-" and as_json:
         raise click.UsageError("--out - and --json both take standard output; give --out a file")
     # In the place of a closed stream (`>&-`) stands an open file, see `cli._open_closed_streams`.
@@ -100,32 +117,34 @@ def _refuse_mixed_output(as_json, options):
             raise click.UsageError(f"--no-{name} and --{name} {options[name]} exclude each other: give one")
 
 
-def _refuse_parallel_input(decks, jobs):
+def _refuse_parallel_input(decks: Any, jobs: int) -> None:
     if jobs > 1 and len(decks) > 1 and "-" in decks:
         raise click.UsageError("standard input goes to one process only: with -j give every deck by its name")
 
 
-def _refuse_foreign_resume(options):
+def _refuse_foreign_resume(options: "dict[Any, Any]") -> None:
     if options["resume"] and options["formulation"] == "absolute":
         raise click.UsageError(
             "--resume goes with --formulation kane: the other one leaves nothing to resume"
         )
 
 
-def _refuse_foreign_estimate(options):
+def _refuse_foreign_estimate(options: "dict[Any, Any]") -> None:
     if options["estimate_error"] and options["formulation"] == "absolute":
         raise click.UsageError("--estimate-error goes with --formulation kane")
     if options["estimate_error"] and options["as_printed"]:
         raise click.UsageError("--estimate-error and --as-printed exclude each other: give one")
 
 
-def _given(options, **names):
+def _given(options: "dict[Any, Any]", **names: "Any") -> "dict[Any, Any]":
     """Takes the options called as the values of `names` out of `options`; those given, by the keys."""
     values = {key: options.pop(name) for key, name in names.items()}
     return {key: value for key, value in values.items() if value is not None}
 
 
-def _all_outcomes(decks, options, jobs, quiet, verbose):
+def _all_outcomes(
+    decks: Any, options: "RunOptions", jobs: int, quiet: bool, verbose: bool
+) -> "Iterator[Any]":
     """What became of every deck; one that was not begun before a stop is as if stopped at its first row."""
     from ..run.outcome import Outcome, Stop
 
@@ -136,7 +155,9 @@ def _all_outcomes(decks, options, jobs, quiet, verbose):
     yield from (Outcome(deck, Stop.code()) for deck in left)
 
 
-def _outcomes(decks, options, jobs, quiet, verbose):
+def _outcomes(
+    decks: list[str], options: "RunOptions", jobs: int, quiet: bool, verbose: bool
+) -> "Iterator[Outcome]":
     from .terminal.progress import Progress
 
     if jobs > 1 and len(decks) > 1:
@@ -162,7 +183,7 @@ def _outcomes(decks, options, jobs, quiet, verbose):
         yield outcome
 
 
-def _refuse_shared_files(decks, options):
+def _refuse_shared_files(decks: Any, options: "RunOptions") -> None:
     """Two decks that would write the same file are refused before anything is solved."""
     from pathlib import PurePath
 
@@ -179,7 +200,7 @@ def _refuse_shared_files(decks, options):
     refuse_shared(results)
 
 
-def _dialect(deck, options):
+def _dialect(deck: str, options: "RunOptions") -> str:
     """Dialect of a deck by its beginning; the faults of one without any are reported by its run."""
     from pathlib import Path
 
@@ -195,7 +216,7 @@ def _dialect(deck, options):
         return options.dialect
 
 
-def _report_outcome(outcome, options, quiet, verbose):
+def _report_outcome(outcome: "Outcome", options: "Any", quiet: bool, verbose: bool) -> None:
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
@@ -211,15 +232,15 @@ def _report_outcome(outcome, options, quiet, verbose):
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _no_file(options):
+def _no_file(options: "Any") -> "Any":
     return "standard output" if options.out == "-" else "no file"
 
 
-def _rows(outcome):
+def _rows(outcome: "Outcome") -> str:
     return f"{outcome.rows} row{'' if outcome.rows == 1 else 's'}"
 
 
-def _kept(outcome):
+def _kept(outcome: "Outcome") -> str:
     hint = "; --resume goes on with it" if outcome.resumable else ""
     if not outcome.files:
         return f"nothing was written{hint}"

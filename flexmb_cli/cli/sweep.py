@@ -4,6 +4,7 @@ import json
 import os
 import sys
 from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +18,11 @@ from .terminal.progress import Progress
 from .terminal.screen import tell
 from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..study.sweep import Sweep
 
 
 @click.command()
@@ -34,7 +40,17 @@ from .terminal.written_place import WrittenPlace
     "-v", "--verbose", is_flag=True, help="Without a terminal, tell every ten seconds how far it is."
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet, verbose):
+def sweep(
+    study: str,
+    output: Any,
+    jobs: int,
+    scheduler: None,
+    parts: Any,
+    fresh: bool,
+    as_json: bool,
+    quiet: bool,
+    verbose: bool,
+) -> None:
     """Solve the variants of a deck that STUDY (TOML) describes, and write a table with a row for each.
 
     A study that was stopped goes on where it was when the same command is given again.  A case that
@@ -66,7 +82,7 @@ def sweep(study, output, jobs, scheduler, parts, fresh, as_json, quiet, verbose)
     sys.exit(exit_code)
 
 
-def _require_libraries(output, scheduler):
+def _require_libraries(output: str, scheduler: None) -> None:
     """What is missing is reported before hours of work."""
     if output.endswith(".parquet"):
         from ..study.table import require_library
@@ -78,7 +94,9 @@ def _require_libraries(output, scheduler):
         require_dask()
 
 
-def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
+def _report_stop(
+    study: str, output: "Any", made: "Any", parts: "Any", on_cluster: "Any", as_json: bool, exit_code: "Any"
+) -> None:
     cases, failed, table = made.job.study.cases, made.failed, output
     reported = f"{output} is complete"
     if os.path.isdir(parts):
@@ -94,7 +112,7 @@ def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
         sys.stdout.flush()
 
 
-def _begun(study, output, parts, scheduler, fresh, as_json):
+def _begun(study: str, output: str, parts: Any, scheduler: None, fresh: bool, as_json: bool) -> "Sweep":
     require_memory(TO_LOAD)  # of numpy, below
     from ..results.files.replaced_file import refuse_unwritable
     from ..study.sweep import StudyError, Sweep
@@ -116,7 +134,7 @@ def _begun(study, output, parts, scheduler, fresh, as_json):
     sys.exit(BAD_INPUT)
 
 
-def _solve(made, study, jobs, scheduler, quiet, verbose):
+def _solve(made: "Sweep", study: str, jobs: int, scheduler: None, quiet: bool, verbose: bool) -> None:
     from ..run.processes.parent_watch import outlive_workers
     from ..study import cluster, workers
 
@@ -136,7 +154,7 @@ def _solve(made, study, jobs, scheduler, quiet, verbose):
             workers.solve_here(made, blocks, advance)
 
 
-def _first_failures(made, most=3):
+def _first_failures(made: "Sweep", most: int = 3) -> "Any":
     if not made.failed:
         return []
     from itertools import islice
@@ -145,13 +163,13 @@ def _first_failures(made, most=3):
     return list(islice(failed, most))
 
 
-def _write(made, output):
+def _write(made: Any, output: Any) -> None:
     from ..study.table_writer import write_study_table
 
     write_study_table(output, made)
 
 
-def _report(study, output, made, failures, quiet):
+def _report(study: str, output: str, made: "Sweep", failures: "Any", quiet: bool) -> None:
     cases = made.job.study.cases
     for case, message in failures:
         _say(f"{study}: case {case}: {message}", quiet)
@@ -163,13 +181,15 @@ def _report(study, output, made, failures, quiet):
     _say(f"{study}: {cases} cases{reported} → {output}", quiet)
 
 
-def _print_record(study, status, exit_code, made, failed, table):
+def _print_record(
+    study: str, status: "Any", exit_code: "Any", made: "Any", failed: "Any", table: "Any"
+) -> None:
     """`table` is None while there is none yet."""
     record = {"study": study, "status": status, "exit_code": exit_code, "faults": []}
     record |= {"cases": made.job.study.cases, "failed": failed, "file": table}
     click.echo(json.dumps(record))
 
 
-def _say(sentence, quiet):
+def _say(sentence: str, quiet: bool) -> None:
     if not quiet:
         tell(sentence)

@@ -1,10 +1,15 @@
 """`flexmb table`: quantities of a result as text."""
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from .options.completion import files, quantities
 from .options.finite import AnyFinite
 from .terminal.screen import show, tell
+
+if TYPE_CHECKING:
+    import h5py
 
 
 @click.command()
@@ -20,7 +25,17 @@ from .terminal.screen import show, tell
 @click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
               help="Print SPLINE cards of a YOUNG deck: functions N, N + 1 and so on.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Do not remark that a result is not complete.")
-def table(result, names, listing, start, stop, every, style, number, quiet):
+def table(
+    result: str,
+    names: tuple[str, ...],
+    listing: bool,
+    start: None,
+    stop: None,
+    every: int,
+    style: str | None,
+    number: None,
+    quiet: bool,
+) -> Any:
     """Print quantities of RESULT.h5 over time, on a terminal and in a pipe alike.
 
     A NAME says what, which, the quantity and the component: body.3.z, body.2.omega.x, body.1.velocity (all
@@ -78,7 +93,9 @@ def _print_result(result, names, listing, part, style, number, quiet):
             _print_piece(piece, style)
 
 
-def _print_study(path, names, listing, every, style, quiet):
+def _print_study(
+    path: str, names: tuple[str, ...], listing: bool, every: int, style: Any, quiet: bool
+) -> None:
     from ..results.quantities.table import list_text
     from ..study.text import chosen_columns, open_study, study_columns, study_notes, study_text
 
@@ -87,7 +104,7 @@ def _print_study(path, names, listing, every, style, quiet):
         if names or not listing:
             columns = chosen_columns(columns, names, path)
         if listing:
-            show(list_text(columns, style or "text"))
+            show(list_text(columns, style or "text"))  # type: ignore[arg-type]
             return
         for note in () if quiet else study_notes(file, columns, bool(names)):
             tell(f"{path}: note: {note}")
@@ -95,7 +112,7 @@ def _print_study(path, names, listing, every, style, quiet):
             _print_piece(piece, style)
 
 
-def _print_piece(piece, style):
+def _print_piece(piece: str, style: str | None) -> None:
     """Aligned columns for a reader lose those that do not fit a terminal; other forms are for programs."""
     if style == "text":
         show(piece)
@@ -103,12 +120,12 @@ def _print_piece(piece, style):
         click.echo(piece, nl=False)
 
 
-def _remark_settings(path, settings, quiet):
+def _remark_settings(path: str, settings: list[str], quiet: bool) -> None:
     if settings and not quiet:
         tell(f"{path}: note: the run changed the deck by --set: {', '.join(settings)}")
 
 
-def _remark(path, file, rows, quiet):
+def _remark(path: str, file: "h5py.File", rows: range, quiet: bool) -> None:
     """Tell on standard error what the numbers do not show."""
     from ..results.quantities.quantities import shortfall
 

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,6 +10,10 @@ from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import Finite
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
@@ -21,7 +26,17 @@ RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
               help="Largest difference, as a share of the largest value of its kind.")  # fmt: skip
 @click.option("--rtol", type=RELATIVE, help="Relative tolerance of a step (1e-11).")
 @click.option("--atol", type=TOLERANCE, help="Absolute tolerance of a step (1e-13).")
-def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **options):
+def verify(
+    decks: tuple[str],
+    changes: "tuple[Any, ...]",
+    echo: bool,
+    as_json: bool,
+    quiet: Any,
+    tolerance: float,
+    rtol: None,
+    atol: None,
+    **options: "Any",
+) -> None:
     """Run every DECK by two formulations and compare the motions; writes nothing.
 
     DAFMS: Kane's equations and absolute coordinates.  YOUNG: Euler parameters and natural coordinates.
@@ -47,7 +62,7 @@ def verify(decks, changes, echo, as_json, quiet, tolerance, rtol, atol, **option
         show_faults(found.outcome, quiet)
         if as_json:
             click.echo(json.dumps(found.as_dict()))
-        elif found.differences and not quiet:
+        elif found.differences and not quiet:  # type: ignore[union-attr]
             show(verify_text(found))
         codes.append(found.outcome.exit_code)
     sys.exit(max(codes))

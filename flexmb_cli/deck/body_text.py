@@ -3,12 +3,20 @@
 import itertools
 import math
 import textwrap
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    import numpy as np
+
 
 ROUND_OFF = 1e-12
 _SHARES = ("x", "y", "z", "about x", "about y", "about z")
 
 
-def body_lines(body, precision: bool = False) -> list[str]:
+def body_lines(body: "Any", precision: bool = False) -> list[str]:
     """Return inertia, what was left out, frequencies and effective masses of one flexible body.
 
     With `precision` each frequency has the relative error that the digits of the files leave it.
@@ -16,7 +24,7 @@ def body_lines(body, precision: bool = False) -> list[str]:
     return [*_inertia_lines(body), *_dropped_lines(body), *_mode_lines(body, precision)]
 
 
-def _inertia_lines(body):
+def _inertia_lines(body: "Any") -> "Iterator[str]":
     yield f"  {body.name}: nodes {len(body.numbers)}, modes {body.modes}, mass {body.m:.9g} kg"
     size, J = abs(body.r0).max(), body.J0
     yield f"    frame at {_vector(body.origin, size)} m of the node table, e1 {_vector(body.axes[:, 0], 1.0)}"
@@ -29,12 +37,12 @@ def _inertia_lines(body):
     )
 
 
-def _vector(values, scale):
+def _vector(values: "list[float] | np.ndarray", scale: float) -> str:
     """Components, those that are zero but for round-off as 0."""
     return " ".join(f"{value:.6g}" if abs(value) > ROUND_OFF * scale else "0" for value in values)
 
 
-def _dropped_lines(body):
+def _dropped_lines(body: "Any") -> "Iterator[Any]":
     dropped = body.dropped
     if dropped.internal:
         yield f"    internal freedoms condensed: {dropped.internal}"
@@ -53,13 +61,13 @@ def _dropped_lines(body):
         yield f"    modes left out: {dropped.modes}{first}"
 
 
-def _of_nodes(shapes):
+def _of_nodes(shapes: tuple[tuple[int, str], ...]) -> str:
     """Nodes, each with its axes: 5 e1 e2, 7 e3."""
     nodes = itertools.groupby(shapes, key=lambda shape: shape[0])
     return ", ".join(" ".join([str(node), *(axis for _, axis in group)]) for node, group in nodes)
 
 
-def _mode_lines(body, precision):
+def _mode_lines(body: "Any", precision: bool) -> "Iterator[str]":
     """Frequencies, and the share that each mode has in motion along and about the body's axes."""
     error = f" {'error':>8}" if precision else ""
     yield (
@@ -72,7 +80,7 @@ def _mode_lines(body, precision):
     yield f"    {'sum':>4} {'':13} {'':13}{empty}  {_percent(body.effective_mass.sum(axis=0), limits)}"
 
 
-def _frequency(body, row, precision):
+def _frequency(body: "Any", row: int, precision: bool) -> str:
     """rad/s, Hz and relative error; a shape without mass has none."""
     if row >= body.modes - body.massless:
         return f"{'static':>13} {'':13}" + " " * 9 * precision
@@ -80,5 +88,5 @@ def _frequency(body, row, precision):
     return f"{frequency * math.tau:13.6f} {frequency:13.6f}" + (f" {error:8.0e}" if precision else "")
 
 
-def _percent(masses, limits):
+def _percent(masses: "np.ndarray", limits: list[float]) -> str:
     return " ".join(f"{100 * mass / limit:6.2f}" for mass, limit in zip(masses, limits, strict=True))

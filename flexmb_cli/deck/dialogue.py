@@ -7,13 +7,17 @@ one number, one question or the rest of a record, as Pascal's READ took them.
 import json
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..errors import DeckError, Fault, Place
 from ..quick_dataclass import replace
 from . import number
-from .questions import TEXT, Entry, Question, spelled
+from .questions import TEXT, Cell, Entry, Question, spelled
 from .record import Number, Record
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _DRAFT = "flexmb new"
 
@@ -76,19 +80,19 @@ class Dialogue:
         """
         asked = self.question
         texts = _texts(asked, line)
-        cells = asked.entry.cells[self._cell : self._cell + len(texts)]
-        doubts = self._spelling(asked.entry, cells, texts)
+        cells = asked.entry.cells[self._cell : self._cell + len(texts)]  # type: ignore[union-attr]
+        doubts = self._spelling(asked.entry, cells, texts)  # type: ignore[union-attr]
         if len(texts) > len(cells) or any(fault.severity == "error" for fault in doubts):
             return doubts
-        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}
+        tried = {_name(asked.entry, cell): text for cell, text in zip(cells, texts, strict=True)}  # type: ignore[union-attr]
         before, self.values = self.values, {**self.values, **tried}
         end = self._cell + len(texts)
-        faults = self._faults(asked.entry, end)
+        faults = self._faults(asked.entry, end)  # type: ignore[union-attr]
         wrong = next((fault for fault in faults if fault.severity == "error"), None)
         if wrong is None:
-            self._go_on(asked.entry, end)
+            self._go_on(asked.entry, end)  # type: ignore[union-attr]
         elif self._lies_before(wrong):
-            self._cell = _start(asked.entry, wrong.place.column - 1)
+            self._cell = _start(asked.entry, wrong.place.column - 1)  # type: ignore[union-attr]
         else:
             self.values = before
         return [*doubts, *faults]
@@ -126,12 +130,12 @@ class Dialogue:
                 break
         return []
 
-    def _answered(self, entry):
+    def _answered(self, entry: Entry) -> int:
         """Return how many cells of `entry`, from its first on, have a good answer."""
         known = (self._known(entry, cell) is not None for cell in entry.cells)
         return sum(takewhile(bool, known))
 
-    def _spelling(self, entry, cells, texts):
+    def _spelling(self, entry: Entry, cells: tuple[Cell, ...], texts: list[str]) -> Any:
         """Faults and doubts of the spelling of `texts`, and the fault of too many."""
         faults = []
         for column, (cell, text) in enumerate(zip(cells, texts, strict=False), start=self._cell + 1):
@@ -151,7 +155,7 @@ class Dialogue:
             faults.append(Fault("error", message, place, entry.subject, id="DECK-003"))
         return faults
 
-    def _known(self, entry, cell):
+    def _known(self, entry: Entry, cell: Cell) -> "Any":
         """The value kept for a cell when it is well spelled, else None."""
         text = self.values.get(_name(entry, cell))
         try:
@@ -159,7 +163,7 @@ class Dialogue:
         except number.Misspelt:
             return None
 
-    def _faults(self, entry, end):
+    def _faults(self, entry: Entry, end: int) -> Any:
         """Faults of `entry` answered up to cell `end`, in the deck so far."""
         complete = end == len(entry.cells)
         # The entry itself may look otherwise now: its labels follow the direction just given.
@@ -167,13 +171,13 @@ class Dialogue:
         last = _record(self._entry, replace(entry, cells=entry.cells[:end]), self.values)
         return self.form.faults([*self.records, last], complete)
 
-    def _go_on(self, entry, end):
+    def _go_on(self, entry: Entry, end: int) -> Any:
         self._entry, self._cell = (self._entry + 1, 0) if end == len(entry.cells) else (self._entry, end)
 
-    def _is_here(self, fault):
+    def _is_here(self, fault: Fault) -> bool:
         return fault.place is not None and fault.place.line == self._entry + 1
 
-    def _lies_before(self, fault):
+    def _lies_before(self, fault: Any) -> bool:
         return self._is_here(fault) and fault.place.column - 1 < self._cell
 
 
@@ -203,16 +207,16 @@ def from_draft(form: Form, text: str) -> Dialogue:
     return dialogue
 
 
-def _name(entry, cell):
+def _name(entry: Entry, cell: Cell) -> Any:
     return f"{entry.prefix}.{cell.key}"
 
 
-def _start(entry, index):
+def _start(entry: Entry, index: int) -> Any:
     """First cell of the group that cell `index` belongs to."""
     return next(start for start, stop in entry.groups if start <= index < stop)
 
 
-def _record(index, entry, values):
+def _record(index: int, entry: Entry, values: dict[str, str]) -> Record:
     numbers = []
     for column, cell in enumerate(entry.cells, start=1):
         text = values[_name(entry, cell)]
@@ -221,7 +225,7 @@ def _record(index, entry, values):
     return Record(entry.section, entry.number, entry.subject, tuple(numbers))
 
 
-def _texts(asked, line):
+def _texts(asked: Any, line: str) -> list[str]:
     """The texts that `line` gives for the cells from the asked ones on; None where Enter gives nothing."""
     if not line.strip():
         return list(asked.offered)

@@ -15,7 +15,7 @@ def filled(value: float, width: int) -> str:
     return min(spellings, key=lambda text: abs(float(text) - value))
 
 
-def _fixed(value, width):
+def _fixed(value: float, width: int) -> str:
     for decimals in range(width, 0, -1):
         text = f"{value:.{decimals}f}".replace("-0.", "-.")
         text = text[1:] if text.startswith("0.") else text
@@ -26,7 +26,7 @@ def _fixed(value, width):
     return ""
 
 
-def _exponential(value, width):
+def _exponential(value: float, width: int) -> str:
     for digits in range(width, 0, -1):
         mantissa, exponent = f"{value:.{digits}E}".split("E")
         text = f"{mantissa.rstrip('0')}E{int(exponent)}"
@@ -50,6 +50,6 @@ def indexed(number: int, values: Sequence[float]) -> str:
     return f"{number:5d}" + real_list(values, 10, len(values))
 
 
-def _lines(fields, per_line):
+def _lines(fields: list[str], per_line: int) -> str:
     chunks = [fields[i : i + per_line] for i in range(0, len(fields), per_line)]
     return "".join("".join(chunk) + "\n" for chunk in chunks)

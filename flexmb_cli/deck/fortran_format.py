@@ -9,10 +9,15 @@ prints stars.  The two give the same bytes wherever a field has room.
 import math
 from functools import cache
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
@@ -31,7 +36,7 @@ class Edit:
     decimals: int = 0
     stars: bool = False
 
-    def text(self, value, layout: str = SAFE, separated: bool = True) -> str:
+    def text(self, value: float, layout: str = SAFE, separated: bool = True) -> str:
         """The field's characters; `separated`: the safe layout puts a blank in front of a full field."""
         text = self._digits(value, layout)
         if layout == HISTORIC and self.stars and len(text) > self.width:
@@ -40,7 +45,7 @@ class Edit:
             text = " " + text
         return text.rjust(self.width)
 
-    def _digits(self, value, layout):
+    def _digits(self, value: float, layout: str) -> str:
         if self.kind == "d":
             return str(int(value))
         if layout == SAFE and abs(value) <= self.zero_limit:
@@ -95,7 +100,7 @@ def rounds_to_zero(decimals: int) -> float:
     return half if float(f"{half:.{decimals}f}") == 0.0 else math.nextafter(half, 0.0)
 
 
-def _exponent_form(value, digits):
+def _exponent_form(value: float, digits: int) -> str:
     """Return 0.ddddE+ee of a finite number."""
     mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     figures = mantissa.replace(".", "")
@@ -103,18 +108,18 @@ def _exponent_form(value, digits):
     return head + (_raised(int(exponent) + 1) if value else "E+00")
 
 
-def _raised(power):
+def _raised(power: int) -> str:
     """Return a power of ten as FORTRAN prints it: it gives up the letter, not a digit, for three figures."""
     return f"E{power:+03d}" if abs(power) < 100 else f"{power:+04d}"
 
 
 @cache
-def _all_raised():
+def _all_raised() -> np.ndarray:
     """Characters (199, 4) of the powers from -98 to 100."""
     return np.array([list(_raised(power).encode()) for power in range(-98, 101)], np.uint8)
 
 
-def _aligned_exponent_forms(values, digits, width, room):
+def _aligned_exponent_forms(values: np.ndarray, digits: int, width: int, room: int) -> list[str] | None:
     """Return 0.ddddE+ee of an array, each at the right of its field; None where one of them may not fit.
 
     C prints all of them, +d.ddde+ee, and their characters are moved at once.
@@ -140,7 +145,7 @@ class Layout:
     of values.
     """
 
-    def __init__(self, *parts, layout: str = SAFE):
+    def __init__(self, *parts: "Any", layout: str = SAFE):
         if layout not in LAYOUTS:
             raise ValueError(f"layout must be one of {LAYOUTS}, not {layout!r}")
         self.layout = layout
@@ -150,7 +155,7 @@ class Layout:
         self._template = self._percent_template(parts)
         self._limits = np.array([field.zero_limit for field in self.fields])
 
-    def lines(self, values) -> str:
+    def lines(self, values: "list[Any] | np.ndarray") -> str:
         """Text of the piece for `values`, shape (rows, fields) or (fields,)."""
         values = np.atleast_2d(np.asarray(values, dtype=float))
         if values.shape[1] != len(self.fields):
@@ -164,11 +169,11 @@ class Layout:
             printed = tuple(values.ravel().tolist())
         return self._template * len(values) % printed
 
-    def _needs_text(self, field):
+    def _needs_text(self, field: Edit) -> bool:
         """Return whether C's `%` cannot print the field."""
         return field.kind == "e" or (field.stars and self.layout == HISTORIC)
 
-    def _column(self, k, values):
+    def _column(self, k: int, values: np.ndarray) -> "list[Any]":
         """Return what the template takes for the values of field `k`."""
         if not self._as_text[k]:
             return values.tolist()
@@ -181,7 +186,7 @@ class Layout:
                 return forms
         return [field.text(value, self.layout, separated) for value in values.tolist()]
 
-    def _percent_template(self, parts):
+    def _percent_template(self, parts: tuple[Edit | str, ...]) -> str:
         pieces, column = [], 0
         for part in parts:
             if isinstance(part, str):
@@ -191,7 +196,7 @@ class Layout:
                 column += 1
         return "".join(pieces)
 
-    def _percent(self, field, column):
+    def _percent(self, field: Edit, column: int) -> str:
         if self._as_text[column]:
             return "%s"
         decimals = f".{field.decimals}" if field.kind in "fE" else ""
@@ -200,7 +205,7 @@ class Layout:
         return f"%{field.width}{decimals}{field.kind}"
 
 
-def _separated(parts):
+def _separated(parts: tuple[Edit | str, ...]) -> list[bool]:
     """For every field: whether it has a left neighbour it must not touch."""
     flags, before = [], "\n"
     for part in parts:

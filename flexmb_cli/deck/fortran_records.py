@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
+from typing import Any
 
 from ..errors import Fault, FaultList, Place
 from ..quick_dataclass import dataclass
@@ -60,14 +61,21 @@ class Records:
         """First four columns of the current card, padded with blanks."""
         return self._card[:4].ljust(4)
 
-    def report(self, severity: str, subject: str, message: str, place: Place | None = None, guide=()) -> None:
+    def report(
+        self,
+        severity: str,
+        subject: str,
+        message: str,
+        place: Place | None = None,
+        guide: tuple[str, ...] = (),
+    ) -> None:
         """Note a fault; without a place it stands at the current line's first column."""
         self.errors += severity == "error"
         self.faults.append(
             Fault(severity, message, place or Place(self.line, 1), subject, tuple(guide), id="DECK-005")
         )
 
-    def stop(self, subject: str, message: str, place: Place | None = None):
+    def stop(self, subject: str, message: str, place: Place | None = None) -> None:
         """Note an error that nothing can be read after."""
         self.report("error", subject, message, place)
         raise Unreadable
@@ -106,7 +114,7 @@ class Records:
         message = f"the record is numbered {index.value}, expected {wanted}: {rule}"
         self.report("error", subject, message, index.place)
 
-    def end_of_deck(self, subject: str, expected: str):
+    def end_of_deck(self, subject: str, expected: str) -> Any:
         """Note that the deck ends where `expected` should stand, just after its last character."""
         last = len(self.lines)
         while last > 1 and not self.lines[last - 1]:
@@ -151,19 +159,19 @@ class _Card:
             self._report_odd(field, item, place, value)
         return Number(item.key, value, item.meaning, item.unit, place, field.spelled)
 
-    def _report(self, severity, message, place):
+    def _report(self, severity: str, message: str, place: Place) -> None:
         message = f"{message}; FORMAT({self.format.text})"
         guide = self.format.guide(len(self.fields))
         self.records.report(severity, self.subject, message, place, guide)
 
-    def _report_bad(self, field, item, place):
+    def _report_bad(self, field: Field, item: Item, place: Place) -> None:
         kind = "an integer" if field.edit.letter == "I" else "a real number"
         reason = hint(field, self.line)
         reason = f" ({reason})" if reason else ""
         message = f"{item.key} in {field.span} must be {kind}, read '{field.spelled}'{reason}"
         self._report("error", message, place)
 
-    def _report_odd(self, field, item, place, value):
+    def _report_odd(self, field: Field, item: Item, place: Place, value: float) -> None:
         why = "blanks inside a number are ignored" if " " in field.spelled else "no decimal point is typed"
         if field.implied_point:
             why += f", so {field.edit.descriptor} takes {field.edit.decimals} decimals"
@@ -195,7 +203,7 @@ class _Card:
             self._report("warning", message, Place(self.records.line, column, len(rest.strip())))
 
 
-def _named(items):
+def _named(items: list[Item]) -> str:
     """The keys of a list in words, a long one by its ends."""
     keys = [item.key for item in items]
     return ", ".join(keys) if len(keys) < 5 else f"{keys[0]} ... {keys[-1]}"

@@ -6,6 +6,7 @@ keeps its columns; flexmb's own lines keep a blank between fields and may lose t
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 from ..quick_dataclass import replace
 from .fortran_format import Edit
@@ -60,7 +61,7 @@ def overflows(value: float, edit: Edit) -> bool:
     return len(text.strip()) > edit.width
 
 
-def _columns(text, edits):
+def _columns(text: str, edits: Any) -> list[str] | None:
     """The fields by their columns, when each is right-justified there and nothing is left over."""
     words, start = [], 0
     text = text.rstrip()
@@ -74,5 +75,5 @@ def _columns(text, edits):
     return words if start == len(text) else None
 
 
-def _is_word(word, edit):
+def _is_word(word: str, edit: Edit) -> bool:
     return bool(_WORDS[edit.kind].fullmatch(word))

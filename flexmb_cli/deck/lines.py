@@ -5,6 +5,7 @@ from array import array
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from itertools import chain
+from typing import Any
 
 _LINE_END = re.compile(r"\r\n?|\n")
 _AT_ONCE = 256  # lines that are cut out at once
@@ -22,13 +23,13 @@ class Lines(Sequence[str]):
         self._neighbours: tuple[int, list[str]] = 0, []
         self.starts.extend(found.end() for found in _LINE_END.finditer(text))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type, tuple[str]]:
         return Lines, (self.text,)
 
     def __len__(self) -> int:
         return len(self.starts)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
         first, neighbours = self._neighbours
@@ -68,7 +69,7 @@ class Lines(Sequence[str]):
         """Return line and column just after the last character that is neither blank nor a line end."""
         return self.place_of(len(self.text.rstrip())) if self.text.strip() else (1, 1)
 
-    def _cut(self, first, end):
+    def _cut(self, first: int, end: int) -> list[str]:
         piece = self.text[self.starts[first] : self.start_of(end)]
         lines = piece.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         return lines[: end - first]

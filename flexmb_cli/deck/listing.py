@@ -2,13 +2,18 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..errors import DeckError, Fault
 from ..quick_dataclass import dataclass, field
 from .fortran_format import Edit
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from typing import Any
+
 
 # Bytes.  The numbers of two listings take seven times their size in memory.
 LARGEST_LISTING = 2**29
@@ -99,13 +104,13 @@ class Listing:
 class TableError(DeckError):
     """A file to compare cannot be read (exit 2); `name` and `lines` are its own."""
 
-    def __init__(self, name: str, faults, lines=()):
+    def __init__(self, name: str, faults: list[Fault], lines: "Sequence[Any]" = ()):
         super().__init__(faults)
         self.name = self.file = name
         self.lines = lines
 
 
-def read_bytes(path) -> bytes:
+def read_bytes(path: "Path | str") -> bytes:
     """Content of a file; "-" is standard input.  Raises `TableError`."""
     try:
         if str(path) == "-":
@@ -121,7 +126,7 @@ def read_bytes(path) -> bytes:
     raise TableError(str(path), [Fault("error", reason, id="DECK-006")])
 
 
-def _bounded(path, file):
+def _bounded(path: "Path | str", file: "Any") -> bytes:
     # A device or a pipe tells no size, and may never end.
     content = file.read(LARGEST_LISTING + 1)
     if len(content) > LARGEST_LISTING:

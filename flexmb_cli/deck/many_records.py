@@ -2,9 +2,14 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 from ..quick_dataclass import dataclass, field, replace
 from .record import Record
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MANY = 100_000  # numbers; fewer are kept as records, which studies share
 
@@ -21,7 +26,7 @@ class Block(Sequence[Record]):
     def __len__(self) -> int:
         return self.size
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self._record(k) for k in range(self.size)[index]]
         return self._record(range(self.size)[index])
@@ -34,7 +39,7 @@ class Block(Sequence[Record]):
         neighbours = (self[k] for k in (number - 1, number) if 0 <= k < self.size)
         return next((record for record in chain(neighbours, self) if record.number == number), None)
 
-    def _record(self, index):
+    def _record(self, index: int) -> Record:
         return self.changed[index] if index in self.changed else self.made(index)
 
 
@@ -47,7 +52,7 @@ class ManyRecords(Sequence[Record]):
     def __len__(self) -> int:
         return sum(map(len, self.blocks))
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
         index = range(len(self))[index]
@@ -94,7 +99,7 @@ class Made(Sequence):
     def __len__(self) -> int:
         return len(self.records)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> "Any":
         if isinstance(index, slice):
             return tuple(self[k] for k in range(len(self))[index])
         return self.make(self.records[index])
@@ -112,7 +117,7 @@ class Chained(Sequence):
     def __len__(self) -> int:
         return sum(map(len, self.parts))
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: "Any") -> "Any":
         if isinstance(index, slice):
             return tuple(self[k] for k in range(len(self))[index])
         index = range(len(self))[index]

@@ -3,6 +3,7 @@
 import math
 import re
 from functools import lru_cache
+from typing import Any
 
 LONGEST = 100
 MOST_DIGITS = 15
@@ -47,7 +48,7 @@ def real(word: str) -> tuple[float, str]:
     found = bare or _REAL.fullmatch(word)
     if found is None:
         raise Misspelt(f"must be a number; read {shown(word)}{_hint(word)}")
-    value = _double(word, *found.groups())
+    value = _double(word, *found.groups())  # type: ignore[arg-type]
     return value, f"{shown(word)} is taken for {value:.6g}; write the exponent with e" if bare else ""
 
 
@@ -67,7 +68,7 @@ def integer(word: str) -> tuple[int, str]:
     return int(value), f"should be an integer; {shown(word)} is taken for {int(value)}"
 
 
-def _double(word, mantissa, exponent):
+def _double(word: str, mantissa: Any, exponent: None) -> Any:
     value = float(f"{mantissa}e{exponent}" if exponent else mantissa)
     if math.isinf(value):
         raise Misspelt(f"must be a number of at most 1.8e308 in size; read {shown(word)}")
@@ -82,5 +83,5 @@ def shown(word: str) -> str:
     return f"'{short}'" if short.isprintable() else ascii(short)
 
 
-def _hint(word):
+def _hint(word: str) -> str:
     return next((f": {hint}" for pattern, hint in _HINTS if pattern.search(word)), "")

@@ -5,10 +5,15 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Place
 from .fortran_card import Format, cut
 from .record import Number, Record
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 LONG = 1000  # numbers; shorter lists are kept as they are
 
@@ -27,7 +32,7 @@ class NumberList(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: "Any") -> Any:
         if isinstance(index, slice):
             return [self._number(k) for k in range(len(self))[index]]
         return self._number(range(len(self))[index])
@@ -40,7 +45,7 @@ class NumberList(Sequence[Number]):
         other.changed = self.changed | {index: number}
         return other
 
-    def _number(self, k):
+    def _number(self, k: "Any") -> Any:
         if k in self.changed:
             return self.changed[k]
         line, field = divmod(k, len(self.fmt.edits))
@@ -59,13 +64,13 @@ class _Joined(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.head) + len(self.rest)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: "Any") -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(len(self))[index]]
         index = range(len(self))[index]
         return self.head[index] if index < len(self.head) else self.rest[index - len(self.head)]
 
-    def __iter__(self):
+    def __iter__(self) -> "Any":
         return chain(self.head, self.rest)
 
 
@@ -75,7 +80,7 @@ class _Positions(Mapping[str, int]):
     def __init__(self, numbers: Sequence[Number]):
         self.numbers = numbers
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: str) -> Any:
         for k, number in enumerate(self.numbers):
             if number.key == key:
                 return k
@@ -84,7 +89,7 @@ class _Positions(Mapping[str, int]):
     def __len__(self) -> int:
         return len(self.numbers)
 
-    def __iter__(self):
+    def __iter__(self) -> "Any":
         return (number.key for number in self.numbers)
 
 
@@ -96,23 +101,23 @@ class LongRecord(Record):
         vars(self).update(head=tuple(head), numbers=_Joined(tuple(head), rest) if head else rest)
 
     @cached_property
-    def values(self) -> Sequence[float]:
+    def values(self) -> Sequence[float]:  # type: ignore[override]
         """Values of the numbers."""
-        head = [number.value for number in self.head]
-        return [*head, *self.rest.values] if head else self.rest.values
+        head = [number.value for number in self.head]  # type: ignore[attr-defined]
+        return [*head, *self.rest.values] if head else self.rest.values  # type: ignore[attr-defined]
 
     @property
-    def positions(self) -> Mapping[str, int]:
+    def positions(self) -> Mapping[str, int]:  # type: ignore[override]
         """Where among the numbers each key stands."""
         return _Positions(self.numbers)
 
-    def __getitem__(self, key: str):
+    def __getitem__(self, key: str) -> "Any":
         return self.numbers[self.positions[key]].value
 
     def with_number(self, index: int, number: Number) -> Record:
         """Return the record with another number at `index`."""
-        count, head = len(self.head), list(self.head)
-        rest = self.rest if index < count else self.rest.with_changed(index - count, number)
+        count, head = len(self.head), list(self.head)  # type: ignore[attr-defined]
+        rest = self.rest if index < count else self.rest.with_changed(index - count, number)  # type: ignore[attr-defined]
         head[index : index + 1] = [number] if index < count else []
         return LongRecord(self.section, self.number, self.subject, head, rest)
 

@@ -5,6 +5,7 @@ from itertools import groupby
 
 from ..quick_dataclass import dataclass
 from . import number
+from .record import Value
 
 INTEGER, REAL, WORD, TEXT = "I", "F", "A", "T"
 _KINDS = {INTEGER: "an integer", REAL: "a number", TEXT: "text to the end of the line"}
@@ -78,7 +79,7 @@ class Question:
     @property
     def prompt(self) -> str:
         """Return what Enter gives, and the mark behind which the answer is typed."""
-        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "
+        return "> " if None in self.offered else f"[{' '.join(self.offered).strip() or 'none'}] > "  # type: ignore[arg-type]
 
     @property
     def help(self) -> str:
@@ -86,22 +87,22 @@ class Question:
         return "\n".join(_explained(*pair) for pair in zip(self.cells, self.offered, strict=True))
 
     @property
-    def _meaning(self):
+    def _meaning(self) -> str:
         first = self.cells[0]
         if len(self.cells) == 1:
             meaning = first.meaning
         else:
-            meaning = first.pattern.format(", ".join(cell.key.split(".")[-1] for cell in self.cells))
+            meaning = first.pattern.format(", ".join(cell.key.split(".")[-1] for cell in self.cells))  # type: ignore[union-attr]
         return f"{meaning}, {first.unit}" if first.unit else meaning
 
 
-def _explained(cell, offered):
+def _explained(cell: Cell, offered: str | None) -> str:
     unit = f", {cell.unit}" if cell.unit else ""
     enter = "" if offered is None else f"; Enter gives {offered or 'none'}"
     return f"{cell.key}: {cell.meaning}{unit}; {cell.kind}{enter}"
 
 
-def spelled(cell: Cell, text: str) -> tuple[float | int | str, str]:
+def spelled(cell: Cell, text: str) -> tuple[Value, str]:
     """Value and doubt of a cell's text.  Raises Misspelt."""
     if cell.letter == TEXT and not text.isprintable():
         raise number.Misspelt(f"must be text that can be printed; read {number.shown(text)}")

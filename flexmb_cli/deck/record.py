@@ -3,10 +3,18 @@
 import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, Place
 from ..quick_dataclass import dataclass, field, replace
 from .lines import Lines
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+# A float, an int or a str: the column of the number decides, which a type checker cannot know.
+Value = Any
 
 
 @dataclass(frozen=True)
@@ -37,7 +45,7 @@ class Number:
     """
 
     key: str
-    value: float | int | str
+    value: Value
     meaning: str
     unit: str = ""
     place: Place | None = None
@@ -77,7 +85,7 @@ class Record:
         return self.numbers[0].place if self.numbers else None
 
     @cached_property
-    def values(self) -> tuple[float | int | str, ...]:
+    def values(self) -> tuple[Value, ...]:
         """Values of the numbers."""
         return tuple(number.value for number in self.numbers)
 
@@ -89,7 +97,7 @@ class Record:
     def __contains__(self, key: str) -> bool:
         return key in self.positions
 
-    def __getitem__(self, key: str):
+    def __getitem__(self, key: str) -> Value:
         """Value of the number called `key`."""
         return self.values[self.positions[key]]
 
@@ -107,7 +115,7 @@ class Record:
 
     def vector(self, key: str) -> tuple[float, float, float]:
         """The three components `key`.x, `key`.y, `key`.z."""
-        return tuple(float(self[f"{key}.{axis}"]) for axis in "xyz")
+        return tuple(float(self[f"{key}.{axis}"]) for axis in "xyz")  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
@@ -133,14 +141,14 @@ class Deck:
     def section(self, name: str) -> Sequence[Record]:
         """All records of one section, in the deck's order."""
         if not isinstance(self.records, tuple):
-            return self.records.section(name)
+            return self.records.section(name)  # type: ignore[attr-defined]
         return [record for record in self.records if record.section == name]
 
     def one(self, name: str) -> Record:
         """The only record of a section such as "counts" or "time"."""
         return self.section(name)[0]
 
-    def numbers(self):
+    def numbers(self) -> "Iterator[tuple[str, Number]]":
         """Pairs (full readable name, Number) of the whole deck."""
         for record in self.records:
             for number in record.numbers:

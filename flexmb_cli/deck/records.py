@@ -26,12 +26,12 @@ class DeckValues:
         """One record, None when its card is not given."""
         if self.many:
             found = self.deck.section(section)
-            return found.numbered(number) if found else None
+            return found.numbered(number) if found else None  # type: ignore[attr-defined]
         return self._records.get(section, {}).get(number)
 
     def number(self, section: str, number: int, key: str) -> Number:
         """One number of a card that must be there."""
-        return self.record(section, number).at(key)
+        return self.record(section, number).at(key)  # type: ignore[union-attr]
 
     def values(self, section: str, number: int, default: tuple) -> tuple:
         """All values of a record, or `default`."""

@@ -6,6 +6,7 @@ almost everywhere, a line that holds neither its record nor a fair part of one i
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
 from ..errors import Fault, Place
 from ..quick_dataclass import replace
@@ -41,17 +42,17 @@ def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[F
     for index, fault in enumerate(named):
         if fault.severity == "error" and _may_follow(fault, cause):
             message = (
-                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"
+                f"{fault.message} (look first at line {cause.place.line}: {cause.subject} {cause.message})"  # type: ignore[union-attr]
             )
             named[index] = replace(fault, message=message)
             break
     return named
 
 
-def _walk(held, needed, kept_per_slip):
+def _walk(held: Any, needed: Any, kept_per_slip: Any) -> list[tuple[int, int]]:
     """Pairs (line, record) that fit neither alone nor together with their neighbours, none when in doubt."""
     line = record = kept = 0
-    slipped, unconfirmed = [], []
+    slipped, unconfirmed = [], []  # type: ignore[var-annotated]
     while line < len(held) and record < len(needed):
         lines, records = _step(held, needed, line, record)
         if lines:
@@ -65,7 +66,7 @@ def _walk(held, needed, kept_per_slip):
     return slipped if kept_per_slip * len(slipped + unconfirmed) <= kept else []
 
 
-def _step(held, needed, line, record):
+def _step(held: list[int], needed: list[int], line: int, record: int) -> tuple[int, int]:
     """Return the numbers of lines and records that go together from here; 0, 0 if none do."""
     here, wanted = held[line], needed[record]
     if here == wanted or (here > wanted and record == len(needed) - 1):
@@ -77,7 +78,7 @@ def _step(held, needed, line, record):
     return (1, records) if records else (0, 0)
 
 
-def _reach(sizes, start, total):
+def _reach(sizes: list[int], start: int, total: int) -> int:
     """Return how many of `sizes` from `start` on add up to `total`; 0 when none do."""
     reached = 0
     # By places: a slice would walk through all that lies before `start`.
@@ -88,19 +89,19 @@ def _reach(sizes, start, total):
     return 0
 
 
-def _extents(read_words):
-    extents = {}
+def _extents(read_words: Any) -> dict[int, tuple[int, int]]:
+    extents: dict[Any, Any] = {}
     for word in read_words:
         first = extents.setdefault(word.line, (word.column, 0))[0]
         extents[word.line] = first, word.column + len(word.text) - first
     return extents
 
 
-def _warning(extents, line, held, subject, needed):
+def _warning(extents: dict[int, tuple[int, int]], line: int, held: int, subject: str, needed: int) -> Fault:
     column, width = extents[line]
     place = Place(line, column, min(width, 2 * LONGEST_CARET))
     return Fault("warning", f"needs {needed} numbers; line {line} has {held}", place, subject, id="DECK-008")
 
 
-def _may_follow(fault, cause):
+def _may_follow(fault: Any, cause: Any) -> bool:
     return fault.place is None or fault.subject == "counts" or fault.place.line >= cause.place.line

@@ -8,10 +8,14 @@ import re
 from array import array
 from collections.abc import Iterator, Sequence
 from itertools import islice
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import Place
 from .lines import Lines, as_lines
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")
 LONGEST_CARET = 40
@@ -52,7 +56,7 @@ class Words:
         self._starts = array("i")
         self._unread = _offsets(self._lines.text, 0)
 
-    def __getstate__(self):
+    def __getstate__(self) -> "dict[str, Any]":
         """For another process: what is read so far."""
         return vars(self) | {"_unread": iter(())}
 
@@ -76,7 +80,7 @@ class Words:
         if not starts:
             return []
         text = self._lines.text
-        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]
+        piece = text[starts[0] : _WORD_OR_COMMENT.match(text, starts[-1]).end()]  # type: ignore[union-attr]
         if "{" not in piece:
             return piece.split()
         return [
@@ -88,17 +92,17 @@ class Words:
         return (self[index] for index in range(min(end, len(self))))
 
 
-def _word(lines, start):
+def _word(lines: Lines, start: Any) -> Any:
     text = lines.text
-    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()
+    word = UNCLOSED if text[start] == UNCLOSED else _WORD_OR_COMMENT.match(text, start).group()  # type: ignore[union-attr]
     return Word(word, *lines.place_of(start))
 
 
-def _is_word(found):
+def _is_word(found: str) -> bool:
     return found[0] != "{" or found == "{" or found[-1] != "}"
 
 
-def _offsets(text, start):
+def _offsets(text: str, start: int) -> Iterator[int]:
     """Return where the words of `text` begin, and a comment without end."""
     for found in _WORD_OR_COMMENT.finditer(text, start):
         first, end = found.span()

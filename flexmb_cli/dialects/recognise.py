@@ -77,5 +77,5 @@ def _is_listing(dialect: Dialect, lines: Sequence[str]) -> bool:
         return True
 
 
-def _beginnings():
+def _beginnings() -> str:
     return ", ".join(f"a {d.title} deck begins with {d.begins}" for d in every_dialect())

@@ -1,12 +1,17 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
 from itertools import islice
+from typing import TYPE_CHECKING, Any
 
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
 from .recognise import dialect_named
+
+if TYPE_CHECKING:
+    pass
+
 
 COUNTS = "counts"
 _NEAREST = 3
@@ -45,7 +50,7 @@ class SettableDeck:
         close = [names[word] for word in found]
         return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
 
-    def _place(self, name):
+    def _place(self, name: str) -> Any:
         """Where the record of a number stands among the deck's, and the number's key; None without one."""
         for dot in (k for k, letter in enumerate(name) if letter == "."):
             index, key = self._find(name[:dot]), name[dot + 1 :]
@@ -53,11 +58,11 @@ class SettableDeck:
                 return index, key
         return None
 
-    def _find(self, prefix):
+    def _find(self, prefix: Any) -> int | None:
         if not self._many:
             return self._index.get(prefix)
         first = 0
-        for block in self.deck.records.blocks:
+        for block in self.deck.records.blocks:  # type: ignore[attr-defined]
             if prefix == block.section or prefix.startswith(f"{block.section}."):
                 for k, record in enumerate(block):
                     if record.prefix == prefix:
@@ -97,9 +102,9 @@ class SettableDeck:
             raise number.Misspelt(f"{name} {fault}") from None
         return name, replace(known, value=value, text=word, place=None)
 
-    def _with_changes(self, changes):
+    def _with_changes(self, changes: Any) -> Any:
         """The records with new numbers; those left alone stay the same objects."""
-        changed_records, dialect = {}, dialect_named(self.deck.dialect)
+        changed_records, dialect = {}, dialect_named(self.deck.dialect)  # type: ignore[var-annotated]
         for name, changed in changes.items():
             index, key = self._place(name)
             record = changed_records.get(index, self.deck.records[index])
@@ -108,7 +113,7 @@ class SettableDeck:
             index, _ = self._place(name)
             changed_records[index] = dialect.relabelled(changed_records[index], changed.key)
         if self._many:
-            return self.deck.records.with_changed(changed_records)
+            return self.deck.records.with_changed(changed_records)  # type: ignore[attr-defined]
         records = list(self.deck.records)
         for index, record in changed_records.items():
             records[index] = record

@@ -1,6 +1,7 @@
 """The basis that a deck asks for: eigenmodes, attachment modes or Craig-Bampton, with faults at the cards."""
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,10 @@ from .linear_algebra import distinct
 from .massless_shapes import IndefiniteMass
 from .reference_frame import Frame
 from .static_shapes import static_shapes, unit_forces
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # J2 has 9 N² numbers, and copies while it is made: a run with so many shapes takes 1.1 GB, seconds a step.
 LARGEST_BASIS = 1500
@@ -37,7 +42,9 @@ class Basis:
     next_value: float
 
 
-def basis_of(given: FlexibleInput, K, S, frame: Frame, findings: Findings) -> Basis | None:
+def basis_of(
+    given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame, findings: Findings
+) -> Basis | None:
     """Return the basis for stiffness `K` and mass `S` (3 n, 3 n), body axes; None with a fault found."""
     available = K.shape[0] - (6 if frame.mean else len(frame.held))
     if not _check_count(given, available, findings):
@@ -59,7 +66,7 @@ def basis_of(given: FlexibleInput, K, S, frame: Frame, findings: Findings) -> Ba
     return None
 
 
-def _check_count(given, available, findings):
+def _check_count(given: FlexibleInput, available: int, findings: Findings) -> bool:
     if given.modes > available:
         message = f"{given.modes} modes are asked for, and the body has {available}; 0 takes all"
         findings.error(given.name, message, given.place, id="FE-005")
@@ -77,7 +84,7 @@ def _check_count(given, available, findings):
     return True
 
 
-def _negative_strain(given, shape):
+def _negative_strain(given: FlexibleInput, shape: np.ndarray) -> str:
     node = given.numbers[int(np.argmax(np.abs(shape))) // 3]
     return (
         f"the stiffness is not positive semidefinite: a deformation, largest at node {node}, gives "
@@ -85,7 +92,7 @@ def _negative_strain(given, shape):
     )
 
 
-def _free_motion(given, shape):
+def _free_motion(given: FlexibleInput, shape: np.ndarray) -> str:
     node = given.numbers[int(np.argmax(np.abs(shape))) // 3]
     if given.interface:
         return (
@@ -103,7 +110,7 @@ def _free_motion(given, shape):
     )
 
 
-def _too_few_masses(given, count):
+def _too_few_masses(given: FlexibleInput, count: int) -> str:
     remedy = "ask for fewer modes"
     if not given.interface:
         remedy += "; 0 takes all, and those without mass as static shapes"
@@ -113,7 +120,7 @@ def _too_few_masses(given, count):
     )
 
 
-def _clamped_on_a_line(given):
+def _clamped_on_a_line(given: FlexibleInput) -> bool:
     """Return whether the body is held by clamped nodes that leave it a rotation."""
     if not given.clamped:
         return False
@@ -122,12 +129,12 @@ def _clamped_on_a_line(given):
     return len(held) < 3 or spread[1] <= COLLINEAR * spread[0]
 
 
-def _rows_of(given, nodes):
+def _rows_of(given: FlexibleInput, nodes: tuple[int, ...]) -> np.ndarray:
     first = np.array([3 * int(np.flatnonzero(given.numbers == node)[0]) for node in nodes], dtype=np.int64)
     return distinct(first[:, None] + np.arange(3))
 
 
-def _eigen_basis(given, K, S, frame, available):
+def _eigen_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame, available: int) -> Basis:
     """One mode more than asked for is computed, so that the first dropped frequency can be reported."""
     values, shapes = modes.eigenmodes(K, S, frame, min((given.modes or available) + 1, available))
     if len(values) < given.modes:
@@ -144,7 +151,7 @@ def _eigen_basis(given, K, S, frame, available):
     return _with_attachment(given, K, S, frame, basis) if given.attachment else basis
 
 
-def _with_attachment(given, K, S, frame, basis):
+def _with_attachment(given: FlexibleInput, K: "Any", S: "Any", frame: Frame, basis: Basis) -> Basis:
     """The eigenmodes and the static shapes under forces at the nodes of the deck."""
     rows = _rows_of(given, given.attachment)
     moving = np.setdiff1d(rows, frame.held)
@@ -159,7 +166,7 @@ def _with_attachment(given, K, S, frame, basis):
     )  # fmt: skip
 
 
-def _interface_basis(given, K, S, frame):
+def _interface_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Frame) -> Basis:
     rows, count = modes.interface_rows(frame, _rows_of(given, given.interface)), given.modes
     found = reduced_basis(*modes.craig_bampton(K, S, frame, rows, count), S, count)
     superfluous = np.setdiff1d(rows, rows[found.kept[found.kept >= count] - count])
@@ -168,6 +175,6 @@ def _interface_basis(given, K, S, frame):
     return Basis(found.values, shapes, found.massless, named, inner - count, math.nan)
 
 
-def _named(given, rows):
+def _named(given: FlexibleInput, rows: np.ndarray) -> tuple[tuple[int, str], ...]:
     """Node and axis of the body frame of degrees of freedom `rows`."""
     return tuple((int(given.numbers[row // 3]), _AXES[row % 3]) for row in rows)

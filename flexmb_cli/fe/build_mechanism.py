@@ -1,11 +1,12 @@
 """VsdfModel → FlexibleMechanism: bodies reduced, nodes turned into points with shapes in body axes."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import Fault, ModelError
-from ..model.fe_model import GROUND, End, VsdfBody, VsdfModel
+from ..model.fe_model import GROUND, End, NodeSpring, Pin, VsdfBody, VsdfModel
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -19,6 +20,11 @@ from ..model.vectors import euler_parameters
 from ..quick_dataclass import replace
 from .elements.stress_outputs import stress_outputs
 from .flexible_bodies import flexible_body
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 STEPS_A_PERIOD = 20
 
@@ -43,7 +49,7 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
 
 
-def _step_doubts(model, bodies):
+def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Fault]":
     """A step that is longer than a twentieth of the shortest period retained damps or distorts it."""
     for body in bodies:
         highest = body.flexible.frequencies.max(initial=0.0) if body.flexible else 0.0
@@ -56,19 +62,28 @@ def _step_doubts(model, bodies):
             yield Fault("warning", message, model.time.place, body.name, id="FE-007")
 
 
-def _body(given: VsdfBody, cached) -> tuple[FloatingBody, list[Fault]]:
+def _body(given: VsdfBody, cached: Any) -> tuple[FloatingBody, list[Fault]]:
     motion = np.array(given.velocity), np.array(given.omega)
     places = {"place": given.place, "velocity_place": given.velocity_place}
     if given.flexible is None:
-        m, c = given.rigid.mass, np.array(given.rigid.centre)
-        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
+        m, c = given.rigid.mass, np.array(given.rigid.centre)  # type: ignore[union-attr]
+        about_origin = given.rigid.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))  # type: ignore[union-attr]
         pose = np.array(given.r), np.array(given.p)
-        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []
+        return FloatingBody(given.name, *pose, *motion, m, m * c, about_origin, **places), []  # type: ignore[arg-type]
     found, doubts = flexible_body(given.flexible, cached)
     r = np.array(given.r) + given.A @ found.origin
     p = euler_parameters(given.A @ found.axes)
     body = FloatingBody(
-        given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, **places
+        given.name,
+        r,
+        p,
+        *motion,
+        found.m,
+        found.s0,
+        found.J0,
+        found,
+        given.stiffened,
+        **places,  # type: ignore[arg-type]
     )
     return body, doubts
 
@@ -129,16 +144,16 @@ class _Points:
         a, b = (tuple(self.point(end) for end in side) for side in (joint.a, joint.b))
         return PointJoint(joint.name, joint.kind, a, b, joint.size, joint.place)
 
-    def _pin(self, pin):
+    def _pin(self, pin: Pin) -> PointPin:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force):
+    def _force(self, force: "Any") -> "Any":
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )
 
-    def _spring(self, spring):
+    def _spring(self, spring: NodeSpring) -> PointSpring:
         gap = self.model.global_position(spring.b) - self.model.global_position(spring.a)
         length = float(np.linalg.norm(gap)) if math.isnan(spring.length) else spring.length
         a, b = self.point(spring.a), self.point(spring.b)

@@ -10,13 +10,19 @@ import io
 import json
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import Fault
 from ..managed_files import UnsafePlace, open_managed
-from ..model.flexible_body import BodyStress, Dropped, FlexibleBody, FlexibleInput
+from ..model.flexible_body import BodyStress, Dropped, ElementMaterial, FlexibleBody, FlexibleInput
 from ..quick_dataclass import fields
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from typing import Any
+
 
 # To be raised when the arrays, or how they are computed, change.
 LAYOUT = 8
@@ -59,7 +65,7 @@ def key_of(given: FlexibleInput) -> str:
     return digest.hexdigest()
 
 
-def _settings(given):
+def _settings(given: FlexibleInput) -> str:
     loads = [(load.i, load.j) for load in given.unit_loads]
     settings = (
         given.reference,
@@ -74,7 +80,7 @@ def _settings(given):
     return repr((*settings, "stress", _of_material(given.material)) if given.material else settings)
 
 
-def _of_material(material):
+def _of_material(material: ElementMaterial) -> tuple[str, str, str]:
     return material.young.hex(), material.poisson.hex(), material.density.hex()
 
 
@@ -91,12 +97,12 @@ def load(given: FlexibleInput) -> tuple[FlexibleBody, list[Fault]] | None:
     content, digest = raw[:-DIGEST], raw[-DIGEST:]
     if hashlib.sha256(content).digest() != digest:
         return None
-    stream = io.BytesIO(content)
+    stream = io.BytesIO(content)  # type: ignore[assignment]
     notes = json.loads(str(np.load(stream, allow_pickle=False)))
     return _restored(given, notes, {name: np.load(stream, allow_pickle=False) for name in notes["arrays"]})
 
 
-def _restored(given, notes, stored):
+def _restored(given: Any, notes: "dict[Any, Any]", stored: Any) -> "tuple[FlexibleBody, Any]":
     arrays = {name: stored[name] for name in _ARRAYS}
     for name in ("m", "mass_deviation", "rigid_residual", "massless"):
         arrays[name] = arrays[name].item()
@@ -110,7 +116,7 @@ def _restored(given, notes, stored):
     return body, faults
 
 
-def _stress(stored):
+def _stress(stored: Any) -> BodyStress | None:
     """The stresses of a body whose material is known."""
     if "stress_nodal" not in stored:
         return None
@@ -137,7 +143,7 @@ def store(given: FlexibleInput, body: FlexibleBody, warnings: list[Fault]) -> No
         return
 
 
-def _write(path, notes, arrays):
+def _write(path: Any, notes: Any, arrays: "Iterable[Any]") -> None:
     import tempfile
 
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")

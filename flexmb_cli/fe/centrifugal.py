@@ -6,6 +6,8 @@ loads -S (e_i r0_j + e_j r0_i)/2, since w~ w~ is symmetric.  Each is balanced wh
 K_G^IJ = E times the integral of grad N_I . sigma . grad N_J, the initial-stress matrix.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ..model.diagnostics import Findings
@@ -16,22 +18,24 @@ from .reference_frame import Frame
 from .static_shapes import static_shapes
 
 
-def centrifugal_stiffness(given: FlexibleInput, K, S, frame: Frame, Phi, findings: Findings) -> np.ndarray:
+def centrifugal_stiffness(
+    given: FlexibleInput, K: Any, S: Any, frame: Frame, Phi: Any, findings: Findings
+) -> np.ndarray:
     """Phi' K_G Phi per component of w~ w~, (3, 3, N, N), body axes.
 
     `K`, `S`: (3 n, 3 n), body axes; `Phi` (3 n, N).  Faults of elements and material go to
     `findings`, and the answer is zero then.
     """
     size = Phi.shape[1]
-    table = element_table(given, given.stiffening.file, frame.r0, findings)
+    table = element_table(given, given.stiffening.file, frame.r0, findings)  # type: ignore[union-attr]
     if table is None:
         return np.zeros((3, 3, size, size))
-    material = given.stiffening.young, given.stiffening.poisson
+    material = given.stiffening.young, given.stiffening.poisson  # type: ignore[union-attr]
     body = matching_elements(frame.r0, table.rows, material, K)
     if body.deviation > FOREIGN:
         remedy = "give geometric stiffness matrices by FEMG"
-        message = foreign_stiffness(body, given.stiffening, remedy)
-        findings.error(given.name, message, given.stiffening.place, id="FE-009")
+        message = foreign_stiffness(body, given.stiffening, remedy)  # type: ignore[arg-type]
+        findings.error(given.name, message, given.stiffening.place, id="FE-009")  # type: ignore[union-attr]
     pairs = [(i, j) for i in range(3) for j in range(i, 3)]
     forces = np.column_stack([_load(frame.r0, S, i, j) for i, j in pairs])
     displacements = static_shapes(K, S, frame, forces)
@@ -44,7 +48,7 @@ def centrifugal_stiffness(given: FlexibleInput, K, S, frame: Frame, Phi, finding
     return reduced
 
 
-def _load(r0, S, i, j):
+def _load(r0: np.ndarray, S: np.ndarray, i: int, j: int) -> np.ndarray:
     field = np.zeros(r0.shape)
     field[:, i] += r0[:, j] / 2
     field[:, j] += r0[:, i] / 2

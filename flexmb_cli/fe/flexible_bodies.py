@@ -22,5 +22,5 @@ def flexible_body(given: FlexibleInput, cached: bool = True) -> tuple[FlexibleBo
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError(findings.in_order)
     if cached:
-        cache.store(given, body, findings.faults)
-    return body, findings.in_order
+        cache.store(given, body, findings.faults)  # type: ignore[arg-type]
+    return body, findings.in_order  # type: ignore[return-value]

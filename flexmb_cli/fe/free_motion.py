@@ -20,7 +20,7 @@ class NegativeStrain(FreeMotion):
     """The stiffness gives energy away in the deformation `shape`: it is not positive semidefinite."""
 
 
-def check_strain(K, shape: np.ndarray) -> None:
+def check_strain(K: np.ndarray, shape: np.ndarray) -> None:
     """Compare the strain energy of `shape` (3 n,) with the sum of its terms.
 
     Raises NegativeStrain and FreeMotion.

@@ -4,11 +4,17 @@ K measures independence, not the mass matrix: static shapes of neighbouring node
 any mass, and that difference is the local deformation under a load at either.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ..quick_dataclass import dataclass
 from .free_motion import NO_STRAIN
 from .massless_shapes import IndefiniteMass
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # A shape is dropped when less than this share of its strain energy is independent of the others; round-off
 # leaves about 1e-14 of a shape that is a sum of others.
@@ -33,7 +39,7 @@ class ReducedBasis:
     massless: int
 
 
-def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S, first: int) -> ReducedBasis:
+def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S: "Any", first: int) -> ReducedBasis:
     """Return the basis that `shapes` (3 n, k) span, the `first` of them kept before any other.
 
     `forces` (3 n, k) are those that bend the body into the shapes: work done on the shapes is their strain
@@ -51,7 +57,7 @@ def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S, first: int) -> Redu
     return ReducedBasis(values, modes * np.sqrt(values), kept, int(np.count_nonzero(~heavy)))
 
 
-def _independent(shapes, forces, first):
+def _independent(shapes: np.ndarray, forces: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
     """Numbers of the shapes kept, and a basis of their span with φ_k' K φ_l = 1 for k = l, else 0."""
     energy = np.einsum("ij,ij->j", shapes, forces)
     terms = np.einsum("ij,ij->j", np.abs(shapes), np.abs(forces))
@@ -67,21 +73,21 @@ def _independent(shapes, forces, first):
     return strained[order], basis
 
 
-def _symmetric(gram):
+def _symmetric(gram: np.ndarray) -> np.ndarray:
     return (gram + gram.T) / 2
 
 
-def _pivots(gram, first):
+def _pivots(gram: Any, first: Any) -> np.ndarray:
     """Columns in the order of elimination: the `first`, then always the one with the largest remainder."""
     remainder = np.diag(gram).copy()
-    rows, order = np.zeros((len(gram), len(gram))), []
+    rows, order = np.zeros((len(gram), len(gram))), []  # type: ignore[var-annotated]
     for k in range(len(gram)):
         pivot = k if k < first else _largest(remainder)
         if remainder[pivot] < DEPENDENT:
             if k < first:
                 continue
             break
-        rows[len(order)] = (gram[pivot] - rows[: len(order), pivot] @ rows[: len(order)]) / np.sqrt(
+        rows[len(order)] = (gram[pivot] - rows[: len(order), pivot] @ rows[: len(order)]) / np.sqrt(  # type: ignore[index, operator]
             remainder[pivot]
         )
         remainder = remainder - rows[len(order)] ** 2
@@ -90,6 +96,6 @@ def _pivots(gram, first):
     return np.array(order, dtype=np.int64)
 
 
-def _largest(remainder):
+def _largest(remainder: np.ndarray) -> int:
     """The largest; of those that are equal but for round-off, the first."""
     return int(np.flatnonzero(remainder >= (1 - EQUAL) * remainder.max())[0])

@@ -24,7 +24,7 @@ class Figures:
     rigid_residual: float
 
 
-def check_matrices(given: FlexibleInput, S, K, findings: Findings) -> Figures:
+def check_matrices(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> Figures:
     """All tests of mass `S` and stiffness `K`, both (3 n, 3 n); faults go to `findings`."""
     check_holes(given, S, "mass", given.mass.place, findings)
     check_holes(given, K, "stiffness", given.stiffness.place, findings)
@@ -32,7 +32,7 @@ def check_matrices(given: FlexibleInput, S, K, findings: Findings) -> Figures:
     return Figures(check_isotropy(given, S, findings), check_rigid_motions(given, K, findings))
 
 
-def _check_exchanged(given, S, K, findings):
+def _check_exchanged(given: FlexibleInput, S: np.ndarray, K: np.ndarray, findings: Findings) -> None:
     """Only a stiffness lets the body translate freely, so the two matrices cannot be mistaken."""
     translations = np.tile(np.eye(3), (len(given.numbers), 1))
     of_mass, of_stiffness = (np.abs(A @ translations).max() / _largest(A) for A in (S, K))
@@ -43,14 +43,16 @@ def _check_exchanged(given, S, K, findings):
         )
 
 
-def _largest(matrix):
+def _largest(matrix: np.ndarray) -> float:
     """The largest entry, by which others are measured; 1 where all are 0, which is reported of each degree of
     freedom.
     """
     return abs(matrix).max() or 1.0
 
 
-def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, findings: Findings) -> None:
+def check_holes(
+    given: FlexibleInput, matrix: np.ndarray, what: str, place: Place | None, findings: Findings
+) -> None:
     """Every degree of freedom needs a mass and a stiffness above zero on the diagonal."""
     diagonal = matrix.diagonal()
     wrong = np.flatnonzero(~(diagonal > 0))
@@ -67,7 +69,7 @@ def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, fi
         )
 
 
-def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
+def check_isotropy(given: FlexibleInput, S: np.ndarray, findings: Findings) -> float:
     """S^ij must be multiples of E (24): the largest deviation, relative to the largest entry of S."""
     scalar = scalar_mass(S)
     difference = abs(S - in_three_directions(scalar))
@@ -95,7 +97,7 @@ def check_isotropy(given: FlexibleInput, S, findings: Findings) -> float:
     return deviation
 
 
-def scalar_mass(S):
+def scalar_mass(S: np.ndarray) -> np.ndarray:
     """The n x n matrix m of S^ij = m_ij E, the mean of the three directions."""
     return (S[0::3, 0::3] + S[1::3, 1::3] + S[2::3, 2::3]) / 3
 
@@ -111,7 +113,7 @@ def rigid_motions(r: np.ndarray) -> np.ndarray:
     return motions.reshape(-1, 6)
 
 
-def check_rigid_motions(given: FlexibleInput, K, findings: Findings) -> float:
+def check_rigid_motions(given: FlexibleInput, K: np.ndarray, findings: Findings) -> float:
     """K must not resist rigid motion: the largest |K R| relative to the largest entry of K."""
     centred = given.positions - given.positions.mean(axis=0)
     size = np.abs(centred).max() or 1.0
@@ -125,7 +127,7 @@ def check_rigid_motions(given: FlexibleInput, K, findings: Findings) -> float:
     return residual
 
 
-def _rigid_message(translation, rotation, node):
+def _rigid_message(translation: float, rotation: float, node: int) -> str:
     figure = f"{max(translation, rotation):.1e} of the largest entry, most at node {node}"
     if max(translation, rotation) <= RIGID_ERROR:
         return f"the stiffness resists rigid motion by {figure}; export it with more digits"

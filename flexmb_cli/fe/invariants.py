@@ -11,7 +11,7 @@ EPSILON[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
 EPSILON[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
 
 
-def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass) -> dict[str, np.ndarray]:
+def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass: np.ndarray) -> dict[str, np.ndarray]:
     """The invariants m, s0, S1, J0, J1, J2, C0, C1, Mff of nodes `r0` (n, 3) and modes `Phi` (3 n, N).
 
     `mass` is the matrix m (n, n); names and shapes as in `FlexibleBody`.
@@ -36,12 +36,12 @@ def inertia_invariants(r0: np.ndarray, Phi: np.ndarray, mass) -> dict[str, np.nd
     }
 
 
-def _inertia(G):
+def _inertia(G: np.ndarray) -> np.ndarray:
     """P_k~' S P_l~ for all pairs, (…, 3, 3)."""
     return np.einsum("klaa->kl", G)[:, :, None, None] * np.eye(3) - G.transpose(0, 1, 3, 2)
 
 
-def _moments(G):
+def _moments(G: np.ndarray) -> np.ndarray:
     """P_k~' S phi_l for all pairs, (…, 3)."""
     return -np.einsum("abc,klbc->kla", EPSILON, G)
 

@@ -40,17 +40,17 @@ def distinct(values: np.ndarray) -> np.ndarray:
     return values[np.concatenate([[True], values[1:] != values[:-1]])[: len(values)]]
 
 
-def as_array(A) -> np.ndarray:
+def as_array(A: np.ndarray) -> np.ndarray:
     """`A` as an array."""
     return A if isinstance(A, np.ndarray) else A.toarray()
 
 
-def stored(A) -> Matrix:
+def stored(A: np.ndarray) -> Matrix:
     """A matrix that its neighbours need as an array where these are small, else as it is."""
     return as_array(A) if A.shape[0] <= DENSE else A
 
 
-def without_diagonal(A) -> Matrix:
+def without_diagonal(A: np.ndarray) -> Matrix:
     """`A` with zeros on its diagonal."""
     if isinstance(A, np.ndarray):
         return A - np.diag(A.diagonal())
@@ -64,7 +64,7 @@ def is_small(size: int, count: int) -> bool:
     return size <= DENSE or count > size // 3
 
 
-def in_three_directions(scalar) -> Matrix:
+def in_three_directions(scalar: np.ndarray) -> Matrix:
     """The matrix (3 n, 3 n) with m_ij E for every m_ij of `scalar` (n, n); stored as bodies of that size."""
     size = 3 * scalar.shape[0]
     if size <= DENSE:
@@ -74,7 +74,7 @@ def in_three_directions(scalar) -> Matrix:
     return sparse.kron(scalar, sparse.identity(3)).tocsc()
 
 
-def turned(K, axes: np.ndarray) -> Matrix:
+def turned(K: np.ndarray, axes: np.ndarray) -> Matrix:
     """`K` (3 n, 3 n) in the axes that are the columns of `axes` (3, 3)."""
     n = K.shape[0] // 3
     if isinstance(K, np.ndarray):
@@ -86,7 +86,7 @@ def turned(K, axes: np.ndarray) -> Matrix:
     return (turn.T @ K @ turn).tocsc()
 
 
-def solver(A) -> Callable[[np.ndarray], np.ndarray]:
+def solver(A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """The function b → x of A x = b, b (size,) or (size, k).  Raises Singular, then or at once."""
     if isinstance(A, np.ndarray):
         return lambda b: _solved(A, b)
@@ -98,14 +98,14 @@ def solver(A) -> Callable[[np.ndarray], np.ndarray]:
         raise Singular from None
 
 
-def _solved(A, b):
+def _solved(A: np.ndarray, b: np.ndarray) -> np.ndarray:
     try:
         return np.linalg.solve(A, b)
     except np.linalg.LinAlgError:
         raise Singular from None
 
 
-def of_mass(S, b: np.ndarray) -> np.ndarray:
+def of_mass(S: Any, b: np.ndarray) -> np.ndarray:
     """A solution x (size, k) of S x = b, for a sparse positive semidefinite S and b (size, k) in its range.
 
     Shapes without mass make S singular, which conjugate gradients do not mind.  A column they do not
@@ -119,7 +119,7 @@ def of_mass(S, b: np.ndarray) -> np.ndarray:
     return np.column_stack([x if converged == 0 else np.zeros(x.size) for x, converged in found])
 
 
-def condensed_on(outer, coupling, inner) -> Matrix:
+def condensed_on(outer: Any, coupling: Any, inner: Any) -> Matrix:
     """outer - coupling' inner^-1 coupling, of (n, n), (k, n) and (k, k).  Raises Singular."""
     solve = solver(inner)
     if isinstance(outer, np.ndarray):
@@ -147,7 +147,9 @@ def pencil(A: np.ndarray, B: np.ndarray, count: int, largest: bool = False) -> t
     return values[chosen], np.linalg.solve(L.T, vectors[:, chosen])
 
 
-def lowest_by_iteration(K, S, count: int, solve, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def lowest_by_iteration(
+    K: Any, S: Any, count: int, solve: Callable[..., Any], start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Lowest eigenvalues and S-orthonormal vectors of large matrices; `solve` applies the inverse of K."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 

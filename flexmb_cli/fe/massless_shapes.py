@@ -40,7 +40,7 @@ def split_by_mass(S: np.ndarray) -> MassSplit:
     return MassSplit(vectors[:, heavy], values[heavy], vectors[:, ~heavy])
 
 
-def quasi_static_shapes(K, light: np.ndarray) -> np.ndarray:
+def quasi_static_shapes(K: np.ndarray, light: np.ndarray) -> np.ndarray:
     """Shapes (size, k) that span `light` (size, k), of unit strain energy φ' K φ, none coupled by K.
 
     Raises FreeMotion for one that K does not resist either.

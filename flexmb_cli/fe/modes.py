@@ -25,7 +25,7 @@ class TooFewMasses(Exception):
         self.count = count
 
 
-def eigenmodes(K, S, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
+def eigenmodes(K: np.ndarray, S: np.ndarray, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the `count` lowest eigenvalues (rad²/s²) and modes of unit modal mass that the frame allows.
 
     They are fewer where fewer shapes have mass.  Raises FreeMotion and IndefiniteMass.
@@ -37,7 +37,7 @@ def eigenmodes(K, S, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
     return values, signed(full)
 
 
-def massless_modes(K, S, frame: Frame) -> np.ndarray:
+def massless_modes(K: np.ndarray, S: np.ndarray, frame: Frame) -> np.ndarray:
     """Return the shapes (3 n, k) without mass that the frame allows, of unit strain energy φ' K φ.
 
     With all eigenmodes they span every deformation: z' K φ = ω² z' S φ = 0 keeps both apart.
@@ -49,7 +49,7 @@ def massless_modes(K, S, frame: Frame) -> np.ndarray:
     return signed(quasi_static_shapes(K, shapes))
 
 
-def _modes_of(K, S, free, count):
+def _modes_of(K: np.ndarray, S: np.ndarray, free: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Modes of the degrees of freedom `free` with all others at rest, as shapes of the whole body."""
     count = min(count, len(free))
     if not count:
@@ -63,14 +63,14 @@ def _modes_of(K, S, free, count):
     return values, full
 
 
-def _placed(shapes, free, size):
+def _placed(shapes: np.ndarray, free: np.ndarray, size: int) -> np.ndarray:
     """The shapes of the degrees of freedom `free` as those of all."""
     full = np.zeros((size, *shapes.shape[1:]))
     full[free] = shapes
     return full
 
 
-def _lowest(K, S, count):
+def _lowest(K: np.ndarray, S: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Lowest eigenvalues and S-orthonormal vectors.
 
     Slender bodies have frequencies far apart: the lowest are found as the largest of the inverse problem.
@@ -85,7 +85,7 @@ def _lowest(K, S, count):
     return lowest_by_iteration(K, S, count, solve, np.ones(size))
 
 
-def _lowest_at_once(K, S, count):
+def _lowest_at_once(K: np.ndarray, S: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     split = split_by_mass(S)
     rank = len(split.masses)
     count = min(count, rank)
@@ -100,7 +100,7 @@ def _lowest_at_once(K, S, count):
     return values, following @ vectors
 
 
-def _slowest(K, S, count):
+def _slowest(K: np.ndarray, S: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Few of many: the largest eigenvalues of the inverse problem."""
     try:
         inverse, vectors = pencil(S, K, count, largest=True)
@@ -111,7 +111,7 @@ def _slowest(K, S, count):
     return 1.0 / inverse[::-1], (vectors / np.sqrt(inverse))[:, ::-1]
 
 
-def _mean_axis_modes(K, S, frame, count):
+def _mean_axis_modes(K: np.ndarray, S: np.ndarray, frame: Frame, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Free modes without the six rigid ones, to which they are S-orthogonal, as mean axes ask."""
     if not count:
         return np.zeros(0), np.zeros((K.shape[0], 0))
@@ -139,11 +139,13 @@ def interface_rows(frame: Frame, rows: np.ndarray) -> np.ndarray:
     return np.setdiff1d(rows, _clamped(frame))
 
 
-def _clamped(frame):
+def _clamped(frame: Frame) -> np.ndarray:
     return frame.held if frame.clamped else np.arange(0)
 
 
-def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+def craig_bampton(
+    K: np.ndarray, S: np.ndarray, frame: Frame, rows: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Return `count` fixed-interface eigenmodes, then the interface modes of the degrees of freedom `rows`;
     the forces.
 
@@ -161,7 +163,7 @@ def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> tuple[np.
     return frame.shifted(np.hstack([fixed, shapes]), S), np.hstack([K @ fixed, forces])
 
 
-def _without_round_off(K, shapes):
+def _without_round_off(K: np.ndarray, shapes: np.ndarray) -> np.ndarray:
     """K @ `shapes` with zeros where only round-off is left, as in rigid motion."""
     forces, terms = K @ shapes, abs(K) @ np.abs(shapes)
     return np.where(np.abs(forces) > ROUND_OFF_FORCE * terms, forces, 0.0)

@@ -62,7 +62,7 @@ def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
     return NodalMatrix(matrix, file, nodal, internal, lambda shapes: -solve(coupling @ shapes))
 
 
-def _ordered(name, file, numbers):
+def _ordered(name: str, file: MatrixFile, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The full matrix, the rows of the nodes in the order of the table, and the internal rows."""
     _check_finite(name, file)
     full = _symmetric(name, file)
@@ -77,14 +77,14 @@ def _ordered(name, file, numbers):
     return full, *_rows_of_nodes(name, file.equations, numbers)
 
 
-def _check_finite(name, file):
+def _check_finite(name: str, file: MatrixFile) -> None:
     if not len(file.values):
         raise FEFileFault(f"{name} holds no entries", id="FE-063")
     if not np.isfinite(file.values).all():
         raise FEFileFault(f"{name} holds a number that is not finite", id="FE-064")
 
 
-def _symmetric(name, file):
+def _symmetric(name: str, file: MatrixFile) -> np.ndarray:
     matrix = summed(file.values, file.rows, file.columns, file.size)
     if file.one_triangle:
         return matrix + without_diagonal(matrix).T
@@ -100,7 +100,7 @@ def _symmetric(name, file):
     return (matrix + matrix.T) / 2
 
 
-def _rows_of_nodes(name, equations, numbers):
+def _rows_of_nodes(name: str, equations: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     place = {int(node): i for i, node in enumerate(numbers)}
     rows = np.full(3 * len(numbers), -1, dtype=np.int64)
     internal = []
@@ -115,7 +115,7 @@ def _rows_of_nodes(name, equations, numbers):
     return rows, np.array(internal, dtype=np.int64)
 
 
-def _refuse_missing(name, missing, numbers, internal):
+def _refuse_missing(name: str, missing: np.ndarray, numbers: np.ndarray, internal: int) -> None:
     node, direction = numbers[missing[0] // 3], missing[0] % 3 + 1
     if missing.size == 3 * len(numbers):
         raise FEFileFault(

@@ -8,11 +8,19 @@ Entries that are written alike are rounded alike.  In a regular mesh such errors
 out, hence the sum over entries of one magnitude before the sum of squares over magnitudes.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..quick_dataclass import dataclass
 from .linear_algebra import distinct
 from .nodal_matrices import NodalMatrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from .formats.matrix_file import MatrixFile
+
 
 # The largest number of decimal digits that double precision always keeps.
 DECIMALS = 15
@@ -55,7 +63,7 @@ def rounding_errors(values: np.ndarray) -> EntryErrors:
     return EntryErrors(_uniform(10.0 ** (power + 1 - digits), values), True, digits)
 
 
-def _decimals(values):
+def _decimals(values: np.ndarray) -> int:
     """The significant digits that all values are content with, DECIMALS + 1 where these are too few."""
     magnitudes = distinct(np.abs(values[values != 0]))
     power = np.floor(np.log10(magnitudes))
@@ -66,7 +74,7 @@ def _decimals(values):
     return DECIMALS + 1
 
 
-def _uniform(unit, values):
+def _uniform(unit: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Standard deviation of numbers rounded to multiples of `unit`; zeros are exact."""
     return np.where(values != 0, unit / np.sqrt(12), 0.0)
 
@@ -92,13 +100,13 @@ def stiffness_errors(K: NodalMatrix) -> EntryErrors:
     return rounding
 
 
-def _squares(file, shifts):
+def _squares(file: "MatrixFile", shifts: np.ndarray) -> float:
     return sum(
         ((file.values[kept, None] * shifts[columns]) ** 2).sum() for _, columns, kept in _directions(file)
     )
 
 
-def _directions(file):
+def _directions(file: "MatrixFile") -> "Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]":
     """Rows, columns and numbers of the entries; those of a triangle stand for their mirror images too."""
     every = np.arange(len(file.values))
     yield file.rows, file.columns, every
@@ -107,7 +115,7 @@ def _directions(file):
         yield file.columns[off], file.rows[off], off
 
 
-def _energy_errors(matrix: NodalMatrix, errors: EntryErrors, shapes):
+def _energy_errors(matrix: NodalMatrix, errors: EntryErrors, shapes: np.ndarray) -> np.ndarray:
     """Standard deviations of φ' δ φ, (N,), for the errors δ of the entries of a file."""
     file, found = matrix.file, np.zeros(shapes.shape[1])
     lower = np.flatnonzero(file.rows >= file.columns)

@@ -1,13 +1,14 @@
 """Files of a finite-element program to a flexible body: read, tested, reduced."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..model.diagnostics import Findings
 from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
 from ..quick_dataclass import dataclass
-from .body_basis import basis_of
+from .body_basis import Basis, basis_of
 from .centrifugal import centrifugal_stiffness
 from .elements.assembled_matrices import OF_ELEMENTS, element_matrix
 from .elements.body_elements import element_table
@@ -20,8 +21,13 @@ from .linear_algebra import Matrix, all_but, in_three_directions, of_mass, turne
 from .massless_shapes import split_by_mass
 from .nodal_matrices import NodalMatrix, condensed, nodal_part
 from .precision import frequency_errors
-from .reference_frame import reference_frame
+from .reference_frame import Frame, reference_frame
 from .static_shapes import as_solved
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 # A relative error of a frequency that is worth a warning.
 DOUBTFUL_FREQUENCY = 1e-3
@@ -53,10 +59,10 @@ def reduced_body(given: FlexibleInput, findings: Findings) -> FlexibleBody | Non
     frame = reference_frame(given, weights @ given.positions / weights.sum())
     matrices = _Matrices(in_three_directions(scalar), turned(K.matrix, frame.axes), scalar, S, K)
     basis = basis_of(given, matrices.K, matrices.S, frame, findings)
-    return basis and _body(given, matrices, frame, basis, figures, findings)
+    return basis and _body(given, matrices, frame, basis, figures, findings)  # type: ignore[return-value]
 
 
-def _read(given, file: FEFile, letter, arrange, findings):
+def _read(given: Any, file: FEFile, letter: str, arrange: "Callable[..., Any]", findings: Any) -> Any:
     mapping = given.mapping
     try:
         if file.form == OF_ELEMENTS:
@@ -71,13 +77,20 @@ def _read(given, file: FEFile, letter, arrange, findings):
         return None
 
 
-def _check_reference_nodes(given, findings):
+def _check_reference_nodes(given: FlexibleInput, findings: Findings) -> None:
     if given.reference:
         rows = [int(np.flatnonzero(given.numbers == node)[0]) for node in given.reference]
         check_reference(given, given.positions[rows], findings)
 
 
-def _body(given, matrices, frame, basis, figures: Figures, findings) -> FlexibleBody:
+def _body(
+    given: Any,
+    matrices: Any,
+    frame: Any,
+    basis: Any,
+    figures: Figures,
+    findings: Any,
+) -> FlexibleBody:
     Phi, omega = basis.shapes, np.sqrt(np.maximum(basis.values, 0.0))
     invariants = inertia_invariants(frame.r0, Phi, matrices.scalar)
     invariants["Mff"] = _with_massless(invariants["Mff"], basis.massless)
@@ -91,7 +104,7 @@ def _body(given, matrices, frame, basis, figures: Figures, findings) -> Flexible
         frame.origin,
         frame.axes,
         Phi,
-        **invariants,
+        **invariants,  # type: ignore[arg-type]
         Kr=Kr,
         Dr=Dr,
         KG=_geometric(given, matrices, frame, Phi, findings),
@@ -108,11 +121,11 @@ def _body(given, matrices, frame, basis, figures: Figures, findings) -> Flexible
             basis.left_out,
             math.sqrt(basis.next_value) / math.tau,
         ),
-        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),
+        stress=given.material and body_stress(given, matrices.K, invariants["m"], frame, Phi, findings),  # type: ignore[arg-type]
     )
 
 
-def _with_massless(Mff, count):
+def _with_massless(Mff: np.ndarray, count: int) -> np.ndarray:
     """`Mff` with a unit mass for each of the last `count` coordinates, whose shapes have none.
 
     Without it they would have no acceleration.  It couples them to nothing, and puts them at the highest
@@ -124,7 +137,7 @@ def _with_massless(Mff, count):
     return completed
 
 
-def _effective_limit(S, frame):
+def _effective_limit(S: np.ndarray, frame: Frame) -> np.ndarray:
     """Sums of the effective masses over all modes: R' S R less what only the held degrees of freedom
     carry.
     """
@@ -141,12 +154,14 @@ def _effective_limit(S, frame):
     return np.sum((split.heavy.T @ carried) ** 2 / split.masses[:, None], axis=0)
 
 
-def _in_axes_of_table(frame, Phi):
+def _in_axes_of_table(frame: Frame, Phi: np.ndarray) -> np.ndarray:
     n, size = len(frame.r0), Phi.shape[1]
     return np.einsum("ab,nbk->nak", frame.axes, Phi.reshape(n, 3, size)).reshape(3 * n, size)
 
 
-def _errors(given, matrices, frame, basis, findings):
+def _errors(
+    given: FlexibleInput, matrices: _Matrices, frame: Frame, basis: Basis, findings: Findings
+) -> np.ndarray:
     """Relative errors of the frequencies by the digits of the files; nan for shapes without mass."""
     heavy = len(basis.values) - basis.massless
     errors = np.full(len(basis.values), np.nan)
@@ -163,7 +178,9 @@ def _errors(given, matrices, frame, basis, findings):
     return errors
 
 
-def _geometric(given, matrices, frame, Phi, findings):
+def _geometric(
+    given: FlexibleInput, matrices: _Matrices, frame: Frame, Phi: np.ndarray, findings: Findings
+) -> np.ndarray:
     """Phi' KG Phi per component of w~ w~ in body axes; the files' unit loads are in those of the table."""
     size = Phi.shape[1]
     if given.stiffening:

@@ -29,7 +29,7 @@ class Frame:
         """Whether the frame is that of mean axes."""
         return not len(self.held)
 
-    def shifted(self, shapes: np.ndarray, S) -> np.ndarray:
+    def shifted(self, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:
         """`shapes` (3 n, k) less the rigid motion that keeps them from fulfilling the frame's conditions."""
         if self.clamped:
             return shapes
@@ -48,7 +48,9 @@ def reference_frame(given: FlexibleInput, centre: np.ndarray) -> Frame:
     return Frame(origin, axes, r0, _held(given, rows), bool(given.clamped))
 
 
-def _origin_and_axes(given, rows, centre):
+def _origin_and_axes(
+    given: FlexibleInput, rows: dict[int, int], centre: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     if not given.reference:
         return (np.zeros(3) if given.clamped else centre), np.eye(3)
     q1, q2, q3 = (given.positions[rows[node]] for node in given.reference)
@@ -58,7 +60,7 @@ def _origin_and_axes(given, rows, centre):
     return q1, np.column_stack([e1, np.cross(e3, e1), e3])
 
 
-def _held(given, rows):
+def _held(given: FlexibleInput, rows: dict[int, int]) -> np.ndarray:
     if given.clamped:
         firsts = sorted(3 * rows[node] for node in set(given.clamped))
         return np.array([first + i for first in firsts for i in range(3)], dtype=np.int64)

@@ -1,5 +1,7 @@
 """Displacements of a body under forces at its nodes, held in its frame or balanced by its acceleration."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from .free_motion import FreeMotion
@@ -7,11 +9,15 @@ from .input_tests import rigid_motions
 from .linear_algebra import Singular, all_but, as_array, is_small, solver
 from .reference_frame import Frame
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 class FreeBody:
     """Static shapes of a body that nothing holds: forces are balanced by the acceleration they cause."""
 
-    def __init__(self, K, S, frame: Frame):
+    def __init__(self, K: np.ndarray, S: np.ndarray, frame: Frame):
         self.S, self.frame = S, frame
         self._free = all_but(K.shape[0], _supports(frame.r0))
         self._solve = held_solver(K, self._free)
@@ -46,7 +52,7 @@ def unit_forces(size: int, rows: np.ndarray) -> np.ndarray:
     return forces
 
 
-def static_shapes(K, S, frame: Frame, forces: np.ndarray) -> np.ndarray:
+def static_shapes(K: np.ndarray, S: np.ndarray, frame: Frame, forces: np.ndarray) -> np.ndarray:
     """Displacements (3 n, k) of the body held in its frame under `forces` (3 n, k).
 
     In mean axes it is free, and the forces are balanced by those of the rigid acceleration they cause.
@@ -59,7 +65,7 @@ def static_shapes(K, S, frame: Frame, forces: np.ndarray) -> np.ndarray:
     return shapes
 
 
-def _supports(r0):
+def _supports(r0: np.ndarray) -> np.ndarray:
     """Six rows that hold the body: a node, one far from it, and one far from their line."""
     first = int(np.argmax(np.linalg.norm(r0 - r0.mean(axis=0), axis=1)))
     arms = r0 - r0[first]
@@ -79,13 +85,13 @@ def _supports(r0):
     return np.array(rows)
 
 
-def held_solver(K, free):
+def held_solver(K: np.ndarray, free: np.ndarray) -> "Callable[..., Any]":
     """The solution of K x = b with all degrees of freedom but `free` at rest, as a function of b.
 
     Raises FreeMotion, then or at once: whether a pivot of exactly 0 is met depends on the processor.
     """
 
-    def solve(b):
+    def solve(b: np.ndarray) -> np.ndarray:
         try:
             return solution(b)
         except Singular:
@@ -98,7 +104,7 @@ def held_solver(K, free):
     return solve
 
 
-def _weakest(K, free):
+def _weakest(K: Any, free: np.ndarray) -> np.ndarray:
     """The shape of the degrees of freedom `free` with the least strain energy; 0 where finding it takes too
     long.
     """

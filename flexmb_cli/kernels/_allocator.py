@@ -32,7 +32,7 @@ def add_allocator(module: ir.Module) -> None:
     _add_reshape(module)
 
 
-def _add_alloc(module, malloc, name, aligned):
+def _add_alloc(module, malloc, name: str, aligned) -> None:
     """void *name(size, alignment): a block with one reference, null where there is no memory."""
     parameters = [_WORD, _INT] if aligned else [_WORD]
     function = ir.Function(module, ir.FunctionType(_ADDRESS, parameters), name)
@@ -51,7 +51,7 @@ def _add_alloc(module, malloc, name, aligned):
     builder.ret(block)
 
 
-def _add_reshape(module):
+def _add_reshape(module) -> None:
     """int reshape(n, lengths, strides, new n, new lengths, new strides, size of an item, Fortran's order).
 
     It fills the new strides of a contiguous array; 0 where there are none.

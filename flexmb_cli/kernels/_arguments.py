@@ -6,8 +6,14 @@ array and ["t", class, parameters] for a tuple.  An array is handed over as addr
 
 import ctypes
 import json
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 _NUMBERS = {int: "i", np.int64: "i", float: "f", np.float64: "f", bool: "b", np.bool_: "b"}
 _ACCEPTED = {
@@ -42,7 +48,7 @@ def key_of(parameters: list) -> str:
     return json.dumps(parameters, separators=(",", ":"))
 
 
-def _described_type(dtype):
+def _described_type(dtype: np.dtype) -> Any:
     return dtype.descr if dtype.names else dtype.str
 
 
@@ -61,7 +67,7 @@ def flat(parameter: "str | list") -> list:
     return [one for part in parameter[2] for one in flat(part)]
 
 
-def _size(parameter):
+def _size(parameter: "list[Any] | str") -> int:
     return sum(1 + one[1] if one[0] == "a" else 1 for one in flat(parameter))
 
 
@@ -87,7 +93,7 @@ class Words:
             raise TypeError(f"{len(values)} arguments, where {len(self._packers)} are taken")
         return all(put(value) for put, value in zip(self._packers, values, strict=True))
 
-    def _packer(self, parameter, first):
+    def _packer(self, parameter: Any, first: Any) -> "Callable[..., Any]":
         """Return the function that fills the words of a parameter from `first` on."""
         if parameter[0] == "a":
             return _array_packer(self._room[0], first, parameter[1], described_dtype(parameter[2]))
@@ -101,10 +107,10 @@ class Words:
         return _number_packer(room, first, _ACCEPTED[parameter])
 
 
-def _array_packer(words, first, dimensions, dtype):
+def _array_packer(words: "Any", first: int, dimensions: Any, dtype: np.dtype) -> "Callable[..., Any]":
     end = first + 1 + dimensions
 
-    def put(array):
+    def put(array: float | list[float] | np.ndarray) -> bool:
         nonlocal dtype
         if type(array) is not np.ndarray or array.ndim != dimensions or not array.flags.carray:
             return False
@@ -119,10 +125,10 @@ def _array_packer(words, first, dimensions, dtype):
     return put
 
 
-def _tuple_packer(parts, name):
+def _tuple_packer(parts: "list[Callable[..., Any]]", name: str) -> "Callable[..., Any]":
     kept, known = None, None
 
-    def put(values):
+    def put(values: tuple[int | np.ndarray, ...]) -> bool:
         nonlocal kept, known
         if values is kept:
             return True
@@ -140,8 +146,8 @@ def _tuple_packer(parts, name):
     return put
 
 
-def _number_packer(words, place, accepted):
-    def put(value):
+def _number_packer(words: "Any", place: int, accepted: frozenset[type]) -> "Callable[..., Any]":
+    def put(value: float) -> bool:
         if type(value) not in accepted:
             return False
         words[place] = value
@@ -163,7 +169,7 @@ class Results:
 
     def value(self) -> object:
         """Return the value that was left."""
-        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]
+        found = [self._room[kind][k] for k, kind in enumerate(self._kinds)]  # type: ignore[index]
         found = [bool(x) if kind == "b" else x for kind, x in zip(self._kinds, found, strict=True)]
         if self._is_tuple:
             return tuple(found)

@@ -46,7 +46,7 @@ def _is_safe_base(found):
     return _is_own(found) or (found.st_uid == 0 and bool(found.st_mode & stat.S_ISVTX))
 
 
-def _refuse(path, found):
+def _refuse(path, found) -> None:
     if stat.S_ISLNK(found.st_mode):
         reason = "it is a link; remove it"
     elif found.st_uid not in (0, os.getuid()):
@@ -120,7 +120,7 @@ def folder_to_write() -> Path | None:
     return None
 
 
-def _make(folder):
+def _make(folder) -> None:
     folder.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     for below in (folder.parent, folder):
         below.mkdir(mode=0o700, exist_ok=True)
@@ -150,7 +150,7 @@ def versions(place: Path) -> list[Path]:
     return sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)
 
 
-def _prune(folder):
+def _prune(folder) -> None:
     """Delete the folders of old versions."""
     import shutil
 

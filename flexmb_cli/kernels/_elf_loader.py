@@ -8,7 +8,7 @@ and gives the same code, but importing it takes a quarter of the time of importi
 import ctypes
 import mmap
 import struct
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -101,7 +101,7 @@ class LoadedObject:
                 end += section.size
         return places, _rounded_up(end, _JUMP_SIZE)
 
-    def _copy_sections(self):
+    def _copy_sections(self) -> None:
         for k, place in self._places.items():
             section = self._sections[k]
             if section.kind != _EMPTY:
@@ -116,13 +116,13 @@ class LoadedObject:
         begin = begins[self._symbols["section"]]
         return np.where(begin, begin + self._symbols["value"], 0)
 
-    def _add_jump(self, place, name):
+    def _add_jump(self, place: Any, name: str):
         """Write the jump to a function of the C library; return its address."""
         jump = _JUMP + struct.pack("<q", _foreign_address(name))
         self._memory[place : place + len(jump)] = np.frombuffer(jump, np.uint8)
         return self._base + place
 
-    def _relocate(self):
+    def _relocate(self) -> None:
         for section in self._sections:
             if section.kind == _RELOCATIONS and section.info in self._places:
                 found = self._entries(section, _RELOCATION)
@@ -131,7 +131,7 @@ class LoadedObject:
                 for kind in _WIDTHS:
                     self._write_values(found[found["kind"] == kind], kind, self._places[section.info])
 
-    def _write_values(self, relocations, kind, place):
+    def _write_values(self, relocations, kind, place: tuple[float, float, float]) -> None:
         """Write S + A, or S + A - P, of all relocations of a kind."""
         offsets = place + relocations["offset"]
         addresses = self._addresses[relocations["symbol"]]
@@ -143,24 +143,24 @@ class LoadedObject:
         width = _WIDTHS[kind]
         self._memory[offsets[:, None] + np.arange(width)] = values.view(np.uint8).reshape(-1, 8)[:, :width]
 
-    def _make_executable(self):
+    def _make_executable(self) -> None:
         protect = ctypes.CDLL(None, use_errno=True).mprotect
         protect.argtypes = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int
         if protect(self._base, len(self._memory), mmap.PROT_READ | mmap.PROT_EXEC):
             raise NotLoadedError(f"memory cannot be made executable: errno {ctypes.get_errno()}")
 
 
-def _rounded_up(size, step):
+def _rounded_up(size: int, step):
     return size + -size % max(1, step)
 
 
-def _private_memory(size):
+def _private_memory(size: int):
     """Pages of zeros that can be read and written."""
     flags = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
     return mmap.mmap(-1, _rounded_up(max(1, size), mmap.PAGESIZE), flags, mmap.PROT_READ | mmap.PROT_WRITE)
 
 
-def _foreign_address(name):
+def _foreign_address(name: str):
     """Where the process has a function of the C library or its mathematics."""
     for library in (None, "libm.so.6"):
         try:

@@ -1,15 +1,22 @@
 """A kernel as Python calls it: by compiled code, which is loaded or made when it is needed."""
 
+import functools
 import hashlib
 import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..collector import without_collector
 from ..memory import TO_COMPILE, require_memory
 from . import _cache, _objects
 from ._arguments import NotDescribedError, Words, describe, key_of
+from ._interpreted import is_interpreting, twin
 from .signatures import PROCESSORS, UNITS, unit_of, unit_parameters
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _PACKAGE = __package__ + "."
 _functions: dict[str, list] = {}  # compiled code by the name of the entry
@@ -61,8 +68,10 @@ class Entry:
         self.__name__, self.__doc__ = function.__name__, function.__doc__
         self._name, self._made = entry_name(function), None
 
-    def __call__(self, *values):
+    def __call__(self, *values: "Any"):
         """Call compiled code; the first call of an entry without any compiles it."""
+        if is_interpreting():
+            return self.interpreted(*values)
         for compiled in _functions.get(self._name, ()):
             fits, result = compiled.call(values)
             if fits:
@@ -102,7 +111,7 @@ class Entry:
             if _load_unit(unit, digest) and found():  # another process was quicker
                 return True
             try:
-                data = emit(unit, entries(), digest, [_objects.target()])[_objects.target()]
+                data = emit(unit, entries(), digest, [_objects.target()])[_objects.target()]  # type: ignore[index, list-item]
             except NotDescribedError:
                 return False
             _cache.keep(folder, unit, data)
@@ -117,6 +126,11 @@ class Entry:
         except OSError:  # typed at a prompt
             text = self.py_func.__code__.co_code + repr(self.py_func.__code__.co_consts).encode()
         return hashlib.sha256(_objects.kernel_digest().encode() + text).hexdigest()[:16]
+
+    @functools.cached_property
+    def interpreted(self) -> Callable:
+        """Return the function as plain Python, which calls other kernels as such."""
+        return twin(self.py_func)
 
     @property
     def dispatcher(self):
@@ -139,8 +153,10 @@ class Entry:
 class PlainEntry(Entry):
     """A kernel that Python runs as it is."""
 
-    def __call__(self, *values):
+    def __call__(self, *values: "Any"):
         """Call the function itself."""
+        if is_interpreting():
+            return self.interpreted(*values)
         return self.py_func(*values)
 
 
@@ -149,7 +165,7 @@ def _compiler():
     import numba
 
     # Loops over three or four numbers gain nothing from vectors, and compilation takes a fifth longer.
-    numba.config.LOOP_VECTORIZE = 0
+    numba.config.LOOP_VECTORIZE = 0  # type: ignore[attr-defined]
     from . import _linking
 
     return _linking

@@ -1,40 +1,42 @@
 """How a function becomes a kernel: compiled where Python or another kernel calls it, or left as it is.
 
-`check` and other commands that only look at a deck call `interpret()` first: the same kernels then
-run as plain Python on numpy arrays, and nothing is compiled.
+Whoever builds a system to look at it only, as `check` does, builds and evaluates it within
+`interpreting()`: the same kernels then run as plain Python on numpy arrays, and nothing is compiled.
 """
 
 import os
+from typing import TYPE_CHECKING
 
 from ._entry import Entry, PlainEntry, is_ready
+from ._interpreted import interpreting, is_interpreting
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+
+__all__ = ["interpreted", "interpreting", "kernel", "must_compile", "part", "plain"]
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}
 
-_interpreted = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-
-
-def interpret() -> None:
-    """Leave the kernels that are imported from now on uncompiled."""
-    global _interpreted
-    _interpreted = True
+_never_compiled = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
 def interpreted() -> bool:
-    """Return whether kernels run as plain Python."""
-    return _interpreted
+    """Return whether kernels that are called here run as plain Python."""
+    return _never_compiled or is_interpreting()
 
 
 def must_compile(name: str) -> bool:
     """Return whether the kernel `name` ("module.function") has to be compiled before its first call."""
-    return not _interpreted and not is_ready(name)
+    return not interpreted() and not is_ready(name)
 
 
-def kernel(function, **options):
+def kernel(function: "Callable[..., Any]", **options: "Any") -> "Callable[..., Any]":
     """Compile `function` when it is called, or leave it alone when kernels are interpreted."""
-    return function if _interpreted else Entry(function, OPTIONS | options)
+    return function if _never_compiled else Entry(function, OPTIONS | options)
 
 
-def part(function):
+def part(function: "Callable[..., Any]") -> "Callable[..., Any]":
     """A kernel that is forced into its callers: for inner loops, where handing over arrays counts.
 
     LLVM would leave some apart, and Kane's recursion a third slower; elsewhere that is as quick.
@@ -42,6 +44,6 @@ def part(function):
     return kernel(function, forceinline=True)
 
 
-def plain(function):
+def plain(function: "Callable[..., Any]") -> "Callable[..., Any]":
     """A kernel that only makes or divides arrays, which no object can return: Python runs it as it is."""
-    return function if _interpreted else PlainEntry(function, OPTIONS)
+    return function if _never_compiled else PlainEntry(function, OPTIONS)

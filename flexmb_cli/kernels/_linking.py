@@ -8,7 +8,7 @@ Kernels must not call one another in a circle.
 
 import importlib
 import itertools
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import llvmlite.binding as llvm
 from llvmlite import ir
@@ -25,6 +25,11 @@ from ._allocator import add_allocator
 from ._arguments import NotDescribedError, described_dtype
 from ._objects import OF_C
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
+
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
 _LATE = RuntimeLinker.PREFIX  # of what is called before it is compiled: by itself, or in a circle
 _ENVIRONMENT = "_ZN08NumbaEnv"  # numba's name of the globals that point to a function's constants
@@ -34,7 +39,7 @@ _WORD = ir.IntType(64)
 class PartLibrary(JITCodeLibrary):
     """The code of a part, which nothing calls before it is linked."""
 
-    def finalize(self):
+    def finalize(self) -> None:
         """Leave it as it is; what is linked into it is linked into its callers, see `WholeLibrary`."""
         self._raise_if_finalized()
         self._finalized = True
@@ -43,14 +48,14 @@ class PartLibrary(JITCodeLibrary):
 class WholeLibrary(JITCodeLibrary):
     """Machine code of a kernel with all its parts."""
 
-    def _optimize_final_module(self):
+    def _optimize_final_module(self) -> None:
         """Give linked parts internal linkage: LLVM may then change how they are called, or drop them."""
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "linkonce_odr":
                 function.linkage = "internal"
         super()._optimize_final_module()
 
-    def finalize(self):
+    def finalize(self) -> None:
         """Link the parts, those of parts too, each once, and optimise the whole."""
         self._linking_libraries = list(_with_parts_of_parts(self._linking_libraries))
         super().finalize()
@@ -58,7 +63,7 @@ class WholeLibrary(JITCodeLibrary):
         for variable in self._final_module.global_variables:
             constants = lookup_environment(variable.name) if variable.name.startswith(_ENVIRONMENT) else None
             if constants is not None:
-                self._codegen.set_env(variable.name, constants)
+                self._codegen.set_env(variable.name, constants)  # type: ignore[attr-defined]
 
 
 def _with_parts_of_parts(libraries):
@@ -67,9 +72,9 @@ def _with_parts_of_parts(libraries):
     LLVM links such a function only where something that is linked already calls it, and a part may name
     functions that its own code no longer calls.
     """
-    found, ended = {}, []
+    found, ended = {}, []  # type: ignore[var-annotated]
 
-    def visit(library):
+    def visit(library) -> None:
         if library not in found:
             found[library] = None
             for called in library._linking_libraries if isinstance(library, PartLibrary) else ():
@@ -81,7 +86,7 @@ def _with_parts_of_parts(libraries):
     return reversed(ended)
 
 
-def _refuse_missing(module):
+def _refuse_missing(module) -> None:
     """Code without what it calls would end the process when it runs, and be kept on the disk.
 
     So would code that numba is to bind late, when the process knows all addresses.
@@ -120,7 +125,7 @@ class PartCompiler(Compiler):
 class Part(CPUDispatcher):
     """A function as kernels call it."""
 
-    def add_overload(self, cres):
+    def add_overload(self, cres) -> None:
         """Keep what was compiled for kernels; there is nothing that Python could call."""
         self.overloads[tuple(cres.signature.args)] = cres
 
@@ -128,7 +133,7 @@ class Part(CPUDispatcher):
 class Kernel(CPUDispatcher):
     """A function that is compiled whole when Python calls it, and as a part when another kernel does."""
 
-    def __init__(self, function, locals=None, targetoptions: dict | None = None):
+    def __init__(self, function: "Callable[..., Any]", locals: Any = None, targetoptions: dict | None = None):
         # Without a word of its own a part would be forced inline where its first caller is.
         options = {"nopython": True, "boundscheck": None, "forceinline": False} | (targetoptions or {})
         # Earlier versions of numba take no None for them.
@@ -193,7 +198,7 @@ def _linked(unit, entries):
     return module.as_bitcode(), reported
 
 
-def _hide_all_but(module, symbols):
+def _hide_all_but(module, symbols) -> None:
     """Leave nothing else to be seen: LLVM may then change how functions are called, or drop them."""
     for function in module.functions:
         if not function.is_declaration and function.name not in symbols:
@@ -230,7 +235,7 @@ def _machine_code(bitcode, triple, processor):
     return machine.emit_object(module)
 
 
-def _refuse_foreign(module):
+def _refuse_foreign(module) -> None:
     """Return what neither the object nor the C library has would be called at address 0."""
     called = {function.name for function in module.functions if function.is_declaration}
     foreign = {name for name in called if not name.startswith("llvm.")} - OF_C
@@ -238,7 +243,7 @@ def _refuse_foreign(module):
         raise AssertionError(f"compiled kernels call {sorted(foreign)}")
 
 
-def _numba_type(parameter):
+def _numba_type(parameter: Any):
     """numba's type of a parameter."""
     if parameter[0] == "a":
         return types.Array(from_dtype(described_dtype(parameter[2])), parameter[1], "C")
@@ -252,7 +257,7 @@ def _numba_type(parameter):
 def _result(kind):
     """Return how `_arguments` describes what a kernel returns; raises NotDescribedError for arrays."""
     if isinstance(kind, types.BaseTuple):
-        return ["t", "", [_result(part) for part in kind]]
+        return ["t", "", [_result(part) for part in kind]]  # type: ignore[attr-defined]
     for number, letter in ((types.Boolean, "b"), (types.Integer, "i"), (types.Float, "f")):
         if isinstance(kind, number):
             return letter
@@ -261,7 +266,7 @@ def _result(kind):
     raise NotDescribedError(str(kind))
 
 
-def _add_wrapper(context, module, symbol, compiled):
+def _add_wrapper(context, module, symbol, compiled) -> None:
     """Define int symbol(int64 *words, int64 *results), which calls a part; not 0 where that failed."""
     _result(compiled.signature.return_type)
     code = ir.IntType(32)
@@ -279,7 +284,7 @@ def _add_wrapper(context, module, symbol, compiled):
     builder.ret(code(0))
 
 
-def _words_at(builder, pointer):
+def _words_at(builder, pointer) -> "Iterator[Any]":
     for k in itertools.count():
         yield builder.load(builder.gep(pointer, [_WORD(k)]))
 
@@ -289,7 +294,7 @@ def _value(context, builder, words, kind):
     if isinstance(kind, types.Array):
         return _array(context, builder, words, kind)
     if isinstance(kind, types.BaseTuple):
-        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])
+        return context.make_tuple(builder, kind, [_value(context, builder, words, part) for part in kind])  # type: ignore[attr-defined]
     word = next(words)
     if isinstance(kind, types.Float):
         return builder.bitcast(word, ir.DoubleType())
@@ -312,12 +317,12 @@ def _array(context, builder, words, kind):
     return array._getvalue()
 
 
-def _store_result(builder, kind, value, room, k):
+def _store_result(builder, kind, value, room, k: Any):
     """Store what a kernel returns from word k on; return the word behind it."""
     if kind is types.none:
         return k
     if isinstance(kind, types.BaseTuple):
-        for place, part in enumerate(kind):
+        for place, part in enumerate(kind):  # type: ignore[arg-type, var-annotated]
             k = _store_result(builder, part, builder.extract_value(value, place), room, k)
         return k
     if isinstance(kind, types.Float):

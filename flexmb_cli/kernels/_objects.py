@@ -13,9 +13,15 @@ import os
 import sys
 import threading
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..memory import TO_LOAD, require_memory
 from ._arguments import Results, Words, key_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 MAGIC = b"flexmb object 1\n"
 PACKAGED = Path(__file__).parent / "objects"  # those of a wheel, a folder for each target
@@ -60,7 +66,7 @@ def kernel_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _texts(folder):
+def _texts(folder) -> "Iterator[Any]":
     """Paths of the files of Python that the kernels consist of."""
     for found in os.scandir(folder):
         if found.is_dir():
@@ -127,7 +133,7 @@ class Compiled:
             return True, self._results.value()
 
 
-_engines = []  # machine code lives as long as they do
+_engines: list[Any] = []  # machine code lives as long as they do
 
 
 def load(content: bytes, digest: str) -> dict[str, list[Compiled]]:
@@ -171,11 +177,11 @@ def _llvm_engine(code):
     return engine
 
 
-def _name_symbols(llvm):
+def _name_symbols(llvm) -> None:
     """Tell LLVM where the functions of the C library are: on Windows it does not find them by itself."""
-    library = ctypes.WinDLL("ucrtbase")
+    library = ctypes.WinDLL("ucrtbase")  # type: ignore[attr-defined]
     for name in OF_C:
         llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
-    checked_stack = ctypes.WinDLL("ntdll").__chkstk  # what LLVM calls for large frames
+    checked_stack = ctypes.WinDLL("ntdll").__chkstk  # type: ignore[attr-defined]  # what LLVM calls for large frames
     llvm.add_symbol("__chkstk", ctypes.cast(checked_stack, ctypes.c_void_p).value)
     llvm.add_symbol("_fltused", id(_engines))  # a mark that nothing reads

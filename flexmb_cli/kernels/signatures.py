@@ -7,6 +7,11 @@ numbers; the others are named tuples of TUPLES.
 
 import functools
 import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Processor and system → what LLVM calls it, and the oldest processor of that kind: no fused multiply-add.
 PROCESSORS = {
@@ -162,7 +167,7 @@ def parameter(word: str) -> "str | list":
     return ["a", dimensions, _KINDS[kind] if kind in _KINDS else _record(kind)]
 
 
-def _record(name):
+def _record(name: str) -> "list[Any]":
     """The fields of a record; its module may import kernels, so that it is found when it is needed."""
     module, _, constant = RECORDS[name].partition(":")
     return getattr(importlib.import_module(f"flexmb_cli.{module}"), constant).descr

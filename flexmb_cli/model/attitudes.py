@@ -1,6 +1,7 @@
 """What a deck itself says of the attitudes of its bodies, and the estimates that follow from it."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -21,25 +22,25 @@ class Attitudes:
     def __init__(self, mechanism: Mechanism):
         self.bodies = mechanism.bodies
         self.driven = {d.body for d in mechanism.drivers if d.direction > 3}
-        self.held = [{} for _ in mechanism.bodies]
+        self.held: Any = [{} for _ in mechanism.bodies]
         holders: list[Simplified | Ground] = [*mechanism.simplified, *mechanism.grounds]
         for item in holders:
             single = isinstance(item, Simplified)
-            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)
+            pairs = [(item.direction, item.value)] if single else enumerate(item.values, start=1)  # type: ignore[union-attr]
             for direction, value in pairs:
                 if direction > 3:
                     self.held[item.body][direction] = held_coordinate(direction, value)[1]
 
-    def e0(self, body) -> float:
+    def e0(self, body: int) -> float:
         """e0 of a body whose e1, e2, e3 are all held; its sign is the estimate's."""
         return math.copysign(math.sqrt(self._rest(body)), self.bodies[body].p[0])
 
-    def _rest(self, body):
+    def _rest(self, body: int) -> float:
         """Return what the held components leave of |p|² = 1; its root would make much of round-off."""
         rest = 1.0 - sum(value * value for value in self.held[body].values())
         return rest if rest > ROUND_OFF else 0.0
 
-    def estimates(self):
+    def estimates(self) -> np.ndarray:
         """Estimates q, with |p| = 1 and the held components of each attitude in their places.
 
         A held component of ±1 leaves no room for the others, and Newton would creep to their double
@@ -51,7 +52,7 @@ class Attitudes:
             q[7 * body + 3 : 7 * body + 7] = self._attitude(body)
         return q
 
-    def _attitude(self, body):
+    def _attitude(self, body: int) -> np.ndarray:
         p = np.array(self.bodies[body].p)
         held = self.held[body]
         if not held or body in self.driven:

@@ -37,6 +37,6 @@ def _largest_angle(driver: Driver, grid: TimeGrid) -> float:
     return max(abs(driver.C + t * (driver.B + t * driver.A / 2)) for t in times)
 
 
-def _revolutions_in_a_step(driver, grid):
+def _revolutions_in_a_step(driver: Driver, grid: TimeGrid) -> float:
     fastest = max(abs(driver.B + driver.A * t) for t in (grid.start, grid.end))
     return fastest * grid.step / (2 * math.pi)

@@ -160,7 +160,7 @@ class FlexibleBody:
         row = self._row(node)
         return self.Phi[3 * row : 3 * row + 3]
 
-    def _row(self, node):
+    def _row(self, node: int) -> int:
         found = np.flatnonzero(self.numbers == node)
         if not found.size:
             raise KeyError(node)

@@ -62,7 +62,7 @@ def across(matrix: np.ndarray, direction: np.ndarray, axes: tuple[int, ...]) -> 
     return np.kron(matrix, projection[np.ix_(chosen, chosen)])
 
 
-def _assembled(lengths, element, factors):
+def _assembled(lengths: np.ndarray, element: np.ndarray, factors: np.ndarray) -> np.ndarray:
     """Sum of elements over deflection and slope of the root and all nodes."""
     matrix = np.zeros((2 * len(lengths) + 2,) * 2)
     for i, (h, factor) in enumerate(zip(lengths, factors, strict=True)):

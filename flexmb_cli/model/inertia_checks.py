@@ -6,6 +6,8 @@ that give rho L^3/3 with lumped masses leave less than nothing, and the coupled 
 thesis (Zhao, 1992, eq. 3.16) then have no positive definite mass matrix.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ..deck.records import DeckValues
@@ -70,7 +72,7 @@ def hinge_motions(tree: Tree, k: int) -> np.ndarray:
     return np.array(columns).reshape(-1, 6).T
 
 
-def _stands_alone(tree, k):
+def _stands_alone(tree: Tree, k: int) -> bool:
     """Return whether no child adds inertia to hinge k: each sits on a node and turns back with its own hinge.
 
     Where the nodes of body k can stay behind altogether, such children stay with them.
@@ -83,7 +85,7 @@ def _stands_alone(tree, k):
     )
 
 
-def _allowed_motions(tree, k):
+def _allowed_motions(tree: Tree, k: int) -> np.ndarray:
     """Columns (6, n): any velocity of O_k, and the turning that the hinges on the way to body k allow.
 
     Decks leave the moments about axes that never turn at zero: with turning about one axis only, the
@@ -99,7 +101,7 @@ def _allowed_motions(tree, k):
     return np.eye(6)[:, [0, 1, 2, *(2 + axis for axis in turning)]]
 
 
-def _smallest(left, whole, motions):
+def _smallest(left: np.ndarray, whole: np.ndarray, motions: np.ndarray) -> tuple[float, np.ndarray]:
     """Smallest eigenvalue of `left` over the motions, as a share of `whole`, and where it lies."""
     if motions.shape[1] == 0:
         return 1.0, np.zeros(6)
@@ -110,7 +112,7 @@ def _smallest(left, whole, motions):
     return shares[0], scaled @ shapes[:, 0]
 
 
-def _report(body, k, motion, values, findings):
+def _report(body: Body, k: Any, motion: np.ndarray, values: Any, findings: Findings) -> None:
     turning = np.abs(motion[3:])
     if not turning.any():
         axis = int(np.argmax(np.abs(motion[:3]))) + 1
@@ -122,7 +124,7 @@ def _report(body, k, motion, values, findings):
     findings.error(body.name, _sentence(body, axis), number.place, id="MODEL-005")
 
 
-def _sentence(body, axis):
+def _sentence(body: Body, axis: int) -> str:
     given = body.inertia[axis, axis]
     if body.elastic is not None:
         nodes = given - moving_inertia(body, False)[3 + axis, 3 + axis]
@@ -141,15 +143,15 @@ def _sentence(body, axis):
     return f"INER about axis {axis + 1} is {given:.9g} kg m^2: no inertia resists its hinge"
 
 
-def _cross(v):
+def _cross(v: np.ndarray) -> np.ndarray:
     return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
 
 
-def _rotation(axis, angle):
+def _rotation(axis: int, angle: float) -> np.ndarray:
     return _matrix((np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis - 1])))
 
 
-def _matrix(attitude):
+def _matrix(attitude: tuple[float, float, float, float]) -> Any:
     """T of DAFMS (listing, SOK), with the scalar first: components in P_k = T x components in O_k."""
     e0, e = attitude[0], np.array(attitude[1:])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * _cross(e)

@@ -67,7 +67,7 @@ def spline_table(times: Sequence[float], values: Sequence[float]) -> Pieces:
     )
 
 
-def _not_a_knot(h, slopes):
+def _not_a_knot(h: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Second derivatives at the points; three diagonals, since the end conditions give the outer two.
 
     bends[0] = bends[1] (1 + h0/h1) - bends[2] h0/h1, and so at the end.

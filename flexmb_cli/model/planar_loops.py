@@ -45,7 +45,7 @@ def _loops(joints, grounds, bodies):
     """Independent loops of the joints, all grounds being one body, which has the last place."""
     root = list(range(bodies + 1))
 
-    def find(body):
+    def find(body: int) -> int:
         while root[body] != body:
             body = root[body]
         return body

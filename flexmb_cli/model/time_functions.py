@@ -7,12 +7,17 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 import math
 from array import array
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass
 from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
@@ -57,7 +62,7 @@ def table_function(times: Sequence[float], values: Sequence[float]) -> MotionFun
     return MotionFunction(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
 
 
-def _natural_curvature(t, f):
+def _natural_curvature(t: "Any", f: "Any") -> "Any":
     """Second derivatives at the points, 0 at the ends.
 
     Three diagonals, the middle one larger than the others together: eliminated without pivots.  A full
@@ -78,12 +83,12 @@ def _natural_curvature(t, f):
     return reduced
 
 
-def _polynomial(function, t):
+def _polynomial(function: MotionFunction, t: float) -> tuple[float, float, float]:
     c0, c1, c2, c3 = function.c
     return c0 + t * (c1 + t * (c2 + t * c3)), c1 + t * (2 * c2 + 3 * t * c3), 2 * c2 + 6 * t * c3
 
 
-def _spin_up(function, t):
+def _spin_up(function: MotionFunction, t: float) -> tuple[float, float, float]:
     w, T = function.c[:2]
     if t >= T:
         return w * (t - T / 2), w, 0.0
@@ -92,13 +97,13 @@ def _spin_up(function, t):
     return value, w / T * (t - T / math.tau * math.sin(turn)), w / T * (1 - math.cos(turn))
 
 
-def _sine(function, t):
+def _sine(function: MotionFunction, t: float) -> tuple[float, float, float]:
     c0, c1, c2, c3 = function.c
     phase = c2 * t + c3
     return c0 + c1 * math.sin(phase), c1 * c2 * math.cos(phase), -c1 * c2 * c2 * math.sin(phase)
 
 
-def _spline(function, t):
+def _spline(function: MotionFunction, t: float) -> tuple[float, float, float]:
     times, f, g = function.times, function.values, function.curvature
     inside = min(max(t, times[0]), times[-1])
     k = min(max(int(np.searchsorted(times, inside, side="right")) - 1, 0), len(times) - 2)
@@ -111,17 +116,17 @@ def _spline(function, t):
     return value, rate, a * g[k] + b * g[k + 1]
 
 
-def _held(function, t):
+def _held(function: MotionFunction, t: float) -> tuple[float, float, float]:
     if function.times[0] <= t <= function.times[-1]:
         return _spline(function, t)
     return function.values[0 if t < function.times[0] else -1], 0.0, 0.0
 
 
-def _pieces(function, t):
+def _pieces(function: MotionFunction, t: float) -> tuple[float, float, float]:
     return value_and_rates(function.pieces, t)
 
 
-def _compound(function, t):
+def _compound(function: Any, t: float) -> tuple[float, float, float]:
     total = (0.0, 0.0, 0.0)
     for factors in function.terms:
         f, fd, fdd = 1.0, 0.0, 0.0
@@ -147,7 +152,7 @@ def piecewise(pieces: Pieces) -> MotionFunction:
     return MotionFunction(PIECEWISE, pieces=pieces)
 
 
-def _terms(function):
+def _terms(function: MotionFunction) -> Any:
     return function.terms if function.kind == COMPOUND else ((function,),)
 
 
@@ -176,7 +181,7 @@ def integral_of(function: MotionFunction, start: float = 0.0) -> MotionFunction 
         return sum_of([piecewise(((start, -turning.at(start)[0], mean),)), turning])
     if function.kind == COMPOUND and all(len(factors) == 1 for factors in function.terms):
         parts = [integral_of(factors[0], start) for factors in function.terms]
-        return None if None in parts else sum_of(parts)
+        return None if None in parts else sum_of(parts)  # type: ignore[arg-type]
     return None
 
 

@@ -19,6 +19,9 @@ from ..quick_dataclass import dataclass, field
 from .mechanism import TimeGrid, Vector
 
 if TYPE_CHECKING:  # few decks have any
+    from collections.abc import Sequence
+    from typing import Any
+
     from .shapes import Shape
 
 INERTIAL = -1
@@ -248,7 +251,7 @@ class Tree:
         return generalized_coordinates(self.bodies, self.hinges)
 
 
-def generalized_coordinates(bodies, hinges) -> tuple[Coordinate, ...]:
+def generalized_coordinates(bodies: "Sequence[Any]", hinges: "Sequence[Any]") -> tuple[Coordinate, ...]:
     """Coordinates of eq. (2.22): all rotations body by body, all translations, all elastic ones."""
     named = list(zip(range(len(bodies)), bodies, hinges, strict=True))
     rigid = [

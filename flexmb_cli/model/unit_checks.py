@@ -6,7 +6,7 @@ else in SI units divide densities by a thousand.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from ..errors import Fault, Place
 from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
+    from collections.abc import Iterator
+    from typing import Any
+
     from .flexible_mechanism import FlexibleMechanism
     from .loads import DynamicModel
     from .tree import Tree
@@ -64,14 +67,14 @@ class Extent:
 def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]:
     """Notes on the bodies and the gravity of any model with masses."""
     kind = type(model).__name__
-    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))
+    extents, gravity = _EXTENTS[kind](model), float(np.linalg.norm(model.gravity))  # type: ignore[operator]
     notes = [
         Fault("note", note, body.place, body.name, id="MODEL-010")
         for body in extents
         for note in _of_body(body)
     ]
     if kind == "FlexibleMechanism":
-        notes += [*_of_frequencies(model), *_of_densities(model)]
+        notes += [*_of_frequencies(model), *_of_densities(model)]  # type: ignore[arg-type]
     longest = max(extents, key=lambda body: body.size, default=None)
     if IN_MILLIMETRES[0] <= gravity <= IN_MILLIMETRES[1]:
         notes.append(
@@ -85,7 +88,7 @@ def unit_doubts(model: "DynamicModel | FlexibleMechanism | Tree") -> list[Fault]
     return notes
 
 
-def _of_body(body):
+def _of_body(body: Extent) -> "Iterator[str]":
     if body.mass == 0.0 and body.inertia == 0.0:
         yield "has neither mass nor inertia: only what it is joined to can carry it"
     if body.radius and body.size and not NARROW <= body.radius / body.size <= WIDE:
@@ -101,7 +104,7 @@ def _of_body(body):
         )
 
 
-def _of_frequencies(mechanism: "FlexibleMechanism"):
+def _of_frequencies(mechanism: "FlexibleMechanism") -> Any:
     """Sound crosses no solid faster than 2e4 m/s, and a body vibrates slower than sound crosses it."""
     for body in mechanism.bodies:
         if body.flexible is None or not body.modes:
@@ -116,7 +119,7 @@ def _of_frequencies(mechanism: "FlexibleMechanism"):
             yield Fault("note", message, body.place, body.name, id="MODEL-013")
 
 
-def _of_densities(mechanism: "FlexibleMechanism"):
+def _of_densities(mechanism: "FlexibleMechanism") -> Any:
     """Matrices know no lengths: nodes in millimetres, and masses in tonnes, pass every test of them."""
     for body in mechanism.bodies:
         if body.flexible is None:
@@ -134,21 +137,23 @@ def _of_densities(mechanism: "FlexibleMechanism"):
             yield Fault("note", message, body.place, body.name, id="MODEL-015")
 
 
-def _sides(points):
+def _sides(points: np.ndarray) -> np.ndarray:
     """Lengths of the box around points (n, 3), along their principal axes: slender bodies may lie askew."""
     centred = points - points.mean(axis=0)
     return np.ptp(centred @ np.linalg.eigh(centred.T @ centred)[1], axis=0)[::-1]
 
 
-def _farthest(points, centre) -> float:
+def _farthest(points: Any, centre: np.ndarray | tuple[float, float, float]) -> float:
     return max((float(np.linalg.norm(np.subtract(point, centre))) for point in points), default=0.0)
 
 
-def _moments(inertia) -> tuple[float, ...]:
+def _moments(inertia: list[list[float]] | np.ndarray) -> tuple[float, ...]:
     return tuple(np.linalg.eigvalsh(np.asarray(inertia, dtype=float)).tolist())
 
 
-def _about_centre(inertia, mass, centre):
+def _about_centre(
+    inertia: np.ndarray, mass: float, centre: np.ndarray | tuple[float, float, float]
+) -> np.ndarray:
     c = np.asarray(centre, dtype=float)
     return inertia - mass * (c @ c * np.eye(3) - np.outer(c, c))
 
@@ -164,16 +169,16 @@ def _of_young(model: "DynamicModel") -> Iterable[Extent]:
             if body not in held:
                 joined.setdefault(body, []).append(point)
     found = []
-    for k, body in enumerate(mechanism.bodies):
+    for k, body in enumerate(mechanism.bodies):  # type: ignore[assignment]
         if k in held:
             continue
         points, given = joined.get(k, ()), masses.get(k)
         if given is None:
-            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))
+            found.append(Extent(body.name, 0.0, (0.0,) * 3, _farthest(points, (0.0, 0.0, 0.0)), body.place))  # type: ignore[attr-defined]
             continue
         xx, yy, zz, xy, yz, zx = given.inertia
         moments = _moments([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))
+        found.append(Extent(body.name, given.mass, moments, _farthest(points, given.centre), given.place))  # type: ignore[attr-defined]
     return found
 
 

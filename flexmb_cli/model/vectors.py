@@ -5,16 +5,17 @@ the kernels as data must not.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
 
-def dot(a, b) -> float:
+def dot(a: Any, b: np.ndarray | tuple[float, float, float]) -> float:
     """Scalar product."""
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
-def cross(a, b) -> np.ndarray:
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Vector product."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
@@ -30,19 +31,19 @@ def cross_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return product
 
 
-def length(v) -> float:
+def length(v: Any) -> float:
     """Euclidean length of a vector of any size."""
     return math.sqrt(sum(float(x) * float(x) for x in v))
 
 
-def unit(v) -> np.ndarray:
+def unit(v: Any) -> np.ndarray:
     """The vector of length one along v, which is not zero."""
     v = np.asarray(v, dtype=float)
     v = v / np.max(np.abs(v))  # squares of very long or short vectors leave the range of doubles
     return v / length(v)
 
 
-def rotation_matrix(p) -> np.ndarray:
+def rotation_matrix(p: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
     """A (3, 3) of Young (1996), eq. (3.17), body to global axes, for p of any length but zero."""
     e0, e1, e2, e3 = unit(p)
     return 2.0 * np.array(
@@ -54,7 +55,7 @@ def rotation_matrix(p) -> np.ndarray:
     )
 
 
-def rotated(A, v) -> np.ndarray:
+def rotated(A: np.ndarray, v: np.ndarray | tuple[float, float, float]) -> np.ndarray:
     """A v."""
     return np.array([dot(row, v) for row in A])
 

@@ -14,6 +14,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from time import monotonic
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.lib.format import descr_to_dtype, dtype_to_descr
@@ -22,6 +23,10 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
 from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.replaced_file import hold, is_unfinished, located
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
@@ -80,11 +85,11 @@ class ResumeFile:
         if lost:
             self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
-    def _doubt(self, severity, what):
+    def _doubt(self, severity: "Any", what: "Any") -> None:
         self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property
-    def _head(self):
+    def _head(self) -> bytes:
         return json.dumps(self.identity).encode() + b"\n"
 
     def begin(self, unfinished: Sequence[str]) -> None:
@@ -149,14 +154,14 @@ class ResumeFile:
             with suppress(OSError):
                 os.unlink(self.path)
 
-    def _opened(self):
+    def _opened(self) -> "Any":
         try:
-            return open(open_managed(self.path, os.O_RDONLY), "rb")
+            return open(open_managed(self.path, os.O_RDONLY), "rb")  # type: ignore[arg-type]
         except OSError as error:
             raise OutputError(f"{self.path}: cannot be read: {error.strerror}", id="RUN-006") from error
 
-    def _open(self):
-        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))
+    def _open(self) -> None:
+        file = unbuffered(open_managed(self.path, os.O_RDWR | os.O_CREAT))  # type: ignore[arg-type]
         obstacle = _obstacle(file)
         if obstacle:
             file.close()
@@ -167,17 +172,17 @@ class ResumeFile:
         if not self._end:
             self._put(self._head)
 
-    def _write(self, arrays):
+    def _write(self, arrays: Any) -> None:
         entry = _packed(arrays)
         self._put(_HEAD.pack(len(entry), zlib.crc32(entry)) + entry)
 
-    def _put(self, data):
+    def _put(self, data: Any) -> None:
         view = memoryview(data)
         while view:
-            view = view[self._file.write(view) :]
-        GROWING.grown(self.path)
+            view = view[self._file.write(view) :]  # type: ignore[attr-defined]
+        GROWING.grown(self.path)  # type: ignore[arg-type]
 
-    def _check_identity(self, head):
+    def _check_identity(self, head: "Any") -> None:
         try:
             found = dict(json.loads(head))
         except (ValueError, TypeError, RecursionError) as fault:
@@ -187,14 +192,14 @@ class ResumeFile:
         if other:
             raise ModelError([Fault("error", self._refusal(found, other), id="RUN-009")])
 
-    def _refusal(self, found, names):
+    def _refusal(self, found: "Any", names: "Any") -> "Any":
         changes = "; ".join(
             f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
         )
         return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
 
 
-def _obstacle(file):
+def _obstacle(file: "Any") -> str:
     """Return why the open file may not be written as a resume file; "" where it may."""
     if hold(file) is False:
         return "another run is writing it; wait until it ends"
@@ -204,12 +209,12 @@ def _obstacle(file):
     return ""
 
 
-def _is_blank(head):
+def _is_blank(head: bytes) -> bool:
     """Return whether a resume file begins with nothing, or with the zeros that a loss of power may leave."""
     return not head.strip(b"\0")
 
 
-def _entries(file):
+def _entries(file: "Any") -> Any:
     """Whole entries up to the end or the first torn one."""
     size = os.fstat(file.fileno()).st_size
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
@@ -226,14 +231,14 @@ def _entries(file):
         yield entry
 
 
-def _packed(arrays):
+def _packed(arrays: dict[str, np.ndarray]) -> bytes:
     """An entry: a line that describes the arrays, and their bytes; files of numpy take ten times longer."""
     given = {name: np.asarray(array) for name, array in arrays.items()}
     reported = [[name, dtype_to_descr(array.dtype), array.shape] for name, array in given.items()]
     return json.dumps(reported).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
 
 
-def _is_whole(entry):
+def _is_whole(entry: "Any") -> "Any":
     """Return whether an entry describes arrays, and holds as many bytes as they have."""
     try:
         size = sum(dtype.itemsize * math.prod(shape) for _, dtype, shape in _described(entry))
@@ -242,7 +247,7 @@ def _is_whole(entry):
         return False
 
 
-def _described(entry):
+def _described(entry: "Any") -> "Any":
     """Name, type and shape of the arrays of an entry.  Raises one of `_UNDESCRIBED`."""
     described = []
     for name, reported, shape in json.loads(entry.partition(b"\n")[0]):
@@ -254,12 +259,12 @@ def _described(entry):
     return described
 
 
-def _names(entry):
+def _names(entry: "Any") -> "Any":
     """The names of the arrays of an entry."""
     return [name for name, _, _ in _described(entry)]
 
 
-def _arrays(entry, names=None):
+def _arrays(entry: "Any", names: "Any" = None) -> "Any":
     """The arrays of an entry, or those of them that are called `names`."""
     content = entry.partition(b"\n")[2]
     found, start = {}, 0
@@ -273,19 +278,19 @@ def _arrays(entry, names=None):
     return found
 
 
-def _with_tuples(described):
+def _with_tuples(described: "Any") -> "Any":
     """A type's description as numpy has it: JSON knows lists only."""
     if isinstance(described, str):
         return described
     return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]
 
 
-def _split(arrays):
+def _split(arrays: "Any") -> "Any":
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
     return {name: array for name, array in arrays.items() if not name.startswith(_STATE)}, state
 
 
-def _remove_unfinished(arrays, folder):
+def _remove_unfinished(arrays: "Any", folder: "Any") -> None:
     for names in arrays.values():
         for name in map(os.path.basename, names.tolist()):
             if is_unfinished(name):
@@ -293,6 +298,6 @@ def _remove_unfinished(arrays, folder):
                     os.unlink(os.path.join(folder, name))
 
 
-def _shown(value):
+def _shown(value: Any) -> "Any":
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 20 else f"{text[:12]}…"

@@ -1,6 +1,7 @@
 """A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
 from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import DeckText
 from ..dialects import DIALECTS
@@ -12,6 +13,14 @@ from .model import analysis_of, folder_of, model_of
 from .open_deck import open_deck
 from .outcome import Outcome, RunOptions
 from .solution import solution_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..model.loads import DynamicModel
+    from ..model.mechanism import Mechanism
+    from ..model.tree import Tree
+
 
 SI = "m"
 
@@ -38,13 +47,13 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         raise
 
 
-def _refuse_own(deck, form):
+def _refuse_own(deck: Any, form: "Any") -> None:
     if deck.dialect == form:
         message = f"the deck is a {dialect_named(form).title} deck already"
         raise ModelError([Fault("error", message, id="RUN-060")])
 
 
-def _deck_of(deck, run, form, units):
+def _deck_of(deck: Any, run: Any, form: "Any", units: "Any") -> "Any":
     """The model as a deck of the dialect `form`, which that dialect accepts."""
     from ..model.exchange.units import UNITS, in_units
 
@@ -60,11 +69,11 @@ def _deck_of(deck, run, form, units):
     return text
 
 
-def _title(deck):
+def _title(deck: Any) -> "Any":
     return f"converted from the {dialect_named(deck.dialect).title} deck {PurePath(deck.source.name).name}"
 
 
-def _refuse_unreadable(text, form, run):
+def _refuse_unreadable(text: "Any", form: "Any", run: Any) -> None:
     """What the writer let through, and the dialect does not accept, must not pass for a deck."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
@@ -74,7 +83,7 @@ def _refuse_unreadable(text, form, run):
         raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 
-def _mjcf(model, name):
+def _mjcf(model: "Mechanism | Tree", name: str) -> str:
     from ..results.models.mjcf import mjcf
 
     if analysis_of(model) != "tree":
@@ -83,10 +92,10 @@ def _mjcf(model, name):
             analysis_of(model) == "dynamic" and model.analysis == "forward"
         )
         raise ModelError([Fault("error", message, id="RUN-027")])
-    return mjcf(model, name)
+    return mjcf(model, name)  # type: ignore[arg-type]
 
 
-def _exudyn(model, name):
+def _exudyn(model: Any, name: Any) -> str:
     from ..results.models.exudyn import exudyn_script
 
     if analysis_of(model) != "dynamic" or model.analysis != "forward":
@@ -95,7 +104,7 @@ def _exudyn(model, name):
     return exudyn_script(model, start_of(model), name)
 
 
-def start_of(model, run: Run | None = None) -> dict:
+def start_of(model: "DynamicModel", run: Run | None = None) -> dict:
     """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time.
 
     Of joint and tree coordinates "q" where the model reports them.
@@ -106,13 +115,13 @@ def start_of(model, run: Run | None = None) -> dict:
     return found | {"q": values["coordinate/q"][0] if "coordinate/q" in values else ()}
 
 
-def _start(model, run):
+def _start(model: "Any", run: Any) -> "Any":
     from ..model.exchange.start import Start
 
     return Start(**start_of(model, run))
 
 
-def _first_row_of(model):
+def _first_row_of(model: "Any") -> "Any":
     mechanism = getattr(model, "mechanism", None)
     timed = mechanism or model
     timed = replace(timed, time=replace(timed.time, end=timed.time.start))

@@ -25,15 +25,15 @@ class EnergyDrift:
     reference = "kinetic and strain energy reach"
     reasons = OF_TREES
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.first = None
         self.largest = self.scale = self.lost = 0.0
 
-    def add(self, values):
+    def add(self, values: dict[str, np.ndarray]) -> None:
         """Take in a block of rows, by the paths of their datasets."""
         self.take(values["energy/total"], values["energy/kinetic"] + values["energy/strain"])
 
-    def take(self, total, moved):
+    def take(self, total: np.ndarray, moved: np.ndarray) -> None:
         """Take in the total energy of a block of rows (T,) and that which it is measured against."""
         self.first = total[0] if self.first is None else self.first
         self.largest = max(self.largest, float(np.max(np.abs(total - self.first))))
@@ -47,7 +47,7 @@ class EnergyDrift:
             return ()
         return (Fault("warning", f"{self}, {STRAYS}{self.reasons}", id="RUN-014"),)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"total energy drifts by {self.largest:.1e} J, {self.reference} {self.scale:.2g} J"
 
 

@@ -1,6 +1,7 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,6 +9,10 @@ from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
 from ..quick_dataclass import replace
 from .context import Run
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"
@@ -58,7 +63,7 @@ class ErrorEstimate:
         self._note(values, errors)
         return {**values, **errors}
 
-    def _next(self, times):
+    def _next(self, times: "Any") -> "Any":
         """The rows of the second run at these times, fewer where it stops."""
         count = len(times)
         while len(self.waiting.get("time", ())) < count and not self.doubts:
@@ -76,7 +81,7 @@ class ErrorEstimate:
         self.waiting = {path: rows[count:] for path, rows in self.waiting.items()}
         return taken
 
-    def _note(self, values, errors):
+    def _note(self, values: Any, errors: "Any") -> None:
         for name, error in errors.items():
             if np.isnan(error).all():
                 continue
@@ -111,7 +116,7 @@ def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.unheard)
     if not second.integrator.chosen:
-        return nothing_to_refine(run, GIVEN_STEPS)
+        return nothing_to_refine(run, GIVEN_STEPS)  # type: ignore[func-returns-value]
     clock = second.clock
     tolerance = float(clock["rtol"][0])
     run.outcome.faults += why_no_estimate(tolerance)
@@ -119,7 +124,7 @@ def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[
     return (values(rows) for rows in second.rows())
 
 
-def with_errors(layout):
+def with_errors(layout: "Any") -> "Any":
     """A Layout with the largest error of every quantity along time."""
     errors = tuple(
         replace(item, path=PLACE + item.path, axes=(), long_name=f"largest global error: {item.long_name}")
@@ -129,11 +134,11 @@ def with_errors(layout):
     return replace(layout, series=(*layout.series, *errors))
 
 
-def _is_estimated(path):
+def _is_estimated(path: str) -> "Any":
     return not path.startswith(NOT_ESTIMATED)
 
 
-def _apart(a, b):
+def _apart(a: "Any", b: "Any") -> "Any":
     """The largest distance in each row of a and b (T, ...); nan in rows that only a has."""
     found = np.full(len(a), np.nan)
     count = len(b)

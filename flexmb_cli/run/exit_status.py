@@ -1,11 +1,17 @@
 """How a deck ends that does not come to its last time: what learns of it, and its exit code."""
 
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
 from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..quick_dataclass import replace
 from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 _REPORT = "please report it with the deck: `flexmb --debug …` shows where it happened"
 
@@ -15,7 +21,7 @@ class StreamError(OSError):
 
 
 @contextmanager
-def ending_recorded(outcome: Outcome, options: RunOptions):
+def ending_recorded(outcome: Outcome, options: RunOptions) -> "Iterator[None]":
     """Whatever ends a deck in here goes into its `outcome`, so that the next one is tried.
 
     Raised on are a StreamError, and with `options.debug` faults of flexmb itself.
@@ -46,7 +52,7 @@ def reason_of(ending: BaseException) -> str:
     return f"a fault of flexmb itself: {type(ending).__name__}"
 
 
-def _record_failure(outcome, failure, options):
+def _record_failure(outcome: Outcome, failure: FlexmbError, options: RunOptions) -> None:
     known = set(outcome.faults)
     faults = [fault for fault in failure.faults if fault not in known]
     if isinstance(failure, ModelError | AnalysisError):
@@ -59,7 +65,7 @@ def _record_failure(outcome, failure, options):
         raise failure
 
 
-def _by_change(fault, options):
+def _by_change(fault: Fault, options: RunOptions) -> Fault:
     """A fault of the model, where numbers were changed, may be theirs; the line shown has the old ones."""
     reported = any(change in fault.message for change in options.changes)
     if options.changes and fault.severity == "error" and not reported:
@@ -69,7 +75,7 @@ def _by_change(fault, options):
     return fault
 
 
-def _record_fault(outcome, fault, options):
+def _record_fault(outcome: Any, fault: "Any", options: Any) -> None:
     """A stop that became another exception, or a fault of the machine or of flexmb itself."""
     if Stop.asked is not None:
         outcome.exit_code = Stop.code()

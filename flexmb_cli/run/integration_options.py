@@ -24,9 +24,9 @@ def set_tolerances(analysis: object, options: RunOptions, outcome: Outcome) -> N
     given = {name: options.integration[name] for name in ("rtol", "atol") if name in options.integration}
     if not given:
         return
-    if not analysis.integrator.chosen:
+    if not analysis.integrator.chosen:  # type: ignore[attr-defined]
         names = " and ".join(f"--{name}" for name in given)
         message = f"{names}: the deck gives the length of the steps; set it to 0, or take --method radau"
         outcome.faults.append(Fault("warning", message, id="RUN-026"))
     for name, value in given.items():
-        analysis.clock[name] = value
+        analysis.clock[name] = value  # type: ignore[attr-defined]

@@ -1,15 +1,27 @@
 """Small motions of the mechanism of a deck, about a time or an equilibrium."""
 
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ..errors import Fault, ModelError
 from ..model.flexible_mechanism import FlexibleMechanism
 from ..model.loads import DynamicModel
+from ..model.mechanism import TimeGrid
 from ..model.tree import Tree
 from ..quick_dataclass import dataclass, replace
-from ..solvers.compilation import tell_of_compiling
+from ..solvers.compilation import Notices, tell_of_compiling
 from .check.parts import FARTHEST_STEPS
 from .context import Run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from ..solvers.linearisation.motion import LinearisedMotion
+    from ..solvers.linearisation.state_space import StateSpace
+
 
 # Speeds up to which uncompiled kernels answer before compiled ones would be ready.
 INTERPRETED_LIMIT = 30
@@ -44,10 +56,10 @@ class MechanismModes:
 
     time: float
     equilibrium: bool
-    modes: object
+    modes: Any
     names: tuple[str, ...]
     position: tuple[tuple[str, tuple[float, ...]], ...]
-    space: object = None
+    space: Any = None
 
     def as_dict(self) -> dict:
         """The record that `--json` prints."""
@@ -75,7 +87,7 @@ class MechanismModes:
         return {"time": self.time, **record_of(self.space)}
 
 
-def record_of(space) -> dict:
+def record_of(space: Any) -> dict:
     """Return a StateSpace as lists and words."""
     signals = {
         what: [{"name": s.name, "unit": s.unit} for s in getattr(space, what)]
@@ -89,38 +101,46 @@ def record_of(space) -> dict:
 def flexible_modes(mechanism: FlexibleMechanism, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a mechanism of flexible bodies; raises AnalysisError where there are none."""
     speeds = sum(6 + body.modes for body in mechanism.bodies)
-    _prepare(speeds, wish, mechanism.time, run.listener)
-    from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
+    with _kernels(speeds, wish, mechanism.time, run.listener):
+        from ..solvers.constrained.flexible_dynamics import FlexibleDynamics
 
-    return _of_mechanism(FlexibleDynamics(mechanism), wish, run)
+        return _of_mechanism(FlexibleDynamics(mechanism), wish, run)
 
 
 def dynamic_modes(model: DynamicModel, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a dynamic model; raises AnalysisError where there are none."""
     run.warn(())
-    _prepare(6 * len(model.mechanism.bodies), wish, model.mechanism.time, run.listener)
-    from ..solvers.constrained.young_dynamics import ForwardDynamics
+    with _kernels(6 * len(model.mechanism.bodies), wish, model.mechanism.time, run.listener):
+        from ..solvers.constrained.young_dynamics import ForwardDynamics
 
-    return _of_mechanism(ForwardDynamics(model), wish, run)
+        return _of_mechanism(ForwardDynamics(model), wish, run)
 
 
-def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_dop853.integrate_rows"):
-    """Small mechanisms that need not move first are looked at by uncompiled kernels."""
-    from ..solvers import compilation
+def _kernels(
+    speeds: int,
+    wish: Wish,
+    grid: TimeGrid,
+    listener: Notices,
+    entry: str = "integrators.constrained_dop853.integrate_rows",
+) -> AbstractContextManager[None]:
+    """Return a block whose kernels are uncompiled for small mechanisms that need not move first.
+
+    Raises ModelError for a time to linearise at that is too late.
+    """
+    from ..solvers.compilation import interpreting
 
     if wish.time is not None and wish.time - grid.start > FARTHEST_STEPS * grid.step:
         message = (
             f"--at {wish.time:g}: later than {FARTHEST_STEPS} of the deck's steps; ask for an earlier time"
         )
         raise ModelError([Fault("error", message, id="RUN-017")])
-
     if speeds <= INTERPRETED_LIMIT and (wish.time is None or wish.time <= grid.start):
-        compilation.interpret()
-    else:
-        tell_of_compiling(listener, entry)
+        return interpreting()
+    tell_of_compiling(listener, entry)
+    return nullcontext()
 
 
-def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
+def _of_mechanism(analysis: Any, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
     from ..solvers.linearisation.equilibrium import find_equilibrium
@@ -136,7 +156,7 @@ def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
     space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
     names = tuple(arrays.speed_name(k) for k in range(arrays.speeds))
-    z = motion.q
+    z = motion.q  # type: ignore[attr-defined]
     position = [(name, tuple(z[7 * b : 7 * b + 7].tolist())) for b, name in enumerate(arrays.body_names)]
     first = 7 * arrays.bodies
     for f in arrays.flexible:
@@ -145,7 +165,9 @@ def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
     return MechanismModes(motion.t, wish.equilibrium, found, names, tuple(position), space)
 
 
-def _space(wish, responses, motion, A, signals):
+def _space(
+    wish: Wish, responses: type, motion: "LinearisedMotion", A: np.ndarray, signals: "Callable[..., Any]"
+) -> "StateSpace | None":
     """The state space of a linearised motion, where it is asked for."""
     from ..solvers.linearisation.state_space import state_space
 
@@ -156,14 +178,19 @@ def _space(wish, responses, motion, A, signals):
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
-    grid = tree.time
-    _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.integrate_rows")
+    entry = "integrators.tree_dop853.integrate_rows"
+    with _kernels(len(tree.coordinates), wish, tree.time, run.listener, entry):
+        return _of_tree(tree, wish)
+
+
+def _of_tree(tree: Tree, wish: Wish) -> MechanismModes:
     from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree
     from ..solvers.linearisation.tree_responses import TreeResponses, tree_signals
     from ..solvers.tree.analysis import TreeAnalysis
 
+    grid = tree.time
     time = grid.start if wish.time is None else wish.time
     if time > grid.start:
         tree = replace(tree, time=replace(grid, end=time, step=time - grid.start))
@@ -176,6 +203,6 @@ def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     found = modes_of(motion, A, constant)
     names = tuple(coordinate.name for coordinate in tree.coordinates)
     n = len(names)
-    q = np.asarray(motion.z[n : 2 * n]).tolist()
+    q = np.asarray(motion.z[n : 2 * n]).tolist()  # type: ignore[attr-defined]
     position = tuple((name, (value,)) for name, value in zip(names, q, strict=True))
     return MechanismModes(motion.t, wish.equilibrium, found, names, position, space)

@@ -2,12 +2,23 @@
 
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import Deck
 from ..deck.text import STANDARD_INPUT
 from ..dialects.recognise import dialect_named
 from ..quick_dataclass import replace
 from .context import Run
+
+if TYPE_CHECKING:
+    from types import ModuleType
+    from typing import Any
+
+    from ..model.loads import DynamicModel
+    from ..model.mechanism import Mechanism
+    from ..model.tree import Tree
+    from .outcome import RunOptions
+
 
 # The analysis of every type of model.  Each has a module of this name for runs, checks, modes and
 # verifications; a run imports that of its own model only.
@@ -19,7 +30,7 @@ ANALYSES = {
 }
 
 
-def model_of(deck: Deck, run: Run):
+def model_of(deck: Deck, run: Run) -> "Any":
     """Return the model of `deck` as the options want it solved; file names are relative to the deck.
 
     Its doubts go into the outcome.  Raises ModelError.
@@ -35,18 +46,18 @@ def folder_of(run: Run) -> Path:
     return Path() if deck == STANDARD_INPUT else Path(deck).parent
 
 
-def analysis_of(model) -> str:
+def analysis_of(model: Any) -> str:
     """Return the name of a model's analysis."""
     return ANALYSES[type(model).__name__]
 
 
-def module_for(model, package: str):
+def module_for(model: "DynamicModel | Mechanism | Tree", package: str) -> "ModuleType":
     """Return the module of the model's analysis in a package of this folder: "solutions", "check" …"""
     # A run imports the analysis of its own model only.
     return import_module(f"{__package__}.{package}.{analysis_of(model)}")
 
 
-def _integrated(tree, deck, options):
+def _integrated(tree: Any, deck: Deck, options: "RunOptions") -> "Tree":
     """The tree with the integration that the options ask for; another method has another tolerance."""
     from ..model.tree import default_tolerances
 

@@ -45,7 +45,7 @@ def modes_of_deck(path: str, wish: Wish, options: RunOptions, listener: Listener
     return report
 
 
-def _fill(report: ModesReport, wish: Wish, run: Run):
+def _fill(report: ModesReport, wish: Wish, run: Run) -> None:
     deck = open_deck(run.outcome.deck, run.options, run.outcome)
     model = model_of(deck, run)
     analysis = analysis_of(model)
@@ -60,14 +60,14 @@ def _fill(report: ModesReport, wish: Wish, run: Run):
     if analysis == "flexible":
         report.bodies = [body.flexible for body in model.bodies if body.flexible is not None]
     if wish.of_mechanism or not report.bodies:
-        report.mechanism = MODES[analysis](model, wish, run)
+        report.mechanism = MODES[analysis](model, wish, run)  # type: ignore[operator]
         _write(report.mechanism, wish)
 
 
 MODES = {"dynamic": dynamic_modes, "flexible": flexible_modes, "tree": tree_modes}
 
 
-def _write(mechanism: MechanismModes, wish: Wish):
+def _write(mechanism: MechanismModes, wish: Wish) -> None:
     if wish.out is not None:
         from .state_space_output import write_state_space
 

@@ -1,5 +1,7 @@
 """A deck from its file to records: with the changes of `--set`, and doubts about the options given."""
 
+from typing import TYPE_CHECKING, Any
+
 from ..deck.record import Deck
 from ..deck.several_models import changes_of, named_model, only_model
 from ..deck.text import read_text
@@ -8,6 +10,10 @@ from ..errors import Fault
 from ..quick_dataclass import replace
 from ..solvers.as_printed.errors import AS_PRINTED
 from .outcome import SOLVER_OPTIONS, Outcome, RunOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 INTEGRATION = ("method", "rtol", "atol")
 # What takes the place of an option where it means nothing.
@@ -42,14 +48,14 @@ def open_deck(path: str, options: RunOptions, outcome: Outcome) -> Deck:
     return replace(deck, options=_counting_options(deck, options), model=model)
 
 
-def _counting_options(deck, options):
+def _counting_options(deck: Deck, options: RunOptions) -> tuple[str, ...]:
     """The options of this run on which its numbers depend, as the command has them."""
     known = _options_of(deck)
     given = [(name, value) for name, value in options.given_numbers if name in known]
     return tuple(name if value is None else f"{name}={value}" for name, value in given)
 
 
-def _options_of(deck):
+def _options_of(deck: Deck) -> list[str]:
     """The options on which numbers of this deck depend: those of steps only where steps are taken."""
     dialect = dialect_named(deck.dialect)
     return [name for name in dialect.options if name not in INTEGRATION or dialect.takes_steps(deck)]
@@ -75,9 +81,9 @@ def own_options(deck: Deck, options: RunOptions) -> RunOptions:
     return replace(options, as_printed=as_printed)
 
 
-def _doubly_set(changes):
+def _doubly_set(changes: Any) -> "Iterator[Fault]":
     """Notes on numbers that `--set` names more than once."""
-    words = {}
+    words: dict[Any, Any] = {}
     for change in changes:
         name, _, word = (part.strip() for part in change.partition("="))
         words.setdefault(name, []).append(word)

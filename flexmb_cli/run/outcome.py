@@ -2,10 +2,15 @@
 
 from collections.abc import Callable
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from ..deck.record import DeckText
 from ..errors import DONE, Fault, ModelError
 from ..quick_dataclass import dataclass, field, replace
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 INTERRUPTED, TERMINATED = 130, 143
 
@@ -30,7 +35,7 @@ class Stop:
 
     @classmethod
     @contextmanager
-    def later(cls):
+    def later(cls) -> "Iterator[None]":
         """Have a signal wait for `heed`."""
         cls.held += 1
         try:
@@ -40,7 +45,7 @@ class Stop:
 
     @classmethod
     @contextmanager
-    def released(cls):
+    def released(cls) -> "Iterator[None]":
         """Have a signal raised at once, also one that has come already."""
         before = cls.held
         try:

@@ -1,17 +1,26 @@
 """The files of one run: printed tables of its dialect and the HDF5 result; all appear whole or not at all."""
 
 from contextlib import suppress
+from typing import TYPE_CHECKING, Any
 
 from ..dialects.recognise import dialect_named
 from ..errors import OutputError
 from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from .context import Run
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..deck.record import Deck
+    from .solution import Solution
+
 
 class ResultFiles:
     """The files at `paths`; `with_errors`: the result also holds estimated errors."""
 
-    def __init__(self, deck, solution, paths: ResultPaths, run: Run, with_errors: bool = False):
+    def __init__(
+        self, deck: "Deck", solution: "Solution", paths: ResultPaths, run: Run, with_errors: bool = False
+    ):
         from ..results.files.replaced_file import make_folder
 
         self.paths = paths
@@ -28,7 +37,7 @@ class ResultFiles:
             self.discard()
             raise
 
-    def _open_table(self, deck, solution, run):
+    def _open_table(self, deck: Any, solution: Any, run: Any) -> None:
         from ..results.files.replaced_file import ReplacedText
 
         out = None
@@ -41,9 +50,11 @@ class ResultFiles:
         series = self.texts[len(self.texts) - len(self.paths.series) :]
         if out is not None or series:
             dialect, streams = dialect_named(deck.dialect), (out, *series)
-            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)
+            self.table = dialect.table(streams, deck, run.options.layout, solution.analysis)  # type: ignore[assignment]
 
-    def _open_result(self, deck, solution, only, with_errors):
+    def _open_result(
+        self, deck: Any, solution: "Solution", only: "tuple[Any, ...]", with_errors: bool
+    ) -> None:
         from ..results.hdf5.result_file import ResultFile
 
         layout = solution.layout()
@@ -55,14 +66,14 @@ class ResultFiles:
             from ..results.quantities.selection import selected
 
             layout = selected(layout, deck, only)
-        self.result = ResultFile(self.paths.h5, deck, layout)
+        self.result = ResultFile(self.paths.h5, deck, layout)  # type: ignore[assignment]
 
     @property
     def unfinished(self) -> tuple[str, ...]:
         """Where the files are until they are complete."""
         return tuple(file.temporary for file in self._all())
 
-    def _begin(self):
+    def _begin(self) -> None:
         if self.table and not self.begun:
             self.begun = True
             self.table.begin()
@@ -109,9 +120,9 @@ class ResultFiles:
         if self.begun and self.paths.out == STANDARD_OUTPUT:
             # It may be the very thing that fails, and what ended the run is reported, not this.
             with suppress(OSError, OutputError):
-                self.table.stopped()
+                self.table.stopped()  # type: ignore[attr-defined]
         for file in self._all():
             file.discard()
 
-    def _all(self):
+    def _all(self) -> "list[Any]":
         return [*self.texts, *([self.result] if self.result else [])]

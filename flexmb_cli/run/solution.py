@@ -6,6 +6,7 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..deck.record import Deck
@@ -19,6 +20,11 @@ from .integration_options import refuse_foreign_method
 from .model import model_of, module_for
 from .outcome import Stop, Terminated
 from .result_files import ResultFiles
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
 
 
 class NoCount:
@@ -60,7 +66,7 @@ class Solution:
 
     def blocks(self) -> Iterator[dict]:
         """Yield the blocks of values; raises as the analysis does."""
-        return map(self.values, self.analysis.rows())
+        return map(self.values, self.analysis.rows())  # type: ignore[attr-defined]
 
     def blocks_counted(self) -> Iterator[dict]:
         """Yield the blocks of values and count them."""
@@ -69,7 +75,7 @@ class Solution:
             yield values
 
 
-def solution_of(model, run: Run) -> Solution:
+def solution_of(model: "Any", run: Run) -> Solution:
     """Return the solution of a model; raises ModelError."""
     return module_for(model, "solutions").solution(model, run)
 
@@ -91,7 +97,7 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
 
 
 @contextmanager
-def _resumable_if_stopped(paths, run):
+def _resumable_if_stopped(paths: ResultPaths, run: Run) -> Iterator[None]:
     """Who stops a run before it has looked at its resume file learns of it, too."""
     try:
         yield
@@ -101,7 +107,7 @@ def _resumable_if_stopped(paths, run):
         raise
 
 
-def _resume_file(deck, solution, paths, run) -> ResumeFile:
+def _resume_file(deck: Deck, solution: Solution, paths: ResultPaths, run: Run) -> ResumeFile:
     """The resume file of a run; one that cannot be resumed keeps none."""
     kept = paths.resume if solution.resumable else None
     resume_file = ResumeFile(kept, identity_of(deck, solution, run))
@@ -127,7 +133,7 @@ def identity_of(deck: Deck, solution: Solution, run: Run) -> dict:
     }
 
 
-def _estimate(solution, run):
+def _estimate(solution: Solution, run: Run) -> "Any":
     """The comparison with a second run, where it is asked for and can be made."""
     if not run.options.estimate_error:
         return None
@@ -140,7 +146,16 @@ def _estimate(solution, run):
 class _Keeper:
     """Keeps the rows of one run: resume file first, then tables and result."""
 
-    def __init__(self, deck, solution: Solution, paths, run: Run, resume_file: ResumeFile, estimate, doubts):
+    def __init__(
+        self,
+        deck: Deck,
+        solution: Solution,
+        paths: ResultPaths,
+        run: Run,
+        resume_file: ResumeFile,
+        estimate: None,
+        doubts: list[Fault],
+    ):
         self.solution, self.run, self.resume_file, self.estimate = solution, run, resume_file, estimate
         self.doubts = doubts
         self.files = ResultFiles(deck, solution, paths, run, estimate is not None)
@@ -172,7 +187,7 @@ class _Keeper:
             raise
         self._complete()
 
-    def _keep_blocks(self):
+    def _keep_blocks(self) -> None:
         """Take block by block; between two of them a run can be stopped.
 
         Raises KeyboardInterrupt or Terminated before all rows that are wanted are kept.
@@ -188,7 +203,7 @@ class _Keeper:
                 listener.advance(len(values["time"]))
                 Stop.heed()
 
-    def _blocks(self):
+    def _blocks(self) -> "Iterator[dict[str, np.ndarray]]":
         """Blocks of values: those of a stopped run first, then what the analysis adds to the resume file."""
         solution, resume_file = self.solution, self.resume_file
         if resume_file.last_checkpoint is not None:
@@ -199,17 +214,17 @@ class _Keeper:
             self.run.listener.notice("nothing to resume; the run starts at its beginning")
         if self.run.outcome.rows >= solution.rows:
             return
-        for rows in solution.analysis.rows():
+        for rows in solution.analysis.rows():  # type: ignore[attr-defined]
             values = solution.values(rows)
             if resume_file.path is not None:
                 with Stop.later():
-                    resume_file.append(values, solution.analysis.checkpoint)
+                    resume_file.append(values, solution.analysis.checkpoint)  # type: ignore[attr-defined]
             yield self._with_errors(values)
 
-    def _with_errors(self, values):
+    def _with_errors(self, values: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]":
         return values if self.estimate is None else self.estimate.of(values)
 
-    def _write(self, values):
+    def _write(self, values: "dict[str, np.ndarray]") -> None:
         outcome, count = self.run.outcome, self.solution.count
         self.files.rows(values)
         count.add(values)
@@ -218,7 +233,7 @@ class _Keeper:
         if self.estimate is not None:
             outcome.errors = self.estimate.as_dict
 
-    def _tell_doubts(self):
+    def _tell_doubts(self) -> None:
         """Tell what the analysis, the energy of the rows and the second run make doubtful."""
         estimated = () if self.estimate is None else self.estimate.doubts
         self.solution.warnings.extend((*self.solution.count.doubts, *estimated))
@@ -229,11 +244,11 @@ class _Keeper:
         """What the model made doubtful and the analysis reported about its way, for the result file."""
         return sentences((*self.doubts, *self.solution.warnings))
 
-    def _leave_resume_file(self):
+    def _leave_resume_file(self) -> None:
         self.resume_file.close()
         self.run.outcome.resumable = self.resume_file.begun
 
-    def _complete(self):
+    def _complete(self) -> None:
         """Put the results in their places; where they cannot be, the resume file stays for the next
         attempt.
         """

@@ -1,14 +1,19 @@
 """What is counted of the dynamics of a mechanism under constraints."""
 
+from typing import TYPE_CHECKING
+
 from ..errors import Fault
 from .energy_drift import ConstrainedDrift
 from .solution import NoCount
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class StepCount(NoCount):
     """Steps, residuals and drift of energy so far; an inverse run takes no steps of its own."""
 
-    def __init__(self, clock=None, drift: ConstrainedDrift | None = None):
+    def __init__(self, clock: "np.ndarray | None" = None, drift: ConstrainedDrift | None = None):
         self.clock, self.drift = clock, drift
         self.residual = 0.0
 
@@ -19,7 +24,7 @@ class StepCount(NoCount):
             self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
         """What the energy of the rows makes doubtful."""
         return self.drift.doubts if self.drift else ()
 

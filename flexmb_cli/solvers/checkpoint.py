@@ -2,13 +2,21 @@
 
 import json
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Fault
 
+if TYPE_CHECKING:
+    from typing import Any
 
-def arrays_in(**records) -> dict[str, np.ndarray]:
+    from ..kernels.constrained.system import Work
+    from ..kernels.integrators.constrained_dop853 import Integration
+    from ..kernels.integrators.generalised_alpha import AlphaIntegration
+
+
+def arrays_in(**records: "Any") -> dict[str, np.ndarray]:
     """Return the arrays of named tuples, and of those in them, by their paths; a shared one once."""
     found, seen = {}, set()
     for path, array in (pair for name, record in records.items() for pair in _walk(record, name)):
@@ -22,7 +30,7 @@ class OtherRun(ValueError):
     """What a checkpoint holds does not fit the analysis that is to go on from it."""
 
 
-def fill_arrays(stored: Mapping, **records) -> None:
+def fill_arrays(stored: Mapping, **records: "Any") -> None:
     """Fill the arrays of named tuples with what `arrays_in` gave of such ones.  Raises OtherRun."""
     for path, array in arrays_in(**records).items():
         array[...] = taken(stored, path, array.shape, array.dtype)
@@ -47,7 +55,7 @@ def row_of(stored: Mapping) -> int:
     return int(taken(stored, "row", (), np.int64))
 
 
-def _walk(record, prefix) -> Iterator[tuple[str, np.ndarray]]:
+def _walk(record: "Work | Integration | AlphaIntegration", prefix: str) -> Iterator[tuple[str, np.ndarray]]:
     for name, value in record._asdict().items():
         path = f"{prefix}/{name}"
         if hasattr(value, "_asdict"):

@@ -1,6 +1,7 @@
 """Compiling kernels: saying before it happens that a run waits for it, and doing it ahead of all runs."""
 
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from typing import Protocol
 
 from ..errors import OutputError
@@ -20,18 +21,14 @@ class Notices(Protocol):
         """Show what goes on, until something else does."""
 
 
-def interpret() -> None:
-    """Leave the kernels that are imported from now on uncompiled."""
+def interpreting(wanted: bool = True) -> AbstractContextManager[None]:
+    """Return a block within which a system is built and evaluated by uncompiled kernels, if that is `wanted`.
+
+    A small system that is only looked at is ready before its kernels were compiled.
+    """
     from ..kernels import _jit
 
-    _jit.interpret()
-
-
-def interpreted() -> bool:
-    """Return whether kernels run as plain Python."""
-    from ..kernels import _jit
-
-    return _jit.interpreted()
+    return _jit.interpreting(wanted)
 
 
 def tell_of_compiling(listener: Notices, entry: str) -> None:
@@ -71,8 +68,8 @@ def compile_unit(unit: str) -> None:
     target, digest = _objects.target(), _objects.kernel_digest()
     with _cache.alone(folder, unit):
         if not all(map(_entry.is_ready, UNITS[unit])):  # another process was not quicker
-            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])
-            _cache.keep(folder, unit, made[target])
+            made = _entry.emit(unit, _entry.unit_entries(unit), digest, [target])  # type: ignore[list-item]
+            _cache.keep(folder, unit, made[target])  # type: ignore[index]
     if _cache.content(unit) is None:
         raise OutputError(f"{folder}: compiled kernels cannot be written", id="SOLVE-002")
 

@@ -68,5 +68,5 @@ def _is(column: StudyColumn, group: str) -> bool:
     return column.path.startswith(f"{group}/")
 
 
-def _head(column):
+def _head(column: StudyColumn) -> str:
     return f"{column.path.partition('/')[2]} [{column.unit}]"

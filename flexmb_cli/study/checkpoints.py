@@ -11,6 +11,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +21,10 @@ from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.replaced_file import located
 from .lock import LOCK, StudyLock
 from .solver import CaseResult
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _HEAD = struct.Struct("<II")
 _FIXED = struct.Struct("<qiiiii")
@@ -114,7 +119,7 @@ class Parts:
             with contextlib.suppress(FileNotFoundError):
                 folder.unlink(_UNFINISHED_IDENTITY)
 
-    def _stored_identity(self):
+    def _stored_identity(self) -> dict[str, str] | None:
         """The identity that the folder holds, None where it holds none.  Raises UnsafePlace."""
         try:
             with (
@@ -126,7 +131,7 @@ class Parts:
             return None
         return found if isinstance(found, dict) else None
 
-    def _refuse_other(self, found):
+    def _refuse_other(self, found: dict[str, str]) -> None:
         other = [name for name in self.identity if found.get(name) != self.identity[name]]
         if other:
             message = (
@@ -166,15 +171,15 @@ class Part:
     def __enter__(self) -> "Part":
         return self
 
-    def __exit__(self, *failure) -> None:
+    def __exit__(self, *failure: "Any") -> None:
         self._file.close()
 
 
-def _name(block):
+def _name(block: int) -> Any:
     return f"block-{block:08d}{_PART}"
 
 
-def _lock(file):
+def _lock(file: "Any") -> None:
     try:
         import fcntl
     except ImportError:  # no such locks here: blocks are given out one by one anyway
@@ -182,7 +187,7 @@ def _lock(file):
     fcntl.flock(file, fcntl.LOCK_EX)
 
 
-def _packed(result):
+def _packed(result: CaseResult) -> bytes:
     message = result.message.encode()
     counts = result.parameters.size, result.values.size, result.series.shape[0]
     fixed = _FIXED.pack(result.case, result.exit_code, result.rows, *counts)
@@ -190,7 +195,7 @@ def _packed(result):
     return fixed + struct.pack("<I", len(message)) + message + numbers.astype("<f8").tobytes()
 
 
-def _records(file, cases):
+def _records(file: "Any", cases: range) -> Iterator[CaseResult]:
     """Whole records of `cases`, up to the end or the first that is torn or of another case."""
     size = os.fstat(file.fileno()).st_size
     for case in cases:
@@ -214,7 +219,7 @@ def _records(file, cases):
         yield result
 
 
-def _unpacked(payload):
+def _unpacked(payload: bytes) -> CaseResult:
     case, code, rows, parameters, values, series = _FIXED.unpack_from(payload)
     at = _FIXED.size
     (length,) = struct.unpack_from("<I", payload, at)

@@ -8,12 +8,17 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from ..extras import needed
 from .sweep import BlockDone, Job, Sweep, next_case, solve_block
 from .workers import keep, note_deaths
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 IN_FLIGHT = 2  # shares a thread of a worker is given: one that it solves and the next
 SHARES = 3  # so many as one that is handed out shall still be there for every thread
@@ -76,7 +81,7 @@ def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
     return done, time.perf_counter() - start
 
 
-def _handed_on(job):
+def _handed_on(job: Any) -> "Any":
     return job
 
 
@@ -87,19 +92,19 @@ class _Cluster:
     it before anything else is handed out.
     """
 
-    def __init__(self, client, sweep, advance, address):
+    def __init__(self, client: Any, sweep: Any, advance: Any, address: Any):
         from distributed import as_completed
 
         self.client, self.sweep, self.advance, self.address = client, sweep, advance, address
         # No scattered data: those are lost with the workers that have them, a task is done anew.
         self.shared = client.submit(_handed_on, sweep.job, pure=False)
-        self.rest, self.struck, self.deaths = deque(), deque(), Counter()
-        self.shares = {}  # blocks by the key of their future
+        self.rest, self.struck, self.deaths = deque(), deque(), Counter()  # type: ignore[var-annotated]
+        self.shares: dict[Any, Any] = {}  # blocks by the key of their future
         self.seconds = None  # of a block, as reported last
         self.threads, self.counted = 1, -CENSUS
         self.arriving = as_completed(loop=client.loop)
 
-    def solve(self, blocks):
+    def solve(self, blocks: "Any") -> None:
         self._await_workers()
         self.rest.extend(blocks)
         self._hand_out()
@@ -107,7 +112,7 @@ class _Cluster:
             self._finish(future)
             self._hand_out()
 
-    def _await_workers(self):
+    def _await_workers(self) -> None:
         try:
             # A cluster that grows as it is needed has been given its first task.
             self.client.wait_for_workers(1, timeout=MUSTER)
@@ -115,7 +120,7 @@ class _Cluster:
             message = f"no worker has joined the Dask scheduler at {self.address} within {MUSTER} s"
             raise ClusterError(message, id="STUDY-008") from fault
 
-    def _hand_out(self):
+    def _hand_out(self) -> None:
         if self.struck:
             if not self.shares:
                 self._submit([self.struck.popleft()])
@@ -124,25 +129,25 @@ class _Cluster:
         while self.rest and len(self.shares) < self.threads * IN_FLIGHT:
             self._submit([self.rest.popleft() for _ in range(self._size())])
 
-    def _submit(self, share):
+    def _submit(self, share: "Any") -> None:
         # Impure: blocks that are given once more have cases that the first attempt lacked.
         future = self.client.submit(solve_share, self.shared, share, pure=False)
         self.shares[future.key] = share
         self.arriving.add(future)
 
-    def _count_threads(self):
+    def _count_threads(self) -> None:
         now = time.monotonic()
         if now - self.counted >= CENSUS:
             self.threads, self.counted = max(1, sum(self.client.nthreads().values())), now
 
-    def _size(self):
+    def _size(self) -> "Any":
         """Blocks of the next share."""
         if self.seconds is None:
             return 1
         fair = len(self.rest) // (SHARES * self.threads)
         return max(1, min(fair, int(LONGEST_SHARE / self.seconds)))
 
-    def _finish(self, future):
+    def _finish(self, future: "Any") -> None:
         """Keep what a future brings; what its workers died of is given once more."""
         from distributed import KilledWorker
 
@@ -160,7 +165,7 @@ class _Cluster:
             for block in done:
                 keep(self.sweep, block, self.advance)
 
-    def _give_again(self, share):
+    def _give_again(self, share: "Any") -> None:
         job = self.sweep.job
         lacking = [block for block in share if next_case(job, block) in job.cases(block)][:1]
         note_deaths(job, lacking, self.deaths)

@@ -2,11 +2,16 @@
 
 import io
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..results.figures.plots import COLOURS, HEIGHT, METADATA, RESOLUTION, WIDTH
 from .cases_table import CasesTable
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
 MOST_LINES = 2000  # of parallel coordinates: more hide each other
@@ -44,7 +49,7 @@ def drawn(draw: Callable, form: str, title: str) -> bytes:
     return stream.getvalue()
 
 
-def _curves(figure, cases):
+def _curves(figure: "Any", cases: CasesTable) -> None:
     """Each result over the one parameter that varies."""
     if len(cases.varied) > 1:
         names = ", ".join(cases.varied)
@@ -60,7 +65,7 @@ def _curves(figure, cases):
     axes[-1].set_xlabel(_plain(name))
 
 
-def _maps(figure, cases):
+def _maps(figure: "Any", cases: CasesTable) -> None:
     """Each result over two parameters, a cell for every pair of values."""
     if not cases.is_grid:
         raise ValueError("a map needs two parameters with every pair of values solved; take --kind scatter")
@@ -78,7 +83,7 @@ def _maps(figure, cases):
         axis.set_ylabel(_plain(y_name))
 
 
-def _scatter(figure, cases):
+def _scatter(figure: "Any", cases: CasesTable) -> None:
     """Each result over each parameter that varies."""
     across = cases.varied or cases.parameters
     figure.set_size_inches(max(WIDTH, 3.0 * len(across)), HEIGHT * len(cases.results) + 0.5)
@@ -94,7 +99,7 @@ def _scatter(figure, cases):
                 axis.set_xlabel(_plain(name))
 
 
-def _parallel(figure, cases):
+def _parallel(figure: "Any", cases: CasesTable) -> None:
     """A line for every case through its parameters and results, coloured by the last result."""
     axes = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
@@ -113,11 +118,11 @@ def _parallel(figure, cases):
     axis.grid(True, axis="x", linewidth=0.8, color="#888888")
 
 
-def _scaled(values):
+def _scaled(values: np.ndarray) -> np.ndarray:
     low, high = np.nanmin(values), np.nanmax(values)
     return (values - low) / (high - low) if high > low else np.full(values.shape, 0.5)
 
 
-def _plain(text):
+def _plain(text: str) -> str:
     """Text that matplotlib does not take for mathematics."""
     return text.replace("$", r"\$")

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 TABLES = ("parameters", "results")
 _HEAD = re.compile(r"\s*\[\s*[\"']?([^][\"']*?)[\"']?\s*\]")
@@ -29,9 +30,9 @@ def key_places(lines: Iterable[str]) -> dict[tuple[str, str], tuple[int, int]]:
     return places
 
 
-def _starts(line, table) -> Iterator[tuple[str, int]]:
+def _starts(line: Any, table: str) -> Iterator[tuple[str, int]]:
     """Return where a name may begin, and the table it would be in."""
-    yield "", _BEFORE_KEY.match(line).end()
+    yield "", _BEFORE_KEY.match(line).end()  # type: ignore[union-attr]
     if table in TABLES:
         yield table, len(line) - len(line.lstrip())
     dotted = _BEFORE_KEY_OF_TABLE.match(line)
@@ -39,7 +40,7 @@ def _starts(line, table) -> Iterator[tuple[str, int]]:
         yield dotted[1], dotted.end()
 
 
-def _names(line, start) -> Iterator[tuple[str, int]]:
+def _names(line: str, start: int) -> Iterator[tuple[str, int]]:
     """Return what may be a name there, without quotes, and its column."""
     start += line[start : start + 1] in ('"', "'")
     for _, end in zip(range(_MOST_ENDS), _END.finditer(line, start), strict=False):

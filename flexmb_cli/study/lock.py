@@ -34,7 +34,7 @@ class StudyLock:
         with suppress(OSError):
             os.rmdir(self.folder)
 
-    def _taken(self, study):
+    def _taken(self, study: str) -> bool:
         make_folder(self.folder)
         with located(self.path), ManagedFolder(self.folder) as folder:
             self._file = open(folder.open(LOCK, os.O_WRONLY | os.O_CREAT), "ab")  # noqa: SIM115
@@ -47,7 +47,7 @@ class StudyLock:
             )
         return self._stands()
 
-    def _stands(self):
+    def _stands(self) -> bool:
         try:
             return os.path.samestat(os.fstat(self._file.fileno()), os.lstat(self.path))
         except FileNotFoundError:

@@ -2,10 +2,15 @@
 
 import html
 import json
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .cases_table import CasesTable
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
@@ -37,15 +42,15 @@ def study_page(cases: CasesTable, study: str, library: str) -> str:
     )  # fmt: skip
 
 
-def _parallel(cases):
+def _parallel(cases: Any) -> "dict[str, list[dict[str, dict[Any, Any] | list[Any] | str]]]":
     columns = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))
     dimensions = [{"label": html.escape(name), "values": _list(values)} for name, values in columns.items()]
     line = {"color": _list(cases.results[last]), "colorscale": "Viridis"}
-    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}
+    return {"data": [{"type": "parcoords", "dimensions": dimensions, "line": line}], "layout": {}}  # type: ignore[dict-item]
 
 
-def _result(cases, name):
+def _result(cases: Any, name: Any) -> Any:
     """A curve over one parameter, else points over the first two, coloured by the result."""
     across = list((cases.varied or cases.parameters).items())
     values = _list(cases.results[name])
@@ -63,5 +68,5 @@ def _result(cases, name):
     return {"data": [trace], "layout": layout}
 
 
-def _list(values):
+def _list(values: np.ndarray) -> Any:
     return [value if np.isfinite(value) else None for value in values.tolist()]

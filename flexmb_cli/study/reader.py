@@ -7,6 +7,7 @@ import math
 import re
 import tomllib
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from ..deck.record import DeckText
 from ..dialects import DIALECTS
@@ -14,6 +15,10 @@ from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
 from .key_places import key_places
 from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
@@ -34,7 +39,7 @@ def read_study(source: DeckText) -> Study:
     return study
 
 
-def _table(source):
+def _table(source: DeckText) -> "dict[Any, Any]":
     _refuse_deep_names(source)
     try:
         return tomllib.loads(source.text.replace("\r\n", "\n"))
@@ -46,7 +51,7 @@ def _table(source):
         raise DeckError([Fault("error", message, place, id="STUDY-011")]) from None
 
 
-def _refuse_deep_names(source):
+def _refuse_deep_names(source: DeckText) -> None:
     """A name of a hundred thousand parts takes tomllib hours."""
     for number, line in enumerate(source.lines, 1):
         if line.count(".") > DEEPEST_NAME and any(map(_is_deep, _BETWEEN_NAMES.split(line))):
@@ -54,23 +59,23 @@ def _refuse_deep_names(source):
             raise DeckError([Fault("error", message, Place(number, 1), id="STUDY-012")])
 
 
-def _is_deep(piece):
+def _is_deep(piece: str) -> bool:
     return sum(bool(part.strip()) for part in piece.split(".")) > DEEPEST_NAME
 
 
 class _Reader:
     """Walks the tables of a study and collects faults."""
 
-    def __init__(self, source, table):
+    def __init__(self, source: DeckText, table: "dict[Any, Any]"):
         self.source, self.table = source, table
         self.faults: list[Fault] = []
         self.within = ""  # the table whose entries are being read
 
-    def study(self):
+    def study(self) -> Study:
         self._refuse_unknown(self.table, KEYS, "study")
         sampling = self._choice("sampling", SAMPLINGS, GRID)
         sampled = sampling == LATIN
-        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]
+        parameters = [self._varied(*item, sampled) for item in self._entries("parameters")]  # type: ignore[call-arg]
         results = [self._kept(*item) for item in self._entries("results")]
         self.within = ""
         count = self._sample_size() if sampled else 0
@@ -89,12 +94,12 @@ class _Reader:
             self._check_size(study)
         return study
 
-    def _sample_size(self):
+    def _sample_size(self) -> "Any":
         if "count" in self.table:
             return self._whole("count", 1, MOST_CASES)
         return self._fault("sampling", f"a {LATIN} needs `count`, the number of its cases: count = 100")
 
-    def _check_size(self, study):
+    def _check_size(self, study: Study) -> None:
         lengths = {len(item.values) for item in study.parameters}
         if study.sampling == TOGETHER and len(lengths) > 1:
             counts = ", ".join(f"{item.name} has {len(item.values)}" for item in study.parameters)
@@ -104,7 +109,7 @@ class _Reader:
         elif study.sampling == LATIN and study.count * len(study.parameters) > MOST_CASES:
             self._fault("count", f"times parameters may be {MOST_CASES} at most")
 
-    def _entries(self, key):
+    def _entries(self, key: str) -> Any:
         """Names and contents of a table that must not be empty."""
         table = self.table.get(key)
         if not isinstance(table, dict) or not table:
@@ -114,83 +119,83 @@ class _Reader:
         self.within = key
         return list(table.items())
 
-    def _varied(self, name, given, sampled) -> Varied | None:
+    def _varied(self, name: str, given: "Any", sampled: bool) -> Varied | None:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
         if sampled:
-            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")
+            return self._fault(name, "a sample needs a range: { from = 1, to = 2 }")  # type: ignore[func-returns-value]
         if not isinstance(given, list) or not given:
-            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")
+            return self._fault(name, "needs a list of numbers or a range { from = 1, to = 2, count = 5 }")  # type: ignore[func-returns-value]
         if not all(map(_is_number, given)):
-            return self._fault(name, "a list holds finite numbers only")
+            return self._fault(name, "a list holds finite numbers only")  # type: ignore[func-returns-value]
         return Varied(name, tuple(given), place=self._place(name))
 
-    def _range(self, name, given, sampled):
+    def _range(self, name: str, given: "dict[Any, Any]", sampled: bool) -> Varied | None:
         if name_in_full := _dotted(name, given):
             told = f'a name with points stands in quotes: "{name_in_full}" = …'
-            return self._fault(name, told, self._place(name_in_full))
+            return self._fault(name, told, self._place(name_in_full))  # type: ignore[func-returns-value]
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
-        if not (_is_number(start) and _is_number(end)):
-            return self._fault(name, "a range needs finite numbers `from` and `to`")
+        if not (_is_number(start) and _is_number(end)):  # type: ignore[arg-type]
+            return self._fault(name, "a range needs finite numbers `from` and `to`")  # type: ignore[func-returns-value]
         if scale not in SCALES:
-            return self._fault(name, f"scale is one of {', '.join(SCALES)}")
-        if scale == "log" and not (start > 0 and end > 0):
-            return self._fault(name, "a logarithmic range needs positive ends")
+            return self._fault(name, f"scale is one of {', '.join(SCALES)}")  # type: ignore[func-returns-value]
+        if scale == "log" and not (start > 0 and end > 0):  # type: ignore[operator]
+            return self._fault(name, "a logarithmic range needs positive ends")  # type: ignore[func-returns-value]
         if sampled:
             if "count" in given:
-                return self._fault(name, "a sample takes its count from the study's `count`")
-            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))
+                return self._fault(name, "a sample takes its count from the study's `count`")  # type: ignore[func-returns-value]
+            return Varied(name, (float(start), float(end)), scale == "log", self._place(name))  # type: ignore[arg-type]
         count = given.get("count")
         if type(count) is not int or not 2 <= count <= MOST_VALUES:
-            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")
+            return self._fault(name, f"a range needs a count from 2 to {MOST_VALUES}")  # type: ignore[func-returns-value]
         values = _spaced(start, end, count, scale == "log")
         return Varied(name, values, place=self._place(name))
 
-    def _kept(self, name, given) -> Kept | None:
+    def _kept(self, name: str, given: str) -> Kept | None:
         take, _, quantity = given.strip().partition(" ") if isinstance(given, str) else ("", "", "")
         if take not in TAKES or not quantity.strip():
             forms = ", ".join(TAKES)
-            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')
+            return self._fault(name, f'a result is written "TAKE QUANTITY" with TAKE one of {forms}')  # type: ignore[func-returns-value]
         if not _names_a_column(name):
-            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")
+            return self._fault(name, "a name of a result has letters, digits, marks and blanks, but no slash")  # type: ignore[func-returns-value]
         return Kept(name, quantity.strip(), take, self._place(name))
 
-    def _text(self, key):
+    def _text(self, key: str) -> str:
         given = self.table.get(key)
         if isinstance(given, str) and given.strip():
             return given
-        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""
+        return self._fault(key, 'names the deck: deck = "IN-RSSR.dat"') or ""  # type: ignore[func-returns-value]
 
-    def _choice(self, key, choices, default):
+    def _choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         given = self.table.get(key, default)
         if given not in choices:
             self._fault(key, f"is one of {', '.join(choices)}")
             return default
         return given
 
-    def _whole(self, key, low, high, default=None):
+    def _whole(self, key: str, low: int, high: int, default: int | None = None) -> Any:
         given = self.table.get(key, default)
         if type(given) is not int or not low <= given <= high:
             return self._fault(key, f"is an integer from {low} to {high}")
         return given
 
-    def _refuse_unknown(self, table, known, owner):
+    def _refuse_unknown(self, table: "dict[Any, Any]", known: tuple[str, ...], owner: str) -> None:
         for key in table:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
 
-    def _fault(self, name, message, place=None):
+    def _fault(self, name: str, message: str, place: "Any" = None) -> None:
         place = place or self._place(name)
         self.faults.append(Fault("error", message, place, name, id="STUDY-013"))
 
-    def _place(self, name) -> Place | None:
+    def _place(self, name: str) -> Place | None:
         """Return where the name stands as a key, at best of the table being read."""
         found = self._places.get((self.within, name)) or self._places.get(("", name))
         return Place(*found, len(name)) if found else None
 
     @cached_property
-    def _places(self):
+    def _places(self) -> dict[tuple[str, str], tuple[int, int]]:
         return key_places(self.source.lines)
 
 
@@ -206,7 +211,7 @@ def _names_a_column(name):
     return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
 
 
-def _dotted(name, given):
+def _dotted(name: str, given: "Any") -> "Any":
     """The name that TOML took apart at its points, "" where the table is a range."""
     if not isinstance(given, dict) or set(given) & set(RANGE_KEYS) or len(given) != 1:
         return ""
@@ -215,11 +220,11 @@ def _dotted(name, given):
     return _dotted(full, inner) or full
 
 
-def _is_number(value):
+def _is_number(value: float) -> bool:
     return (type(value) is int and abs(value) < 10**300) or (type(value) is float and math.isfinite(value))
 
 
-def _spaced(start, end, count, logarithmic):
+def _spaced(start: Any, end: Any, count: int, logarithmic: bool) -> tuple[float, ...]:
     """Evenly spaced values, the ends exact."""
     parts = [k / (count - 1) for k in range(1, count - 1)]
     if logarithmic:

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +18,13 @@ from ..run.model import model_of
 from ..run.outcome import Outcome, RunOptions, Stop
 from ..run.solution import Solution, solution_of
 from .cases import Cases
-from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Study
+from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Kept, Study
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import h5py
+
 
 MESSAGE_LENGTH = 2000
 _NO_SERIES = np.zeros((0, 0))
@@ -45,7 +52,7 @@ class CaseSolver:
     folder: str
     options: RunOptions = field(default_factory=RunOptions)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.cases = Cases(self.study)
         self._settable = SettableDeck(self.deck)
         self._refuse_unknown_numbers()
@@ -59,7 +66,7 @@ class CaseSolver:
         """Return how many of the results are one number."""
         return sum(take != SERIES for take in self.takes)
 
-    def _refuse_unknown_numbers(self):
+    def _refuse_unknown_numbers(self) -> None:
         """Names that the deck lacks are a fault of the study; values may still be wrong case by case."""
         unknown = [item for item in self.study.parameters if item.name not in self._settable]
         if unknown:
@@ -70,7 +77,7 @@ class CaseSolver:
                 ]
             )
 
-    def _solution(self, deck) -> Solution:
+    def _solution(self, deck: Deck) -> Solution:
         run = Run(Outcome(os.path.join(self.folder, deck.source.name)), self.options)
         return solution_of(model_of(deck, run), run)
 
@@ -97,10 +104,10 @@ class CaseSolver:
         """The result of a case of which nothing is known but that it failed."""
         return self._result(case, code, 0, self._nothing_taken(), message)
 
-    def _nothing_taken(self):
+    def _nothing_taken(self) -> "list[_Taken]":
         return [_Taken(take, self.rows) for take in self.takes]
 
-    def _result(self, case, code, rows, taken, message):
+    def _result(self, case: int, code: int, rows: int, taken: "list[_Taken]", message: str) -> Any:
         parameters = np.array(self.cases.row(case), dtype=float)
         # The largest of the rows before a lock is no result; a series shows where it ends.
         single = [part.value if code == DONE else np.nan for part in taken if part.take != SERIES]
@@ -110,7 +117,7 @@ class CaseSolver:
             case, code, rows, parameters, np.array(single, dtype=float), series, message[:MESSAGE_LENGTH]
         )
 
-    def _refuse_other_grid(self, solution):
+    def _refuse_other_grid(self, solution: Solution) -> None:
         if self.study.keeps_series and solution.rows != self.rows:
             message = (
                 f"the case has {solution.rows} report times, the study's deck {self.rows}; "
@@ -119,7 +126,7 @@ class CaseSolver:
             raise DeckError([Fault("error", message, id="STUDY-015")])
 
 
-def _reported(fault):
+def _reported(fault: Any) -> "Any":
     """Exit code and message of a case that ended of what no deck should bring about."""
     if lacks_memory(fault):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
@@ -128,11 +135,11 @@ def _reported(fault):
     return INTERNAL_FAULT, f"a fault of flexmb itself: {type(fault).__name__}; {remedy}"
 
 
-def _quantities(study, deck, solution) -> list[Quantity]:
+def _quantities(study: Any, deck: Any, solution: Any) -> list[Quantity]:
     """Return what the study keeps, looked up in a result without rows.  Raises DeckError."""
     import h5py
 
-    faults = []
+    faults: list[Any] = []
     with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
         path = os.path.join(folder, "empty.h5")
         ResultFile(path, deck, solution.layout()).close()
@@ -140,10 +147,10 @@ def _quantities(study, deck, solution) -> list[Quantity]:
             found = [_one(result, item, faults) for item in study.results]
     if faults:
         raise DeckError(faults)
-    return found
+    return found  # type: ignore[return-value]
 
 
-def _one(result, item, faults) -> Quantity | None:
+def _one(result: "h5py.File", item: Kept, faults: "Any") -> Quantity | None:
     message = ""
     try:
         found = resolve(result, [item.quantity])
@@ -161,14 +168,14 @@ def _one(result, item, faults) -> Quantity | None:
 class _Taken:
     """The wanted values of one quantity, block by block; nan where there are none."""
 
-    def __init__(self, take, rows):
+    def __init__(self, take: str, rows: int):
         self.take, self.value, self.count = take, np.nan, 0
         self.series = np.full(rows, np.nan) if take == SERIES else None
 
-    def add(self, values):
+    def add(self, values: Any) -> None:
         before, self.count = self.count, self.count + len(values)
         if self.take == SERIES:
-            self.series[before : self.count] = values
+            self.series[before : self.count] = values  # type: ignore[index]
         elif self.take == LAST:
             self.value = values[-1]
         elif self.take == FIRST:

@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..deck.record import Deck, DeckText
@@ -18,6 +19,12 @@ from .lock import StudyLock
 from .reader import read_study
 from .solver import CaseResult, CaseSolver
 from .study import Study
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..deck.lines import Lines
+
 
 LARGEST_BLOCK = 200  # cases
 BLOCKS_WANTED = 100
@@ -142,13 +149,13 @@ class Sweep:
 class StudyError(DeckError):
     """A study or its deck cannot be read: `file` is the one at fault as the user has it, and its lines."""
 
-    def __init__(self, path: str, faults, lines=()):
+    def __init__(self, path: str, faults: tuple[Fault, ...], lines: "Lines | tuple[Any, ...]" = ()):
         super().__init__(faults)
         self.file, self.lines = path, lines
 
 
 @contextmanager
-def reported_at(path: str, lines=()):
+def reported_at(path: str, lines: "Lines | tuple[Any, ...]" = ()) -> Iterator[None]:
     """Faults of what is done here are those of the file at `path`, whose `lines` are."""
     try:
         yield
@@ -156,7 +163,7 @@ def reported_at(path: str, lines=()):
         raise StudyError(path, failure.faults, lines) from failure
 
 
-def _study_text(path) -> DeckText:
+def _study_text(path: str) -> DeckText:
     with reported_at(path):
         text = read_text(path, "study")
     with reported_at(path, text.lines):
@@ -168,7 +175,7 @@ def _study_text(path) -> DeckText:
     return text
 
 
-def _readable_deck(path, study) -> DeckText:
+def _readable_deck(path: str, study: Study) -> DeckText:
     """The text of the study's deck; what is wrong with it is reported at its own lines."""
     with reported_at(path):
         if os.path.exists(path) and not os.path.isfile(path):
@@ -185,7 +192,7 @@ def _readable_deck(path, study) -> DeckText:
     return text
 
 
-def _for_a_study(fault):
+def _for_a_study(fault: "Any") -> "Any":
     """A study has a key where the commands have an option."""
     return replace(fault, message=fault.message.replace(CHOOSES, 'dialect = "…" in the study chooses one'))
 
@@ -196,7 +203,7 @@ def solver_of(job: Job) -> CaseSolver:
 
 
 @lru_cache(maxsize=2)
-def _solver(text, folder, study):
+def _solver(text: DeckText, folder: str, study: Study) -> CaseSolver:
     solver = CaseSolver(read_deck(text, study.dialect), study, folder)
     # Cases make garbage by the thousand: to look through all that stays, too, costs a tenth.
     gc.collect()

@@ -5,6 +5,7 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 
 from collections.abc import Iterable, Iterator
 from itertools import islice
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -15,6 +16,10 @@ from ..quick_dataclass import dataclass
 from ..results.files.full_disk_guard import FullDiskGuard
 from ..results.files.replaced_file import Replacement, located
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"
@@ -67,14 +72,14 @@ def write_table(path: str, head: TableHead, rows: Iterable[Row]) -> None:
     place.commit()
 
 
-def _blocks(head: TableHead, rows) -> Iterator[list[Row]]:
+def _blocks(head: TableHead, rows: "Iterable[Any]") -> Iterator[list[Row]]:
     size = max(1, BLOCK_NUMBERS // (4 + sum(max(1, column.length) for column in head.columns)))
     rows = iter(rows)
     while block := list(islice(rows, size)):
         yield block
 
 
-def _write_hdf5(place, head, rows):
+def _write_hdf5(place: Replacement, head: TableHead, rows: "Iterable[Any]") -> None:
     with (
         FullDiskGuard(place.duplicate()) as disk,
         disk.blamed(),
@@ -83,7 +88,7 @@ def _write_hdf5(place, head, rows):
         _fill(file, head, rows, disk)
 
 
-def _fill(file, head, rows, disk):
+def _fill(file: h5py.File, head: TableHead, rows: "Iterable[Any]", disk: FullDiskGuard) -> None:
     datasets = _datasets(file, head)
     start = 0
     for block in _blocks(head, rows):
@@ -98,7 +103,7 @@ def _fill(file, head, rows, disk):
             start = stop
 
 
-def _datasets(file, head):
+def _datasets(file: h5py.File, head: TableHead) -> dict[str, h5py.Dataset]:
     attributes = {
         "Conventions": CONVENTIONS, "flexmb_version": __version__,
         "deck_name": printable_name(head.deck_name), "deck_sha256": head.deck_sha256,
@@ -123,7 +128,7 @@ def _datasets(file, head):
     return made
 
 
-def _row_scale(file, length):
+def _row_scale(file: h5py.File, length: int) -> h5py.Dataset:
     """The scale along series of so many report rows, `/row`; further ones have their length in the name."""
     name = f"row_{length}" if "row" in file else "row"
     scale = file.create_dataset(name, data=np.arange(1, length + 1))
@@ -132,14 +137,21 @@ def _row_scale(file, length):
     return scale
 
 
-def _dataset(file, path, shape, kind, long_name, units="1"):
+def _dataset(
+    file: h5py.File,
+    path: str,
+    shape: int | tuple[int, int],
+    kind: np.dtype | str,
+    long_name: str,
+    units: str = "1",
+) -> h5py.Dataset:
     # Chunks, so that a column can be read without the others and a table is not taken as a whole.
     dataset = file.create_dataset(path, shape, kind, chunks=True if np.prod(shape) > 0 else None)
     _describe(dataset, units, long_name)
     return dataset
 
 
-def _describe(dataset, units, long_name):
+def _describe(dataset: h5py.Dataset, units: str, long_name: str) -> None:
     dataset.attrs["units"] = units
     dataset.attrs["long_name"] = long_name
 
@@ -150,14 +162,14 @@ def require_library(path: str) -> None:
         _pyarrow()
 
 
-def _pyarrow():
+def _pyarrow() -> "Any":
     needed("pyarrow.parquet", "pyarrow", "parquet", "a Parquet table (a table .h5 needs nothing more)")
     import pyarrow
 
     return pyarrow
 
 
-def _write_parquet(place, head, rows):
+def _write_parquet(place: "Any", head: Any, rows: "Any") -> None:
     pyarrow = _pyarrow()
     kinds = {name: pyarrow.int64() for name, _ in COUNTS} | {"message": pyarrow.string()}
     for column in head.columns:
@@ -174,5 +186,5 @@ def _write_parquet(place, head, rows):
             writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
 
-def _plain(value):
+def _plain(value: "Any") -> "Any":
     return value.tolist() if isinstance(value, np.ndarray) else float(value)

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -20,6 +21,10 @@ from ..results.quantities.quantities import NOTHING, ResultError
 from ..results.quantities.quantity_names import folded
 from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 from .table import BLOCK_NUMBERS
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Of any number behind it.
 CONVENTIONS = "flexmb-study-"
@@ -55,7 +60,7 @@ class StudyColumn:
         return any(name == folded(pattern) or fnmatch.fnmatchcase(name, folded(pattern)) for name in names)
 
 
-def is_study(path) -> bool:
+def is_study(path: str) -> bool:
     """Return whether the file at `path` can be opened and is the table of a study."""
     try:
         with h5py.File(path, "r") as file, understood():
@@ -65,7 +70,7 @@ def is_study(path) -> bool:
 
 
 @contextmanager
-def open_study(path) -> Iterator[h5py.File]:
+def open_study(path: str) -> Iterator[h5py.File]:
     """The table at `path`, open for reading.  Raises ResultError when it shows to be damaged."""
     try:
         with h5py.File(path, "r") as file, understood():
@@ -81,7 +86,7 @@ def study_columns(table: h5py.File) -> list[StudyColumn]:
     return [_column(table, path) for path in (CASE, *paths, EXIT_CODE, "rows", MESSAGE)]
 
 
-def _column(table, path):
+def _column(table: h5py.File, path: str) -> StudyColumn:
     axes = "cr" if getattr(table[path], "ndim", 1) > 1 else "c"
     check_shapes(table, {CASE: "c", path: axes}, {})
     dataset = table[path]
@@ -92,7 +97,9 @@ def _column(table, path):
     return StudyColumn(path, unit, long_name, dataset.shape[1] if dataset.ndim > 1 else 0)
 
 
-def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str], file="") -> list[StudyColumn]:
+def chosen_columns(
+    columns: Sequence[StudyColumn], patterns: Iterable[str], file: str = ""
+) -> list[StudyColumn]:
     """The columns that `patterns` name, the case first; without any, all but series, rows and messages.
 
     Raises ResultError for a pattern that names none, with `file`, the name of the table.
@@ -109,7 +116,7 @@ def chosen_columns(columns: Sequence[StudyColumn], patterns: Iterable[str], file
     return list(found)
 
 
-def _unknown(columns, pattern):
+def _unknown(columns: Any, pattern: str) -> str:
     known = {column.path.rpartition("/")[2]: column.name for column in columns}
     close = [known[word] for word in get_close_matches(pattern, known, cutoff=0.4)]
     hint = f"; near it are {', '.join(close)}" if close else ""
@@ -131,11 +138,11 @@ def study_text(
         yield _lines(heads, _rows(table, columns, slice(block.start, block.stop, block.step)), style)
 
 
-def _messages(dataset, cases):
+def _messages(dataset: h5py.Dataset, cases: slice) -> list[str]:
     return [visible(text) for text in dataset.asstr(errors="replace")[cases].tolist()]
 
 
-def _rows(table, columns, cases):
+def _rows(table: h5py.File, columns: Any, cases: slice) -> "list[Any]":
     """Cells of the cases, row by row: whole numbers, numbers and text."""
     cells = []
     for column in columns:
@@ -145,7 +152,7 @@ def _rows(table, columns, cases):
     return list(zip(*cells, strict=True))
 
 
-def _lines(heads, rows, style):
+def _lines(heads: list[str], rows: "list[Any]", style: str) -> str:
     if style == "jsonl":
         records = (dict(zip(heads, map(_json, row), strict=True)) for row in rows)
         return "".join(json.dumps(record, allow_nan=False) + "\n" for record in records)
@@ -158,12 +165,12 @@ def _lines(heads, rows, style):
     return page.getvalue()
 
 
-def _aligned(row, widths):
+def _aligned(row: "Sequence[Any]", widths: list[int]) -> str:
     cells = (TEXT_NUMBER.format(cell) if isinstance(cell, float) else str(cell) for cell in row)
     return "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True)).rstrip() + "\n"
 
 
-def _json(cell):
+def _json(cell: float) -> float | None:
     """JSON knows no nan and no infinity: null."""
     return None if isinstance(cell, float) and not math.isfinite(cell) else cell
 

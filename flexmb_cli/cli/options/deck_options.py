@@ -1,5 +1,7 @@
 """What the commands that take decks share: options, and how faults are shown."""
 
+from typing import TYPE_CHECKING
+
 import click
 
 from ...dialects import DIALECTS
@@ -8,10 +10,20 @@ from ..terminal.screen import tell
 from ..terminal.stops import stop_on_signals
 from .completion import files
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
+    from ...run.check.check import CheckReport
+    from ...run.modes import ModesReport
+    from ...run.outcome import Outcome
+    from ...run.verify.verify import Verification
+
+
 DECK = click.argument("decks", metavar="DECK...", nargs=-1, required=True, shell_complete=files)
 
 
-def deck_options(command):
+def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
     """Options that `run` and `check` share."""
     options = [
         click.option("--dialect", type=click.Choice(["auto", *reversed(DIALECTS)]), default="auto",
@@ -28,7 +40,9 @@ def deck_options(command):
     return command
 
 
-def every_deck(decks, examine):
+def every_deck(
+    decks: tuple[str], examine: "Callable[..., Any]"
+) -> "Iterator[CheckReport | ModesReport | Verification]":
     """What `examine` finds of each deck, also of those that it is not asked for any more after a stop."""
     stop_on_signals()
     for deck in with_models(decks):
@@ -38,14 +52,14 @@ def every_deck(decks, examine):
             tell(f"{deck}: interrupted")
 
 
-def with_models(decks) -> list[str]:
+def with_models(decks: tuple[str, ...]) -> list[str]:
     """Return the decks, `1:DECK`, `2:DECK` … in the place of one with several models."""
     from ...deck.several_models import models_of
 
     return [name for deck in decks for name in models_of(deck)]
 
 
-def show_faults(outcome, quiet: bool) -> None:
+def show_faults(outcome: "Outcome", quiet: bool) -> None:
     """Faults of an outcome on standard error, as compilers show them; with `quiet` errors only."""
     faults = [fault for fault in outcome.faults if fault.severity == "error" or not quiet]
     if faults:

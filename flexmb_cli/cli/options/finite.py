@@ -1,14 +1,18 @@
 """A real number on the command line that is neither nan nor inf: in a range, or any."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class Finite(click.FloatRange):
     """`click.FloatRange` for finite numbers."""
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The number, or a usage error that names the option."""
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
 
@@ -16,12 +20,12 @@ class Finite(click.FloatRange):
 class AnyFinite(click.types.FloatParamType):
     """`click.FLOAT` for finite numbers; the help of a `FloatRange` without limits shows an empty range."""
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The number, or a usage error that names the option."""
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
 
 
-def _finite(kind, number, value, param, ctx):
+def _finite(kind: AnyFinite | Finite, number: float, value: "Any", param: "Any", ctx: click.Context) -> Any:
     if not math.isfinite(number):
         kind.fail(f"{value} is no finite number", param, ctx)
     return number

@@ -1,13 +1,19 @@
 """Where a command that reads results writes: to a file of its own, or to standard output."""
 
 import os
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
 
 STANDARD_OUTPUT = "-"
 
 
-def refuse_inputs(output: str, inputs, option: str = "-o") -> None:
+def refuse_inputs(output: str, inputs: "Sequence[Any]", option: str = "-o") -> None:
     """Raise UsageError when `output`, given with `option`, is one of the files that the command reads."""
     for path in inputs:
         if _are_one(output, path):
@@ -27,7 +33,7 @@ def reported(output: str) -> str:
     return "standard output" if output == STANDARD_OUTPUT else output
 
 
-def _are_one(output, path):
+def _are_one(output: str, path: str) -> bool:
     try:
         return os.path.samefile(output, path)
     except OSError:

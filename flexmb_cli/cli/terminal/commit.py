@@ -18,7 +18,7 @@ def commit(checkout: Path = CHECKOUT) -> str:
     return found[:SHOWN] if is_hash else ""
 
 
-def _git_folder(checkout):
+def _git_folder(checkout: Path) -> Path:
     """The folder .git, or the one that a file .git of a further working tree names."""
     git = checkout / ".git"
     if git.is_dir():
@@ -26,7 +26,7 @@ def _git_folder(checkout):
     return checkout / git.read_text(encoding="utf-8").removeprefix("gitdir:").strip()
 
 
-def _head(git):
+def _head(git: Path) -> str:
     head = (git / "HEAD").read_text(encoding="utf-8").strip()
     if not head.startswith("ref:"):
         return head
@@ -40,7 +40,7 @@ def _head(git):
     return _packed(folders[-1], name)
 
 
-def _packed(folder, name):
+def _packed(folder: Path, name: str) -> str:
     for line in (folder / "packed-refs").read_text(encoding="utf-8").splitlines():
         found, _, ref = line.partition(" ")
         if ref == name:

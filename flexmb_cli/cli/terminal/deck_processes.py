@@ -4,6 +4,7 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
@@ -14,13 +15,19 @@ from ...run.processes.worker import Worker, end_all, having_answers, portable
 from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
+if TYPE_CHECKING:
+    from typing import Any
+
+
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; with "
     "--resume the run goes on"
 )
 
 
-def outcomes_in_parallel(decks, options: RunOptions, jobs: int, progress: Progress) -> Iterator[Outcome]:
+def outcomes_in_parallel(
+    decks: "Any", options: RunOptions, jobs: int, progress: Progress
+) -> Iterator[Outcome]:
     """What became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.parent_watch import outlive_workers
 
@@ -69,7 +76,7 @@ class _Work:
     reported: set[str] = field(default_factory=set)
     fault: BaseException | None = None
 
-    def go_on(self):
+    def go_on(self) -> None:
         """Give decks to processes, and wait until one has something to say."""
         while self.waiting and len(self.running) < self.jobs and Stop.asked is None:
             self._begin(*self.waiting.popleft())
@@ -79,7 +86,7 @@ class _Work:
         if self.fault:
             raise self.fault
 
-    def _begin(self, index, deck):
+    def _begin(self, index: "Any", deck: "Any") -> None:
         while self.idle:
             worker = self.idle.pop()
             if worker.send(deck):
@@ -94,7 +101,7 @@ class _Work:
         worker.send(deck)
         self.running[worker] = index, deck
 
-    def _put_back(self, index, deck, reason):
+    def _put_back(self, index: "Any", deck: "Any", reason: "Any") -> None:
         """No more processes than there are can be had; a deck that has none at all is done with."""
         if self.running:
             self.jobs = len(self.running)
@@ -102,14 +109,14 @@ class _Work:
         else:
             self.ended[index] = _failed(deck, f"no process can be started for this deck: {reason}")
 
-    def stop(self, number):
+    def stop(self, number: "Any") -> None:
         """Stop the processes as this one was: a signal may have come to this process alone."""
         for worker in self.running:
             worker.signal(number)
         while self.running:
             self._hear(having_answers(self.running))
 
-    def _hear(self, workers):
+    def _hear(self, workers: "Any") -> None:
         for worker in workers:
             answer = worker.answer()
             if isinstance(answer, str):
@@ -117,7 +124,7 @@ class _Work:
             else:
                 self._take(worker, *self.running.pop(worker), answer)
 
-    def _tell(self, sentence):
+    def _tell(self, sentence: str) -> None:
         if sentence not in self.reported:
             self.reported.add(sentence)
             if isinstance(sentence, _Doing):
@@ -125,7 +132,7 @@ class _Work:
             else:
                 self.progress.notice(sentence)
 
-    def _take(self, worker, index, deck, answer):
+    def _take(self, worker: "Any", index: "Any", deck: "Any", answer: "Any") -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
         outcome, goes_on = answer or (_failed(deck, KILLED), False)
         if goes_on:
@@ -140,11 +147,11 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck, reported):
+def _failed(deck: "Any", reported: "Any") -> "Any":
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
-def _serve(line, options):
+def _serve(line: "Any", options: "Any") -> None:
     """Solve what comes through `line` until nothing more can come.
 
     Sent are sentences for who looks on, and (what became of a deck, whether the process goes on).  It does
@@ -160,7 +167,7 @@ def _serve(line, options):
         line.send((outcome, goes_on))
 
 
-def _begin_process():
+def _begin_process() -> "Any":
     from ...run.processes.parent_watch import end_with_parent
 
     sys.unraisablehook = pass_over_stops
@@ -173,7 +180,7 @@ def _begin_process():
     return None
 
 
-def _solve(deck, options, listener):
+def _solve(deck: "Any", options: "Any", listener: "Any") -> "Any":
     try:
         from ...run.deck import run_deck
 

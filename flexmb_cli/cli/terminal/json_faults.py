@@ -2,18 +2,24 @@
 
 import json
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import click
 
 from ...errors import BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError
 from ...run.outcome import INTERRUPTED, TERMINATED
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+
 STATUS = {BAD_INPUT: "bad input", INTERNAL_FAULT: "internal fault"}
 STATUS |= dict.fromkeys((INTERRUPTED, TERMINATED), "interrupted")
 
 
 @contextmanager
-def faults_in_json(wanted: bool, about: dict, file: str):
+def faults_in_json(wanted: bool, about: dict, file: str) -> "Iterator[None]":
     """Failures in here are printed as one JSON object if `wanted`, and go on.
 
     `about` begins the record; `file` is named to blame where a failure names none.
@@ -35,7 +41,12 @@ def wants_json(commands: dict, arguments: list[str]) -> bool:
     return "--json" in options and any("--json" in option.opts for option in getattr(command, "params", ()))
 
 
-def print_record(exit_code: int, faults: tuple[Fault, ...], file: str | None = None, about=()) -> None:
+def print_record(
+    exit_code: int,
+    faults: tuple[Fault, ...],
+    file: str | None = None,
+    about: "dict[Any, Any] | tuple[Any, ...]" = (),
+) -> None:
     """One JSON object on standard output: `about`, the status in a word, and the faults of `file`."""
     record = {
         "status": STATUS.get(exit_code, "failed"),

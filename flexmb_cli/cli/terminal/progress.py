@@ -5,8 +5,13 @@ Written here and not by a library: the least one that estimates the remaining ti
 
 import sys
 import time
+from typing import TYPE_CHECKING
 
 from .screen import tell, terminal_width
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 REDRAWN_AFTER = 0.1  # s
 LOGGED_AFTER = 10.0  # s
@@ -15,7 +20,7 @@ LOGGED_AFTER = 10.0  # s
 class Progress:
     """Shows how many of `unit` are done, after `title`; as a context, ends its line before others print."""
 
-    def __init__(self, title: str, unit: str, quiet: bool, verbose: bool, stream=None):
+    def __init__(self, title: str, unit: str, quiet: bool, verbose: bool, stream: "Any" = None):
         self.title, self.unit, self.quiet = title, unit, quiet
         self.stream = stream or sys.stderr
         self.drawn = not quiet and self.stream.isatty()
@@ -75,7 +80,7 @@ class Progress:
             self.stream.flush()
             self.standing = False
 
-    def _draw(self, text):
+    def _draw(self, text: str) -> None:
         from ...errors import visible
 
         # The last column stays free: some terminals wrap as soon as it is filled.
@@ -83,14 +88,14 @@ class Progress:
         self.stream.flush()
         self.standing = True
 
-    def __enter__(self):
+    def __enter__(self) -> "Progress":
         return self
 
-    def __exit__(self, *failure):
+    def __exit__(self, *failure: "Any") -> None:
         self.clear()
 
 
-def _duration(seconds):
+def _duration(seconds: float) -> str:
     whole = round(seconds)
     hours, minutes = whole // 3600, whole // 60 % 60
     return f"{hours}:{minutes:02}:{whole % 60:02}" if hours else f"{minutes}:{whole % 60:02}"

@@ -4,11 +4,16 @@ import os
 import re
 import sys
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import click
 
 from ...errors import lines_visible, visible
 from ...run.exit_status import StreamError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
 
 
 class OutputText:
@@ -17,7 +22,7 @@ class OutputText:
     Its OSErrors become StreamErrors: they end the command, and not the deck alone.
     """
 
-    def __init__(self, stream):
+    def __init__(self, stream: "Any"):
         self._stream = stream
         self._shown = lines_visible if stream.isatty() else str
 
@@ -34,7 +39,7 @@ class OutputText:
 
 
 @contextmanager
-def _as_stream_error():
+def _as_stream_error() -> "Iterator[None]":
     try:
         yield
     except OSError as fault:
@@ -63,7 +68,7 @@ def show(text: str, err: bool = False) -> None:
     click.echo(fitted(text, terminal_width(stream)) if stream.isatty() else text, nl=False, err=err)
 
 
-def terminal_width(stream) -> int:
+def terminal_width(stream: "Any") -> int:
     """Return the columns of the terminal behind `stream`; COLUMNS overrules it, and 80 is the last resort."""
     given = os.environ.get("COLUMNS", "")
     if given.isdecimal() and int(given):
@@ -82,7 +87,7 @@ def fitted(text: str, width: int) -> str:
     return "".join(_fitted_line(line, width) for line in text.splitlines(keepends=True))
 
 
-def _fitted_line(line, width):
+def _fitted_line(line: str, width: int) -> str:
     bare = line.rstrip("\n")
     if len(bare) <= width or not re.search(r"\S {2,}\S", bare):
         return line

@@ -1,19 +1,24 @@
 """Where something is to be written, as the command line names it."""
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from ..options.completion import files
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class WrittenPlace(click.types.StringParamType):
     """A path; the empty one is what a variable of the shell leaves that was never set."""
 
-    def convert(self, value, param, ctx):
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
         """The path, or a usage error that names the option."""
         if value == "":
             self.fail("an empty name; give a path", param, ctx)
         return super().convert(value, param, ctx)
 
-    def shell_complete(self, ctx, param, incomplete):
+    def shell_complete(self, ctx: Any, param: "Any", incomplete: "Any") -> "Any":
         """Have the shell complete names of files."""
         return files(ctx, param, incomplete)

@@ -5,6 +5,8 @@ Euler–Bernoulli elements with Hermite (cubic) deflection; the nodal rotations 
 each of its ends.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import DeckError, Fault
@@ -29,7 +31,7 @@ class Beam:
     EI_1: float | None = None
     tip_mass: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         """Refuse what is no beam."""
         faults = [
             Fault("error", f"{name} must be above zero, read {value:g}", None, "beam", id="DAFMS-001")
@@ -59,7 +61,7 @@ class Beam:
         if faults:
             raise DeckError(faults)
 
-    def _positive(self):
+    def _positive(self) -> list[tuple[str, float]]:
         named = [(name, getattr(self, name)) for name in ("length", "nodes", "EI", "rho", "EA", "EI_1")]
         return [(name, value) for name, value in named if value is not None]
 
@@ -108,14 +110,14 @@ class Beam:
         blocks = {1: self.EI_1, 3: self.EI}
         matrix = np.zeros((n * count, n * count))
         for i, axis in enumerate(self.axes):
-            block = self._axial() if axis == 2 else blocks[axis] / self.step**3 * unit_bending(n)[0]
+            block = self._axial() if axis == 2 else blocks[axis] / self.step**3 * unit_bending(n)[0]  # type: ignore[operator]
             matrix[i::count, i::count] = block
         return matrix
 
-    def _axial(self):
+    def _axial(self) -> Any:
         matrix = 2 * np.eye(self.nodes) - np.eye(self.nodes, k=1) - np.eye(self.nodes, k=-1)
         matrix[-1, -1] = 1
-        return self.EA / self.step * matrix
+        return self.EA / self.step * matrix  # type: ignore[operator]
 
     def nodal_rotation(self, node: int) -> np.ndarray:
         """Rotation (3, NM) of a node, counted from 1, per unit of each elastic coordinate, rad/m.

@@ -1,9 +1,11 @@
 """A beam as cards of FMBD.DAT: its FE block, a deck around it, or in the place of a body of a deck."""
 
+from typing import Any
+
 import numpy as np
 
 from ...deck.fortran_fields import indexed, integer_list, real_list
-from ...deck.record import Deck
+from ...deck.record import Deck, Number
 from ...errors import DeckError, Fault
 from .beam import Beam
 from .skyline import full_columns
@@ -40,8 +42,8 @@ def beam_block(beam: Beam, dimension: int = 2) -> str:
             integer_list([len(addresses)]),
             integer_list(range(1, len(addresses) + 1)),
             integer_list(addresses),
-            real_list(packed, 13, 6),
-            real_list(beam.masses, 10, 10),
+            real_list(packed, 13, 6),  # type: ignore[arg-type]
+            real_list(beam.masses, 10, 10),  # type: ignore[arg-type]
         )
     )
 
@@ -72,7 +74,7 @@ def beam_deck(beam: Beam, title: str, steps: int = 500, step: float = 0.001) -> 
             f"MASS\n{indexed(1, [beam.mass])}",
             f"INER\n{indexed(1, [beam.inertia, 0.0, beam.inertia])}",
             f"EULT\n{indexed(1, attitude)}EULL\n{indexed(1, attitude)}",
-            f"Y(L)\n{real_list(np.zeros(2 * coordinates), 10, 5)}",
+            f"Y(L)\n{real_list(np.zeros(2 * coordinates), 10, 5)}",  # type: ignore[arg-type]
             "END \nSTAR\nSTOP\n",
         )
     )
@@ -98,7 +100,7 @@ def with_beam(deck: Deck, body: int, beam: Beam) -> str:
     return "\n".join(lines)
 
 
-def _replacements(deck, body, beam):
+def _replacements(deck: Deck, body: int, beam: Beam) -> list[tuple[int, int, str]]:
     """Triples (first line, last line, new text), not overlapping; an insertion has last = first - 1."""
     bodies = deck.section("counts")[1:]
     nodes = [record["NUMNP"] for record in bodies]
@@ -124,21 +126,21 @@ def _replacements(deck, body, beam):
     return changes
 
 
-def _numbers(deck, section):
+def _numbers(deck: Deck, section: str) -> list[Number]:
     return [record.numbers[0] for record in deck.section(section)]
 
 
-def _span(numbers, text):
+def _span(numbers: Any, text: str) -> tuple[int, int, str]:
     lines = [number.place.line for number in numbers]
     return min(lines), max(lines), text
 
 
-def _spliced(numbers, start, old, new):
+def _spliced(numbers: list[Number], start: int, old: int, new: int) -> list[float]:
     values = [number.value for number in numbers]
     return [*values[:start], *new * [0.0], *values[start + old :]]
 
 
-def _block_change(deck, body, beam):
+def _block_change(deck: Any, body: Any, beam: Beam) -> tuple[int, int, str]:
     """The lines of the body's FE block, or the place where it must be inserted."""
     text = beam_block(beam, deck.one("counts")["NDM"])
     masses = {record.number: record.numbers[-1].place.line for record in deck.section("bmi")}

@@ -4,6 +4,8 @@ DAFMS thesis (Zhao, 1992), appendix C, DFIN (skyline, lumped masses) and TSYSIN 
 TOQU).
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...deck.records import DeckValues
@@ -11,6 +13,10 @@ from ...model.diagnostics import Findings
 from ...model.geometric_stiffness import beam_direction
 from ...model.tree import Body, Elasticity
 from .skyline import full_matrix
+
+if TYPE_CHECKING:
+    pass
+
 
 AXES_BY_DOFS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
 
@@ -38,12 +44,12 @@ def build_bodies(values: DeckValues, findings: Findings) -> tuple[Body, ...]:
     return tuple(_body(values, k, findings) for k in range(1, count + 1))
 
 
-def _cards_begin(values):
+def _cards_begin(values: DeckValues) -> Any:
     """Return where cards are expected: at the last number of the time, which stands before them."""
     return values.number("time", 0, "H").place
 
 
-def _body(values, k, findings):
+def _body(values: DeckValues, k: int, findings: Findings) -> Any:
     name = f"body {k}"
     flexible = values.number("counts", k, "NUMNP").value > 0
     elastic = _elasticity(values, k, findings) if flexible else None
@@ -75,7 +81,7 @@ def _body(values, k, findings):
     )
 
 
-def _warn_of_unused_cards(values, k, findings):
+def _warn_of_unused_cards(values: DeckValues, k: int, findings: Findings) -> None:
     """ELDA and GSTF speak of nodes: on a body that has none they would change nothing."""
     for card, section in (("ELDA", "elastic_damping"), ("GSTF", "stiffening")):
         asked = values.values(section, k, (0,))
@@ -84,7 +90,7 @@ def _warn_of_unused_cards(values, k, findings):
             findings.warn(f"body {k}", message, values.place(section, k), id="DAFMS-011")
 
 
-def _mass(values, k, elastic, findings):
+def _mass(values: DeckValues, k: int, elastic: Elasticity | None, findings: Findings) -> float:
     number = values.number("mass", k, "BM")
     mass, name = number.value, f"body {k}"
     if mass < 0:
@@ -103,7 +109,7 @@ def _mass(values, k, elastic, findings):
     return max(mass, nodes)
 
 
-def _inertia(values, k, findings):
+def _inertia(values: Any, k: Any, findings: Findings) -> np.ndarray:
     moments = values.record("inertia", k).numbers
     for number in moments:
         if number.value < 0:
@@ -125,7 +131,7 @@ def _inertia(values, k, findings):
     return inertia
 
 
-def _elasticity(values, k, findings):
+def _elasticity(values: DeckValues, k: int, findings: Findings) -> Elasticity | None:
     nodes = values.number("counts", k, "NUMNP").value
     axes = AXES_BY_DOFS[values.number("counts", k, "NDF").value]
     size = nodes * len(axes)
@@ -147,7 +153,7 @@ def _elasticity(values, k, findings):
     )
 
 
-def _stiffened_from(values, k, positions, findings):
+def _stiffened_from(values: DeckValues, k: int, positions: np.ndarray, findings: Findings) -> float | None:
     """Clamped end of a beam that card GSTF stiffens, m from O_k; None for a body that is not."""
     asked, root = values.values("stiffening", k, (0, 0.0))
     if not asked:
@@ -164,7 +170,7 @@ def _stiffened_from(values, k, positions, findings):
     return root
 
 
-def _node_vectors(values, section, k, nodes):
+def _node_vectors(values: DeckValues, section: str, k: int, nodes: int) -> np.ndarray:
     """Three components a node (NP, 3); a planar deck gives axes 2 and 3 only."""
     vectors = np.zeros((nodes, 3))
     for i in range(nodes):
@@ -173,7 +179,7 @@ def _node_vectors(values, section, k, nodes):
     return vectors
 
 
-def _nodal_masses(values, k, findings):
+def _nodal_masses(values: Any, k: Any, findings: Any) -> np.ndarray:
     record = values.record("bmi", k)
     masses = np.array(record.values, float)
     for node in np.flatnonzero(masses <= 0):
@@ -183,13 +189,15 @@ def _nodal_masses(values, k, findings):
     return masses
 
 
-def _stiffness(values, k, findings, axes):
+def _stiffness(values: Any, k: Any, findings: Findings, axes: tuple[int, ...]) -> np.ndarray:
     matrix = full_matrix(values.record("counts.jdi", k).values, values.record("bkp", k).values)
     _check_definite(matrix, values, k, findings, axes)
     return matrix
 
 
-def _check_definite(matrix, values, k, findings, axes):
+def _check_definite(
+    matrix: np.ndarray, values: Any, k: Any, findings: Findings, axes: tuple[int, ...]
+) -> None:
     try:
         np.linalg.cholesky(matrix)
     except np.linalg.LinAlgError:
@@ -207,7 +215,9 @@ def _check_definite(matrix, values, k, findings, axes):
         )
 
 
-def _damping(values, k, masses, stiffness, findings):
+def _damping(
+    values: DeckValues, k: int, masses: np.ndarray, stiffness: np.ndarray, findings: Findings
+) -> np.ndarray | None:
     """Rayleigh damping ALPHA M + BETA K of card ELDA."""
     alpha, beta = values.values("elastic_damping", k, (0.0, 0.0))
     if alpha < 0 or beta < 0:

@@ -1,6 +1,7 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -12,6 +13,10 @@ from .bodies import build_bodies
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 GRAVITY = (0.0, 9.8, 0.0)
 
@@ -63,7 +68,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     return tree, findings.in_order
 
 
-def _shapes(values, findings):
+def _shapes(values: "Any", findings: Any) -> "Any":
     if not values.section("shape"):
         return ()
     # Few decks have any.
@@ -72,12 +77,12 @@ def _shapes(values, findings):
     return build_shapes(values, findings)
 
 
-def _stop_at_errors(deck, findings):
+def _stop_at_errors(deck: Deck, findings: Findings) -> None:
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
 
 
-def _check_magnitudes(deck, findings):
+def _check_magnitudes(deck: Deck, findings: Findings) -> None:
     for name, number in deck.numbers():
         if not abs(number.value) <= LARGEST:
             findings.error(
@@ -88,7 +93,7 @@ def _check_magnitudes(deck, findings):
             )
 
 
-def _check_dof(tree, values, findings):
+def _check_dof(tree: Tree, values: DeckValues, findings: Findings) -> None:
     if not tree.coordinates:
         message = "no hinge is free and no body is flexible: nothing can move"
         findings.error("counts", message, values.place("counts"), id="DAFMS-022")

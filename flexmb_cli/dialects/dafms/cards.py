@@ -37,7 +37,9 @@ class Card:
     head: int = 0  # items in the first of the two records of an entry, 0: it has one
 
 
-def _axes(letter: str, meaning: str, unit: str = "", axes=(1, 2, 3)) -> tuple[Item, ...]:
+def _axes(
+    letter: str, meaning: str, unit: str = "", axes: tuple[int, int, int] = (1, 2, 3)
+) -> tuple[Item, ...]:
     return tuple(Item(f"{letter}{axis}", f"{meaning}, axis {axis}", unit) for axis in axes)
 
 

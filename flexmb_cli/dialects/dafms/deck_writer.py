@@ -4,23 +4,28 @@ Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's ta
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_fields import filled
 from ...deck.record import Number, Record
 from ...errors import Fault
 from .beam import Beam
 from .beam_cards import beam_block
-from .cards import CARDS
+from .cards import CARDS, Card
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")  # type: ignore[assignment]
 
 WIDE, _REAL, _INTEGER = 13, 10, 5
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
 
 
-def _width(record):
+def _width(record: Record) -> int:
     """Columns of a real number; those of a beam stand in no card."""
     return WIDE if record.section.startswith(_WIDE_SECTIONS) else _REAL
 
@@ -50,7 +55,7 @@ def faults_of_fields(record: Record) -> list[Fault]:
     return faults
 
 
-def _fits(value, width):
+def _fits(value: Number, width: int) -> bool:
     if isinstance(value.value, int):
         return len(str(value.value)) <= width
     if "." in value.text and len(value.text) <= width:
@@ -72,12 +77,12 @@ def deck_lines(records: Sequence[Record]) -> list[tuple[str, str]]:
 class _Deck:
     """Cards of a complete set of answers."""
 
-    def __init__(self, records):
+    def __init__(self, records: Any):
         self.records = records
         self.by_prefix = {record.prefix: record for record in records}
         self.bodies = range(1, self.by_prefix["counts"]["N"] + 1)
 
-    def lines(self):
+    def lines(self) -> list[tuple[str, str]]:
         counts, title = self.by_prefix["counts"], self.by_prefix["title"]
         lines = [(f"{counts['N']:5d}{counts['NDM']:5d}", "counts")]
         lines += [(f"DFMB {title['text']}".rstrip(), "title"), *self._control()]
@@ -92,10 +97,10 @@ class _Deck:
                 lines += self._card(CARDS[word])
         return [*lines, ("END ", ""), ("STAR", ""), ("STOP", "")]
 
-    def _body(self, k):
+    def _body(self, k: int) -> Record:
         return self.by_prefix[f"body.{k}"]
 
-    def _control(self):
+    def _control(self) -> list[tuple[str, str]]:
         lines = [self._dofs(k, letter) for letter in ("NT", "NR") for k in self.bodies]
         sizes = [self._size(k) for k in self.bodies]
         for counts in zip(*sizes, strict=True):
@@ -104,37 +109,37 @@ class _Deck:
         time = self.by_prefix["time"]
         return [*lines, *((field(n, _REAL), "time") for n in time.numbers)]
 
-    def _dofs(self, k, letter):
+    def _dofs(self, k: int, letter: str) -> tuple[str, str]:
         flags = [self._body(k)[f"{letter}.{axis}"] for axis in (1, 2, 3)]
         return "".join(f"{n:5d}" for n in (k, sum(flags), *flags)), f"body.{k}"
 
-    def _size(self, k):
+    def _size(self, k: int) -> tuple[int, int]:
         """NUMNP and NDF."""
         if beam := self._beam(k):
             return beam.nodes, len(beam.axes)
         elastic = self.by_prefix.get(f"elastic.{k}") if self._body(k)["kind"] == "TYPED" else None
         return (elastic["NUMNP"], elastic["NDF"]) if elastic else (0, 0)
 
-    def _beam(self, k):
+    def _beam(self, k: int) -> "Any":
         if self._body(k)["kind"] != "BEAM":
             return None
         record = self.by_prefix[f"beam.{k}"]
         return beam_of({n.key: n.value if n.text else None for n in record.numbers})
 
-    def _block(self, k):
+    def _block(self, k: int) -> list[tuple[str, str]]:
         if beam := self._beam(k):
             text = beam_block(beam, self.by_prefix["counts"]["NDM"])
             return [(line, f"beam.{k}") for line in text.splitlines()]
         nodes, dofs = self._size(k)
         return self._typed(k, nodes * dofs) if nodes else []
 
-    def _typed(self, k, size):
+    def _typed(self, k: Any, size: int) -> list[tuple[str, str]]:
         nodes = [record for record in self.records if record.section == f"node.{k}"]
         half = len(nodes[0].numbers) // 2
         lines = [_indexed(record, record.numbers[:half]) for record in nodes]
         lines += [_indexed(record, record.numbers[half:]) for record in nodes]
         lines.append((f"{size:5d}", ""))
-        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]
+        addresses, skyline = [], self.by_prefix[f"skyline.{k}"]  # type: ignore[var-annotated]
         for height in skyline.numbers:
             addresses.append((addresses[-1] if addresses else 0) + height.value)
         for numbers in (range(1, size + 1), addresses):
@@ -145,12 +150,12 @@ class _Deck:
         masses = self.by_prefix[f"nodal_mass.{k}"]
         return lines + self._list([(n, masses.prefix) for n in masses.numbers], 10)
 
-    def _list(self, pairs, per_line, width=_REAL):
+    def _list(self, pairs: list[tuple[Number, str]], per_line: int, width: int = _REAL) -> Any:
         """Numbers side by side; a line goes under the name of its first number's record."""
         chunks = [pairs[i : i + per_line] for i in range(0, len(pairs), per_line)]
         return [("".join(field(n, width) for n, _ in chunk), chunk[0][1]) for chunk in chunks]
 
-    def _card(self, card):
+    def _card(self, card: Card) -> list[tuple[str, str]]:
         records = [record for record in self.records if record.section == card.section]
         lines = [(card.word, "")]
         if card.layout == "entries":
@@ -166,18 +171,18 @@ class _Deck:
             lines += self._rows(f"{card.section}.{record.number}")
         return lines
 
-    def _rows(self, section):
+    def _rows(self, section: str) -> Any:
         """The table that follows a record: points of TABM and TABL, rotations of NROT."""
         for record in self.records:
             if record.section == section:
                 width = _width(record)
                 yield from self._list([(n, record.prefix) for n in record.numbers], 6, width)
 
-    def _state(self):
+    def _state(self) -> list[tuple[str, str]]:
         records = [record for record in self.records if record.section == "state"]
         pairs = [(record.at(key), record.prefix) for key in ("u", "q") for record in records]
         return [("Y(L)", ""), *self._list(pairs, 5)] if pairs else []
 
 
-def _indexed(record, numbers):
+def _indexed(record: Record, numbers: Any) -> tuple[str, str]:
     return f"{record.number:5d}" + "".join(field(n, _REAL) for n in numbers), record.prefix

@@ -5,15 +5,21 @@ itself is written by `deck_writer.py`.
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ...deck.questions import INTEGER, TEXT, WORD, Cell, Entry
 from ...deck.record import Record
 from ...errors import Fault
-from .cards import CARDS
+from .cards import CARDS, Card
 from .deck_writer import OF_EVERY_BODY, OPTIONAL, deck_lines
 from .form_blocks import Answers, block_entries, counted
 from .form_cards import body_entry, counted_entries
 from .form_faults import MOST, faults_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 _KINDS = ("RIGID", "BEAM", "TYPED")
 _TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
@@ -25,7 +31,7 @@ _TIME = Entry(
 )
 
 
-def _count_cell(card):
+def _count_cell(card: Card) -> Cell:
     if card.layout == "entries":
         meaning = f"number of entries, {card.section.replace('_', ' ')}"
     else:
@@ -78,14 +84,14 @@ class DafmsForm:
         return deck_lines(records)
 
 
-def _flags(letter, motion):
+def _flags(letter: str, motion: str) -> list[Cell]:
     return [
         Cell(f"{letter}.{a}", f"{motion} free, axis {a}; a flag", letter=INTEGER, default="0")
         for a in (1, 2, 3)
     ]
 
 
-def _body_entry(k):
+def _body_entry(k: int) -> Entry:
     cells = (
         Cell("L", "number of the parent; 0: inertial frame", letter=INTEGER, default=str(k - 1)),
         *_flags("NT", "translation of the hinge"),
@@ -95,7 +101,7 @@ def _body_entry(k):
     return Entry("body", k, f"body {k}", cells)
 
 
-def _coordinates(answers, bodies):
+def _coordinates(answers: Answers, bodies: range) -> "Iterator[Any]":
     """Return what each coordinate is, in the order of card Y(L)."""
     for letter, motion in (("NR", "rotation about"), ("NT", "translation along")):
         for k in bodies:
@@ -109,7 +115,7 @@ def _coordinates(answers, bodies):
         )
 
 
-def _state_entry(m, what):
+def _state_entry(m: int, what: str) -> Entry:
     unit = "rad" if what.startswith("rotation") else "m"
     cells = (
         Cell("q", "coordinate at the start", unit, default="0"),

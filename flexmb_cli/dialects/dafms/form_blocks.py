@@ -1,5 +1,7 @@
 """Elastic bodies as `flexmb new dafms` asks for them: a uniform beam, or nodes and stiffness typed."""
 
+from typing import Any
+
 from ...deck import number
 from ...deck.questions import INTEGER, Cell, Entry
 from ...errors import DeckError
@@ -13,7 +15,7 @@ MOST_TYPED = 60
 class Answers:
     """Answers so far as integers; what is missing or misspelt counts as `default`."""
 
-    def __init__(self, values):
+    def __init__(self, values: dict[str, str]):
         self.values = values
 
     def integer(self, name: str, default: int = 0) -> int:
@@ -46,7 +48,7 @@ class Answers:
         return (tuple(range(4 - dofs, 4)), nodes) if sensible else ((), 0)
 
 
-def _beam_entry(k):
+def _beam_entry(k: int) -> Entry:
     cells = (
         Cell("length", "length, clamped at its first end, along axis 2", "m"),
         Cell("nodes", "elements, each with a node at its end", letter=INTEGER),
@@ -94,7 +96,7 @@ def counted(last: int) -> range:
     return range(1, last + 1)
 
 
-def _node_entry(k, i, axes):
+def _node_entry(k: int, i: int, axes: Any) -> Entry:
     cells = [Cell(f"CO.{a}", f"position from O_k, axis {a}", "m") for a in axes]
     cells += [Cell(f"PI.{a}", f"force, inertial axes, axis {a}", "N", default="0") for a in axes]
     return Entry(f"node.{k}", i, f"node {i} of body {k}", tuple(cells))

@@ -1,13 +1,21 @@
 """Cards of DAFMS as `flexmb new dafms` asks for them: those of every body, and those that were counted."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from ...deck.fortran_card import fortran_format
+from ...deck.fortran_card import Edit, fortran_format
 from ...deck.fortran_fields import filled
 from ...deck.questions import INTEGER, REAL, Cell, Entry
 from .cards import CARDS, Card
 from .deck_writer import WIDE
 from .form_blocks import Answers, counted
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...deck.fortran_records import Item
+
 
 TABLES = ("TABM", "TABL")
 _WITHOUT_ZERO = ("MASS", "METH", "SPRI", "DAMP", "MOTR", *TABLES, "NROT")
@@ -40,7 +48,7 @@ def counted_entries(word: str, answers: Answers, bodies: range) -> list[Entry]:
     return [entry for n in counted(count) for entry in (_card_entry(card, n), *_rows(word, answers, n))]
 
 
-def _rows(word, answers, n):
+def _rows(word: str, answers: Any, n: int) -> Any:
     """The table that follows the `n`-th head of the card."""
     section = f"{CARDS[word].section}.{n}"
     if word in TABLES:
@@ -48,13 +56,13 @@ def _rows(word, answers, n):
     return _rotations(section, answers, f"{word} {n}") if word == "NROT" else []
 
 
-def _points(section, count, subject):
+def _points(section: str, count: int, subject: str) -> "Any":
     unit = "N m" if section.startswith("torque") else "N m or N"
     cells = (Cell("t", "time", "s"), Cell("f", "torque or force, linear between the points", unit))
     return [Entry(section, i, f"{subject}, point {i}", cells) for i in counted(min(count, MOST_POINTS))]
 
 
-def _rotations(section, answers, subject):
+def _rotations(section: str, answers: Answers, subject: str) -> "Any":
     """Rotations of a node per unit of each elastic coordinate; those of a beam are offered."""
     k, node = answers.integer(f"{section}.K"), answers.integer(f"{section}.I")
     axes, nodes = answers.axes(k)
@@ -83,7 +91,7 @@ def _card_entry(card: Card, k: int) -> Entry:
     return Entry(card.section, k, subject, cells)
 
 
-def _cell(card, item, edit):
+def _cell(card: Card, item: "Item", edit: Edit) -> Cell:
     letter = INTEGER if edit.letter == "I" else REAL
     default = None if card.word in _WITHOUT_ZERO or item.key in _ASKED else "0"
     if card.word == "TOLR":

@@ -4,6 +4,7 @@
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...errors import DeckError, Fault
@@ -12,6 +13,10 @@ from .cards import CARDS
 from .deck_writer import beam_of, faults_of_fields
 from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MOST = 1000
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
@@ -44,7 +49,7 @@ def faults_of(records: Sequence[Record], complete: bool) -> list[Fault]:
     return _faults_of_time(records[-2], last) if len(records) > 1 else []
 
 
-def _faults_of_size(record):
+def _faults_of_size(record: Record) -> list[Fault]:
     size = record["NUMNP"] * record["NDF"]
     message = f"{size} elastic coordinates, at most {MOST_TYPED} are asked for: `flexmb beam --into`"
     return (
@@ -52,7 +57,7 @@ def _faults_of_size(record):
     )
 
 
-def _faults_of_node(records, record):
+def _faults_of_node(records: Any, record: Record) -> list[Fault]:
     """A node that turns is one of a flexible body."""
     body, *node = record.numbers
     by_prefix = {earlier.prefix: earlier for earlier in records}
@@ -68,7 +73,7 @@ def _faults_of_node(records, record):
     return [Fault("error", message, node[0].place, record.subject, id="DAFMS-026")]
 
 
-def _faults_of_time(before, record):
+def _faults_of_time(before: Record, record: Record) -> "Any":
     """Points of a table come in the order of time; two at one time are a jump."""
     tables = tuple(f"{CARDS[word].section}." for word in ("TABM", "TABL"))
     if not record.section.startswith(tables) or before.section != record.section:
@@ -80,14 +85,14 @@ def _faults_of_time(before, record):
     return [Fault("error", message, time.place, record.subject, id="DAFMS-027")]
 
 
-def _faults_of_title(record):
+def _faults_of_title(record: Record) -> "Any":
     message = f"the heading card has room for 75 characters; read {len(record['text'])}"
     return (
         [Fault("error", message, record.place, "title", id="DAFMS-028")] if len(record["text"]) > 75 else []
     )
 
 
-def _outside(records, record, value):
+def _outside(records: Any, record: Record, value: Any) -> "Any":
     least, most = _range(records, record, value.key)
     if least is None or least <= value.value <= most:
         return []
@@ -95,7 +100,7 @@ def _outside(records, record, value):
     return [Fault("error", message, value.place, record.subject, id="DAFMS-029")]
 
 
-def _range(records, record, key):
+def _range(records: list[Record], record: Record, key: str) -> tuple[int | None, int | None]:
     """Least and most value of an integer; (None, None) where only its columns bound it."""
     bodies = records[1]["N"] if len(records) > 2 else MOST
     if record.section == "counts" and key != "NDM":
@@ -117,7 +122,7 @@ def _range(records, record, key):
     return own.get(key, (1, bodies))
 
 
-def _faults_of_beam(record, dimension):
+def _faults_of_beam(record: Record, dimension: int) -> list[Fault]:
     try:
         beam: Beam = beam_of({n.key: n.value if n.text else None for n in record.numbers})
     except DeckError as failure:

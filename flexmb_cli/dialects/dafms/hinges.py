@@ -5,12 +5,17 @@ hinge with the parent (NP(L(k))); its card, and any branched tree, mean the node
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.tree import INERTIAL, UNTURNED, Body, Hinge
+
+if TYPE_CHECKING:
+    from ...deck.record import Record
+
 
 # Euler parameters typed with five decimals miss their length by less than this.
 _LENGTH = 1e-3
@@ -25,7 +30,7 @@ def build_hinges(values: DeckValues, bodies: tuple[Body, ...], findings: Finding
     return tuple(_hinge(values, bodies, parents, k, findings) for k in range(1, len(bodies) + 1))
 
 
-def _parent(values, k, findings):
+def _parent(values: Any, k: Any, findings: Any) -> int:
     number = values.record("parent", k)
     if number is None:
         return INERTIAL
@@ -38,7 +43,9 @@ def _parent(values, k, findings):
     return number.value - 1
 
 
-def _hinge(values, bodies, parents, k, findings):
+def _hinge(
+    values: DeckValues, bodies: tuple[Body, ...], parents: list[int], k: int, findings: Findings
+) -> Hinge:
     parent = parents[k - 1]
     point = values.values("hinge_point", k, (0.0, 0.0, 0.0))
     node = _node(values, bodies, parent, k, point, findings)
@@ -55,11 +62,18 @@ def _hinge(values, bodies, parents, k, findings):
     )
 
 
-def _free_axes(values, k, name):
+def _free_axes(values: DeckValues, k: int, name: str) -> tuple[int, ...]:
     return tuple(axis for axis in (1, 2, 3) if values.number("counts", k, f"{name}{axis}").value)
 
 
-def _node(values, bodies, parent, k, point, findings):
+def _node(
+    values: DeckValues,
+    bodies: Any,
+    parent: Any,
+    k: Any,
+    point: tuple[float, float, float],
+    findings: Any,
+) -> int | None:
     """Node of the flexible parent at P_k, from 0; None when P_k does not follow one."""
     own = values.record("hinge_node", k)
     if parent == INERTIAL or bodies[parent].elastic is None:
@@ -74,14 +88,14 @@ def _node(values, bodies, parent, k, point, findings):
         return None
     if not 1 <= stated <= len(positions):
         message = f"NP = {stated} is no node of body {parent + 1}, which has {len(positions)}"
-        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")
+        findings.error(f"hinge of body {k}", message, own.place, id="DAFMS-034")  # type: ignore[union-attr]
         return None
     if not _same_point(positions[stated - 1], point):
         _report_other_point(values, positions[stated - 1], stated, parent, k, point, findings)
     return stated - 1
 
 
-def _note_unused_node(own, parent, k, findings):
+def _note_unused_node(own: "Record | None", parent: int, k: int, findings: Findings) -> None:
     """The listing does not look at NP of a parent without nodes; flexmb neither."""
     if own and own.at("NP").value > 0 and parent != INERTIAL:
         message = (
@@ -90,12 +104,19 @@ def _note_unused_node(own, parent, k, findings):
         findings.note(f"hinge of body {k}", message, own.at("NP").place, id="DAFMS-035")
 
 
-def _same_point(node, point):
+def _same_point(node: np.ndarray, point: tuple[float, float, float]) -> bool:
     """Equal to the digits that two F10.5 fields hold for certain."""
     return bool(np.all(np.abs(node - point) <= 1.1e-5 + 1e-6 * np.abs(node)))
 
 
-def _node_of_parents_record(values, parent, positions, point, k, findings):
+def _node_of_parents_record(
+    values: DeckValues,
+    parent: int,
+    positions: np.ndarray,
+    point: tuple[float, float, float],
+    k: int,
+    findings: Findings,
+) -> int:
     """The node a deck meant for the listing gives with the parent, when it lies where Q(k) says."""
     record = values.record("hinge_node", parent + 1)
     stated = record.at("NP").value if record else 0
@@ -109,7 +130,14 @@ def _node_of_parents_record(values, parent, positions, point, k, findings):
     return stated
 
 
-def _warn_of_rigid_attachment(values, bodies, parent, k, point, findings):
+def _warn_of_rigid_attachment(
+    values: DeckValues,
+    bodies: Any,
+    parent: int,
+    k: int,
+    point: tuple[float, float, float],
+    findings: Findings,
+) -> None:
     if any(point):
         message = (
             f"Q(k) is a point of flexible body {parent + 1} but NP names no node: "
@@ -123,7 +151,15 @@ def _warn_of_rigid_attachment(values, bodies, parent, k, point, findings):
         )
 
 
-def _report_other_point(values, node, stated, parent, k, point, findings):
+def _report_other_point(
+    values: DeckValues,
+    node: np.ndarray,
+    stated: int,
+    parent: int,
+    k: int,
+    point: tuple[float, float, float],
+    findings: Findings,
+) -> None:
     place = values.place("hinge_point", k) or values.place("hinge_node", k)
     message = (
         f"Q(k) = {_triple(point)} is not where node {stated} of body {parent + 1} lies, {_triple(node)}; "
@@ -132,11 +168,11 @@ def _report_other_point(values, node, stated, parent, k, point, findings):
     findings.error(f"hinge of body {k}", message, place, id="DAFMS-038")
 
 
-def _triple(vector):
+def _triple(vector: np.ndarray | tuple[float, float, float]) -> str:
     return "(" + ", ".join(f"{x:g}" for x in vector) + ")"
 
 
-def _attitude(values, section, card, k, findings):
+def _attitude(values: DeckValues, section: Any, card: str, k: int, findings: Findings) -> Any:
     """Euler parameters, scalar first and normalised, from a card that gives the scalar last."""
     record = values.record(section, k)
     if record is None:
@@ -156,7 +192,7 @@ def _attitude(values, section, card, k, findings):
     return tuple(float(e) / length for e in (e4, e1, e2, e3))
 
 
-def _elastic_rotation(values, parent, node, bodies):
+def _elastic_rotation(values: DeckValues, parent: Any, node: int, bodies: Any) -> np.ndarray | None:
     """Matrix (3, NM) of card NROT for the node the hinge sits on; None when it is not given."""
     for record in values.section("nodal_rotation"):
         rows = np.array([number.value for number in record.numbers[2:]], float)

@@ -7,12 +7,17 @@ differ.  It knew no extension cards, and echoes none; its ==WKD== debug lines ar
 
 from collections.abc import Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.fortran_format import SAFE, E, F, I, Layout
+from ...deck.fortran_format import SAFE, E, Edit, F, I, Layout
 from ...deck.record import Deck, Record
 from .skyline import full_matrix
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # DFIN adds the weight of the nodes to their forces when it reads them; a GRAV card, which it did not know,
 # gives another gravity.
@@ -48,7 +53,7 @@ def echo_text(deck: Deck, layout: str = SAFE) -> str:
 class _Page:
     """One echo in the making: the deck's records by section, and the layout."""
 
-    def __init__(self, deck, layout):
+    def __init__(self, deck: Deck, layout: str):
         self.layout = layout
         self.sections: dict[str, list[Record]] = {}
         for record in deck.records:
@@ -57,15 +62,15 @@ class _Page:
         self.counts = self.sections["counts"]
         self.heading = self.sections["heading"][0].numbers[0].text.ljust(80) + "\n"
 
-    def line(self, *parts, values):
+    def line(self, *parts: "Any", values: Any) -> str:
         return Layout(*parts, "\n", layout=self.layout).lines(values)
 
-    def listed(self, tag, edit, per_line, values: Sequence):
+    def listed(self, tag: str, edit: Edit, per_line: int, values: Sequence) -> str:
         """A list under a FORMAT that reverts: its tag begins every line."""
         chunks = [values[i : i + per_line] for i in range(0, len(values), per_line)]
         return "".join(self.line(tag, *len(chunk) * (edit,), values=chunk) for chunk in chunks)
 
-    def control(self):
+    def control(self) -> str:
         """Return what MAIN and QCONTR write."""
         size, *bodies = self.counts
         time = self.sections["time"][0]
@@ -83,15 +88,15 @@ class _Page:
             )
         )
 
-    def _dofs(self, bodies, name, title):
+    def _dofs(self, bodies: list[Record], name: str, title: str) -> str:
         keys = (name, *(f"{name}{axis}" for axis in (1, 2, 3)))
         rows = [[k, *(body[key] for key in keys)] for k, body in enumerate(bodies, 1)]
         return self.line(_HEAD.format(title), *5 * (I(5),), values=rows)
 
-    def _counted(self, title, values):
+    def _counted(self, title: str, values: list[int]) -> str:
         return self.listed(_HEAD.format(title), I(5), 10, values)
 
-    def flexible_body(self, k):
+    def flexible_body(self, k: int) -> str:
         """Return what DFIN writes for one body."""
         positions = self._nodes("node", k)
         forces = self._nodes("nodal_force", k)
@@ -116,15 +121,15 @@ class _Page:
             )
         )
 
-    def _gravity(self):
+    def _gravity(self) -> tuple[float, float, float]:
         """Gravity in effect, inertial axes; the last GRAV card counts."""
         given = self.sections.get("gravity")
         return tuple(given[-1][key] for key in ("g1", "g2", "g3")) if given else _GRAVITY
 
-    def _array(self, section, k):
+    def _array(self, section: str, k: int) -> Record:
         return next(record for record in self.sections[section] if record.number == k)
 
-    def _nodes(self, section, k):
+    def _nodes(self, section: str, k: int) -> list[list[float]]:
         """Rows K, I and three components; a planar deck gives the last two."""
         rows = []
         for record in self.sections[f"{section}.{k}"]:
@@ -132,11 +137,11 @@ class _Page:
             rows.append([k, record.number, *(3 - len(given)) * (0.0,), *given])
         return rows
 
-    def _stiffness(self, k):
+    def _stiffness(self, k: int) -> list[list[float]]:
         """Rows of the full matrix that the skyline stands for."""
         return full_matrix(_values(self._array("counts.jdi", k)), _values(self._array("bkp", k))).tolist()
 
-    def system(self):
+    def system(self) -> str:
         """Return what TSYSIN writes, card by card as read, unless NOPR has switched the echo off."""
         text, printing = [], True
         for section, group in groupby(self.records, key=_card):
@@ -147,7 +152,7 @@ class _Page:
                 text.append(self._card_text(section, records))
         return "".join(text)
 
-    def _card_text(self, section, records):
+    def _card_text(self, section: str, records: list[Record]) -> str:
         if section == "parent":
             parents = [record["L"] for record in records]
             return self.heading + self.listed("     LC==", I(5), 10, parents)
@@ -159,16 +164,16 @@ class _Page:
         return ""
 
 
-def _card(record):
+def _card(record: Record) -> str:
     """Section of the card a record came with: Y(L) gives speeds and coordinates in one list."""
     return "state" if record.section in ("speed", "coordinate") else record.section
 
 
-def _values(record):
+def _values(record: Record) -> "list[Any]":
     return [number.value for number in record.numbers]
 
 
-def _coordinates(bodies):
+def _coordinates(bodies: list[Record]) -> int:
     """NS (thesis, eq. 2.4)."""
     return sum(body["NT"] + body["NR"] + body["NUMNP"] * body["NDF"] for body in bodies)
 
@@ -180,7 +185,7 @@ class Series:
     Y lists the NS speeds and then the NS coordinates; entries that a small model lacks are left out.
     """
 
-    def __init__(self, unit2, unit3, coordinates: int, layout: str = SAFE):
+    def __init__(self, unit2: "Any", unit3: "Any", coordinates: int, layout: str = SAFE):
         self.layout = layout
         self.units = (
             (unit2, [coordinates - 1, coordinates, coordinates + 1]),
@@ -207,7 +212,7 @@ class Series:
         """The same note where nothing is known of the step: rows of a resume file, absolute coordinates."""
         self.units[1][0].write("  TOL,XEND,H,,METH,MITER,INDEX\n")
 
-    def _layout(self, values):
+    def _layout(self, values: int) -> Layout:
         edits = (F(12, 7), F(12, 7), *5 * (E(15, 6),))
         return Layout(*edits[: values + 1], "\n", layout=self.layout)
 
@@ -218,10 +223,10 @@ class Tables:
     `analysis` has the `tree`, and tells where it stopped (`stopped_at`), if it knows.
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis):
+    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: Any):
         self.echo, *units = streams
         self.deck, self.layout, self.analysis = deck, layout, analysis
-        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None
+        self.series = Series(*units, len(analysis.tree.coordinates), layout) if units else None  # type: ignore[call-arg]
 
     def begin(self) -> None:
         """Write the echo."""

@@ -6,6 +6,7 @@ program, blank lines) are passed over.
 
 import os
 import re
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +16,10 @@ from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass
 from .errata import SINGLE_PRECISION, single_precision
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 ECHO = ListingForm(
     "echo of a DAFMS deck",
@@ -36,7 +41,7 @@ class _Tag:
     columns: tuple[str, ...] = ()
 
 
-def _vector(name, kind, *indices):
+def _vector(name: str, kind: str, *indices: "Any") -> _Tag:
     edits = (*len(indices) * (I(5),), *3 * (F(10, 5),))
     return _Tag(name, kind, edits, (*indices, "axis 1", "axis 2", "axis 3"))
 
@@ -90,7 +95,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     lines = text.split("\n")
     if not any("==N==NDM==" in line for line in lines[:50]):
         return None
-    echo, words, faults = [], [], []
+    echo, words, faults = [], [], []  # type: ignore[var-annotated]
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADING):
             words.append((number, " ".join(line.split())))
@@ -99,10 +104,10 @@ def parse_echo(name: str, text: str) -> Listing | None:
     if faults:
         raise TableError(name, faults, lines)
     empty = np.empty(0)
-    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))
+    return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))  # type: ignore[arg-type]
 
 
-def _echo_line(number, line, match, faults):
+def _echo_line(number: int, line: str, match: re.Match[str], faults: "Any") -> EchoLine | None:
     tag = TAGS["".join(match[1].split())]
     rest = line[match.end() :]
     words = split_fields(rest, tag.edits) if tag.columns else split_list(rest, tag.edits[0])
@@ -114,7 +119,7 @@ def _echo_line(number, line, match, faults):
     return EchoLine(number, tag.name, values, units, tag.columns, tag.kind, edits)
 
 
-def _fault(number, line, start, tag):
+def _fault(number: int, line: str, start: int, tag: _Tag) -> Any:
     wanted = f"{len(tag.columns)} numbers are expected" if tag.columns else "numbers are expected"
     read = line[start:].strip()
     column = start + 1 + len(line[start:]) - len(line[start:].lstrip())
@@ -164,12 +169,12 @@ def parse_series(name: str, text: str) -> Listing | None:
     return Listing(name, (), table[:, 0], 1e-7, {"series": section}, failed, SERIES)
 
 
-def _unit_number(name):
+def _unit_number(name: str) -> str:
     match = re.fullmatch(r".*\.(?:T|)([23])", os.path.basename(name), re.IGNORECASE)
     return match[1] if match else ""
 
 
-def _series_numbers(name, lines, rows):
+def _series_numbers(name: str, lines: list[str], rows: list[int]) -> tuple[np.ndarray, np.ndarray, int]:
     """All numbers (rows, width), the units of the last digits of those behind the time, and the width."""
     try:
         table = np.loadtxt([lines[row] for row in rows], comments=None, ndmin=2)
@@ -185,7 +190,7 @@ def _series_numbers(name, lines, rows):
     return table, units, table.shape[1]
 
 
-def _one_by_one(name, lines, rows):
+def _one_by_one(name: str, lines: list[str], rows: list[int]) -> np.ndarray:
     found, faults, width = [], [], None
     for row in rows:
         line = lines[row]
@@ -203,6 +208,6 @@ def _one_by_one(name, lines, rows):
     return np.array(found)
 
 
-def _series_words(line, width):
+def _series_words(line: str, width: int | None) -> list[str] | None:
     widths = [width] if width else range(len(_EDITS), 0, -1)
     return next((words for n in widths if (words := split_fields(line, _EDITS[:n]))), None)

@@ -5,6 +5,7 @@ DAFMS thesis (Zhao, 1992), appendix C, MAIN, QCONTR and DFIN; TSYSIN is in `syst
 
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records, Unreadable
 from ...deck.number_list import NumberList, record_of
@@ -131,7 +132,7 @@ def _read_dofs(records: Records, name: str, motion: str, k: int) -> tuple[Number
     return count, *flags
 
 
-def _check_flags(records, name, count, flags, subject):
+def _check_flags(records: Records, name: str, count: Number, flags: list[Number], subject: str) -> None:
     for number in flags:
         if number.value not in (0, 1):
             records.report(
@@ -149,7 +150,7 @@ def _read_list(records: Records, name: str, meaning: str, count: int) -> tuple[N
     return records.read("10I5", items, name)
 
 
-def _check_nodes(records, nodes, dofs):
+def _check_nodes(records: Records, nodes: tuple[Number, ...], dofs: tuple[Number, ...]) -> None:
     for k, (count, dof) in enumerate(zip(nodes, dofs, strict=True), 1):
         if count.value < 0:
             message = f"NUMNP = {count.value}: a body has 0 nodes (rigid) or more"
@@ -159,7 +160,7 @@ def _check_nodes(records, nodes, dofs):
             records.report("error", f"body {k}", message, dof.place)
 
 
-def _stop_at_errors(records):
+def _stop_at_errors(records: Records) -> None:
     """The counts tell how to go on: with a wrong one nothing behind it can be read."""
     if records.errors:
         raise Unreadable
@@ -184,7 +185,14 @@ def _read_flexible_body(records: Records, layout: Layout, body: int, read: list[
     _read_array(records, "BMI", "nodal mass", "kg", "10F10.5", (k, nodes), read)
 
 
-def _read_nodes(records, k, nodes, axes, words, read):
+def _read_nodes(
+    records: Records,
+    k: int,
+    nodes: int,
+    axes: tuple[int, ...],
+    words: tuple[str, str, str, str],
+    read: list[Record],
+) -> None:
     section, letter, meaning, unit = words
     for i in range(1, nodes + 1):
         subject = f"{letter} of node {i} of body {k}"
@@ -197,7 +205,16 @@ def _read_nodes(records, k, nodes, axes, words, read):
         read.append(Record(f"{section}.{k}", i, f"node {i} of body {k}", tuple(numbers)))
 
 
-def _read_array(records, name, meaning, unit, form, size, read, section=None):
+def _read_array(
+    records: Records,
+    name: str,
+    meaning: str,
+    unit: str,
+    form: str,
+    size: tuple[int, int],
+    read: list[Record],
+    section: str | None = None,
+) -> Any:
     """A list of one body.  The skyline's addresses count as counts: the deck's layout hangs on them."""
     k, count = size
     numbers = records.read_list(
@@ -222,7 +239,7 @@ def _check_skyline(records: Records, jdi: Sequence[Number], k: int) -> None:
         before = address
 
 
-def _range(before, column):
+def _range(before: int, column: int) -> str:
     return "1" if column == 1 else f"{before + 1} to {before + column}"
 
 

@@ -5,6 +5,7 @@ hinge gets axes that lie in those of P_k at the start, where all coordinates are
 """
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +17,10 @@ from ...model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel
 from ...model.joints import ANGLE
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
 _FREE = {
@@ -66,7 +71,7 @@ class Hanging:
 class _Deck:
     """Frames of the tree while its cards are made."""
 
-    def __init__(self, model):
+    def __init__(self, model: Any):
         self.model, self.refusals, self.rounding = model, Refusals(), 0.0
         self.links = chain_of(model, self.refusals)
         self.number = {link.body: k for k, link in enumerate(self.links, start=1)} | {GROUND: 0}
@@ -98,7 +103,7 @@ class _Deck:
             if value_of(item.factor) is None:
                 self.refusals.add(item, "forces in DAFMS are constant")
 
-    def lines(self):
+    def lines(self) -> "Any":
         """The records up to END."""
         bodies = [self._hang(link) for link in self.links]
         N, time = len(bodies), self.model.time
@@ -120,7 +125,7 @@ class _Deck:
             *([] if self.model.stepping.method == EXPLICIT else ["METH", _integers(_IMPLICIT)]),
         ]  # fmt: skip
 
-    def _hang(self, link):
+    def _hang(self, link: "Any") -> "Any":
         """Frames of a body whose parent is hung."""
         model, body, axis = self.model, self.model.bodies[link.body], 3
         if link.joint is None:
@@ -139,18 +144,18 @@ class _Deck:
         self.hung[link.body] = Hanging(link, kind, place, own, frame, origin, axis)
         return self.hung[link.body]
 
-    def _own(self, hung):
+    def _own(self, hung: "Any") -> "Any":
         return self.model.bodies[hung.link.body]
 
-    def _parent(self, hung):
+    def _parent(self, hung: "Any") -> "Any":
         return np.eye(3) if hung.link.parent == GROUND else self.hung[hung.link.parent].own
 
-    def _centre(self, hung):
+    def _centre(self, hung: "Any") -> "Any":
         """Mass centre from O_k, axes of O_k."""
         body = self._own(hung)
         return hung.own.T @ (body.r + body.A @ body.centre - hung.origin)
 
-    def _inertia(self, bodies):
+    def _inertia(self, bodies: "Any") -> "Any":
         found = []
         for hung in bodies:
             body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
@@ -161,7 +166,7 @@ class _Deck:
             *(self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else []),
         ]
 
-    def _state(self, bodies):
+    def _state(self, bodies: "Any") -> "Any":
         """Speeds and coordinates: rotations of all bodies, then translations."""
         speeds, coordinates = [], []
         for turning in (True, False):
@@ -175,11 +180,11 @@ class _Deck:
         rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
         return ["Y(L)", *rows] if rows else []
 
-    def _turning(self, hung):
+    def _turning(self, hung: "Any") -> "Any":
         model, link = self.model, hung.link
         return model.angular_velocity(link.body) - model.angular_velocity(link.parent)
 
-    def _sliding(self, hung):
+    def _sliding(self, hung: "Any") -> "Any":
         """Velocity of O_k against the point of the parent where it is, global axes."""
         model, link = self.model, hung.link
         velocity = 0.0
@@ -189,11 +194,11 @@ class _Deck:
                 velocity = velocity + sign * (own.velocity + np.cross(own.omega, hung.origin - own.r))
         return velocity
 
-    def _dofs(self, k, hung, which):
+    def _dofs(self, k: int, hung: "Any", which: "Any") -> "Any":
         axes = hung.free(which)
         return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
-    def _loads(self, bodies):
+    def _loads(self, bodies: "Any") -> "Any":
         """Constant forces at O_k and torques, then torques by tables."""
         forces, torques = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
         tables = []
@@ -210,12 +215,12 @@ class _Deck:
                 torques[k - 1] += value * np.array(item.torque)
             else:
                 tables += self._torque_tables(item, k)
-        cards = []
+        cards: list[Any] = []
         for word, loads in (("FORC", forces), ("TOQU", torques)):
             cards += self._bodies(word, loads) if np.any(loads) else []
         return [*cards, *self._entries("TABL", tables)]
 
-    def _torque_tables(self, item, k):
+    def _torque_tables(self, item: "Any", k: int) -> "Any":
         points = self._points(item, item.factor)
         return [
             self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
@@ -223,17 +228,17 @@ class _Deck:
             if item.torque[axis - 1]
         ]
 
-    def _points(self, item, function):
+    def _points(self, item: "Any", function: Any) -> "Any":
         points = points_of(function)
         if points is None:
             self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
         return points or []
 
-    def _table(self, k, which, points):
+    def _table(self, k: int, which: "Any", points: "Any") -> "Any":
         lines = [_integers(k, which, len(points))]
         return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
 
-    def _hinge_elements(self):
+    def _hinge_elements(self) -> "Any":
         """Springs, dampers, motors and prescribed motions."""
         springs, dampers, motors, tables, motions = [], [], [], [], []
         for item in self.model.joint_springs:
@@ -247,7 +252,7 @@ class _Deck:
             if value is not None:
                 motors.append(self._dof(item) + self._real(value))
             else:
-                tables.append(self._table(*self._place(item), self._points(item, item.function)))
+                tables.append(self._table(*self._place(item), self._points(item, item.function)))  # type: ignore[call-arg]
         for item in self.model.joint_drivers:
             c = polynomial_of(item.function)
             if c is None or len(c) > 3:
@@ -259,23 +264,23 @@ class _Deck:
         cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
         return [line for word, entries in cards for line in self._entries(word, entries)]
 
-    def _place(self, item):
+    def _place(self, item: "Any") -> "Any":
         """Body of the hinge, and the number of its degree of freedom."""
         k = self.hinge_of[item.joint]
         axis = self.hung[self.links[k - 1].body].axis
         return k, axis if item.coordinate == ANGLE else axis + 3
 
-    def _dof(self, item):
+    def _dof(self, item: "Any") -> "Any":
         return _integers(*self._place(item))
 
-    def _entries(self, word, entries):
+    def _entries(self, word: "Any", entries: "Any") -> "Any":
         return [word, _integers(len(entries)), *entries] if entries else []
 
-    def _bodies(self, word, rows):
+    def _bodies(self, word: "Any", rows: "Any") -> "Any":
         """A card with a record for every body."""
         return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
 
-    def _real(self, value):
+    def _real(self, value: "Any") -> "Any":
         """Ten columns of a number; its rounding is kept for the notes."""
         value = float(value) + 0.0
         # Round-off of the frames, which would fill its columns by an exponent.
@@ -285,7 +290,7 @@ class _Deck:
         return text.rjust(10)
 
 
-def _frame(kind, parent, s, own, s_own):
+def _frame(kind: "Any", parent: int, s: "Any", own: "Any", s_own: "Any") -> "Any":
     """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
 
     `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.
@@ -306,14 +311,14 @@ def _frame(kind, parent, s, own, s_own):
     return np.column_stack([side, np.cross(first, side), first]), 3
 
 
-def _scalar_last(A):
+def _scalar_last(A: "Any") -> "Any":
     e0, *e = euler_parameters(A)
     return (*e, e0)
 
 
-def _integers(*values):
+def _integers(*values: "Any") -> "Any":
     return "".join(f"{value:5d}" for value in values)
 
 
-def _lists(values):
+def _lists(values: "Any") -> "Any":
     return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

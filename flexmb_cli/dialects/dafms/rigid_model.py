@@ -1,6 +1,7 @@
 """What a DAFMS deck of rigid bodies describes, in the terms of `model.exchange`."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +26,11 @@ from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import dataclass, replace
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 # Types of joints by the numbers of free rotations and translations.
 _KINDS = {
@@ -51,13 +57,13 @@ def rigid_model(_deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], 
         if body.elastic is not None:
             refusals.add(body, "the body is flexible; only rigid bodies are converted")
     _raise(refusals)
-    made = _Conversion(tree, start(tree), refusals)
+    made = _Conversion(tree, start(tree), refusals)  # type: ignore[arg-type]
     found = made.model()
     _raise(refusals)
     return found
 
 
-def _raise(refusals):
+def _raise(refusals: "Any") -> None:
     faults = [Fault("error", message, place, name, id="DAFMS-150") for message, place, name in refusals.items]
     if faults:
         raise ModelError(faults)
@@ -66,15 +72,16 @@ def _raise(refusals):
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, tree, start, refusals):
+    def __init__(self, tree: "Any", start: int, refusals: "Any"):
         self.tree, self.start, self.refusals = tree, start, refusals
-        self.A = [rotation_matrix(p) for p in start.p]
+        self.A = [rotation_matrix(p) for p in start.p]  # type: ignore[attr-defined]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
         self.q = {
-            (c.body, c.motion, c.axis): float(q) for c, q in zip(tree.coordinates, start.q, strict=True)
+            (c.body, c.motion, c.axis): float(q)
+            for c, q in zip(tree.coordinates, start.q, strict=True)  # type: ignore[attr-defined]
         }
 
-    def model(self):
+    def model(self) -> "Any":
         tree, time = self.tree, self.tree.time
         joints: list[RigidJoint] = []
         for k in range(len(tree.bodies)):
@@ -99,16 +106,16 @@ class _Conversion:
             stepping=stepping if explicit else replace(stepping, method=RADAU),
         )
 
-    def _body(self, k):
+    def _body(self, k: int) -> "Any":
         body, start = self.tree.bodies[k], self.start
         c = np.array(body.centre, float)
         inertia = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
         # What the difference leaves of a thin rod's moment is round-off of the numbers given.
         inertia[np.abs(inertia) < 1e-12 * np.abs(body.inertia).max()] = 0.0
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
         return RigidBody(body.name, *motion, body.mass, c, inertia, body.place)
 
-    def _add_hinge(self, joints, k):
+    def _add_hinge(self, joints: "Any", k: int) -> None:
         hinge = self.tree.hinges[k]
         free = len(hinge.rotations), len(hinge.translations)
         if free == FREE:
@@ -124,7 +131,7 @@ class _Conversion:
         self.number[k] = len(joints)
         joints.append(self._joint(k, hinge, kind))
 
-    def _joint(self, k, hinge, kind):
+    def _joint(self, k: int, hinge: "Any", kind: "Any") -> "Any":
         frame = rotation_matrix(hinge.frame)
         axes = {ROTATION: hinge.rotations, TRANSLATION: hinge.translations}
         first = (axes[ROTATION] or axes[TRANSLATION] or (1,))[0]
@@ -138,10 +145,10 @@ class _Conversion:
         return RigidJoint(*names, vector(hinge.point), (0.0, 0.0, 0.0), vector(s_i), vector(s_j),
                           place=hinge.place)  # fmt: skip
 
-    def _axes(self, body):
+    def _axes(self, body: "Any") -> "Any":
         return np.eye(3) if body == INERTIAL else self.A[body]
 
-    def _closures(self):
+    def _closures(self) -> "Iterator[Any]":
         for closure in self.tree.closures:
             if len(closure.directions) < 3 and not self._is_planar(closure):
                 message = "a closure of some directions is converted in planar mechanisms only"
@@ -152,7 +159,7 @@ class _Conversion:
                 vector(closure.a_point), place=closure.place,
             )  # fmt: skip
 
-    def _is_planar(self, closure):
+    def _is_planar(self, closure: "Any") -> "Any":
         """Whether all moves in the plane of the closed directions, so that the third is closed anyway."""
         left = [axis for axis in (1, 2, 3) if axis not in closure.directions]
         if len(left) != 1:
@@ -168,11 +175,11 @@ class _Conversion:
         a, b = (self._place(body, point) for body, point in ends)
         return abs((a - b) @ normal) < _OPEN
 
-    def _place(self, body, point):
-        point = np.array(point, float)
-        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point
+    def _place(self, body: "Any", point: tuple[float, float, float]) -> "Any":
+        point = np.array(point, float)  # type: ignore[assignment]
+        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point  # type: ignore[attr-defined]
 
-    def _coordinate(self, item, what):
+    def _coordinate(self, item: "Any", what: str) -> "Any":
         """Number of the joint, its coordinate, and the value at the start; None where there is none."""
         hinge = self.tree.hinges[item.body]
         name = self.tree.bodies[item.body].name
@@ -184,31 +191,31 @@ class _Conversion:
         coordinate = ANGLE if item.motion == ROTATION else STROKE
         return self.number[item.body], coordinate, self.q[item.body, item.motion, item.axis]
 
-    def _prescribed(self):
+    def _prescribed(self) -> "Iterator[Any]":
         for item in self.tree.prescribed:
             found = self._coordinate(item, "prescribed motion")
             if found:
                 # From 0 at the start, as joint coordinates here are.
                 function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
                 name = f"motion of {self.tree.bodies[item.body].name}"
-                yield JointDriver(name, *found[:2], function, item.place)
+                yield JointDriver(name, *found[:2], function, item.place)  # type: ignore[call-arg]
 
-    def _motors(self):
+    def _motors(self) -> "Iterator[Any]":
         for item in self.tree.motors:
             found = self._coordinate(item, "motor")
             if found:
                 name = f"motor of {self.tree.bodies[item.body].name}"
-                yield JointMotor(name, *found[:2], _function(item.function), item.place)
+                yield JointMotor(name, *found[:2], _function(item.function), item.place)  # type: ignore[call-arg]
 
-    def _springs(self):
+    def _springs(self) -> "Iterator[Any]":
         for item in self.tree.springs:
             found = self._coordinate(item, "spring or damper")
             if found:
                 *where, q = found
                 name = f"spring of {self.tree.bodies[item.body].name}"
-                yield CoordinateSpring(name, *where, item.stiffness, item.rest - q, item.damping, item.place)
+                yield CoordinateSpring(name, *where, item.stiffness, item.rest - q, item.damping, item.place)  # type: ignore[call-arg]
 
-    def _torques(self):
+    def _torques(self) -> "Iterator[Any]":
         for k, body in enumerate(self.tree.bodies):
             if any(body.torque):
                 yield AppliedTorque(f"torque of {body.name}", k, vector(body.torque), place=body.place)
@@ -218,7 +225,7 @@ class _Conversion:
             yield AppliedTorque(name, item.body, axis, factor=_function(item.function), place=item.place)
 
 
-def _function(table):
+def _function(table: "Any") -> "Any":
     if len(table.times) == 1:
         return constant(table.values[0])
     return MotionFunction(
@@ -226,9 +233,9 @@ def _function(table):
     )
 
 
-def _dofs(hinge):
+def _dofs(hinge: "Any") -> "Any":
     return hinge.rotations, hinge.translations
 
 
-def _axes(axes):
+def _axes(axes: "Any") -> "Any":
     return ", ".join(map(str, axes)) or "none"

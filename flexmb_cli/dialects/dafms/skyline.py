@@ -11,7 +11,7 @@ import numpy as np
 
 def full_matrix(addresses: Sequence[int], packed: Sequence[float]) -> np.ndarray:
     """The symmetric matrix (n, n) of `packed`; `addresses` must be valid (the reader has checked them)."""
-    packed = np.asarray(packed, float)
+    packed = np.asarray(packed, float)  # type: ignore[assignment]
     matrix = np.zeros((len(addresses), len(addresses)))
     before = 0
     for column, address in enumerate(addresses):

@@ -12,7 +12,11 @@ from ...model.tree import (
     METHODS,
     ROTATION,
     UNTURNED,
+    Body,
+    Coordinate,
+    Hinge,
     Integration,
+    Prescribed,
     default_tolerances,
     generalized_coordinates,
 )
@@ -63,7 +67,13 @@ def build_integration(values: DeckValues, findings: Findings) -> Integration:
     return Integration(METHODS[method - 1], rtol or relative, atol or absolute)
 
 
-def build_start(values: DeckValues, bodies, hinges, drives, findings: Findings):
+def build_start(
+    values: DeckValues,
+    bodies: tuple[Body, ...],
+    hinges: tuple[Hinge, ...],
+    drives: tuple[Prescribed, ...],
+    findings: Findings,
+) -> tuple[np.ndarray, np.ndarray]:
     """Initial coordinates q and speeds y, both (NS,), from Y(L) and the prescribed motions at t = 0."""
     coordinates = generalized_coordinates(bodies, hinges)
     q = np.array([record["q"] for record in values.section("coordinate")] or [0.0] * len(coordinates), float)
@@ -76,11 +86,11 @@ def build_start(values: DeckValues, bodies, hinges, drives, findings: Findings):
     return q, y
 
 
-def _where(drive):
+def _where(drive: Prescribed) -> tuple[int, str, int]:
     return drive.body, drive.motion, drive.axis
 
 
-def _check_first_coordinates(values, q, findings):
+def _check_first_coordinates(values: DeckValues, q: np.ndarray, findings: Findings) -> None:
     if not values.section("speed"):
         message = "card 'Y(L)' is missing: the motion starts at rest from zero coordinates"
         findings.warn("", message, values.place("counts"), id="DAFMS-052")
@@ -91,12 +101,19 @@ def _check_first_coordinates(values, q, findings):
             return
 
 
-def _is_set(values, m):
+def _is_set(values: DeckValues, m: int) -> bool:
     """Return whether `--set` gave the initial coordinate: old echoes are no slips then."""
     return bool(values.section("coordinate")) and values.place("coordinate", m + 1) is None
 
 
-def _set_driven(values, state, m, drive, name, findings):
+def _set_driven(
+    values: DeckValues,
+    state: tuple[np.ndarray, np.ndarray],
+    m: int,
+    drive: Prescribed,
+    name: str,
+    findings: Findings,
+) -> None:
     """A driven coordinate starts where its function says; Y(L) may repeat it or leave it zero."""
     for vector, section, wanted in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
         if vector[m] and abs(vector[m] - wanted) > 1.1e-5 + 1e-6 * abs(wanted):
@@ -105,7 +122,13 @@ def _set_driven(values, state, m, drive, name, findings):
         vector[m] = wanted
 
 
-def _check_angles(values, coordinates, hinges, q, findings):
+def _check_angles(
+    values: DeckValues,
+    coordinates: tuple[Coordinate, ...],
+    hinges: tuple[Hinge, ...],
+    q: np.ndarray,
+    findings: Findings,
+) -> None:
     """With one free rotation EULT is an echo of the angle in Y(L) (listing, SOK); say when it differs."""
     if not values.section("attitude"):
         return
@@ -121,7 +144,7 @@ def _check_angles(values, coordinates, hinges, q, findings):
             findings.warn(f"body {c.body + 1}", message, values.place("attitude", c.body + 1), id="DAFMS-055")
 
 
-def _quadruple(axis, angle):
+def _quadruple(axis: int, angle: float) -> list[float]:
     quadruple = [math.cos(angle / 2), 0.0, 0.0, 0.0]
     quadruple[axis] = math.sin(angle / 2)
     return quadruple

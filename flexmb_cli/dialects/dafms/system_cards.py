@@ -1,6 +1,7 @@
 """The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ...deck.fortran_records import Item, MissingRecord, Records
 from ...deck.number_list import record_of
@@ -9,8 +10,13 @@ from ...errors import Place
 from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON, Card
 from .skipped_lines import SkippedLines
 
+if TYPE_CHECKING:
+    from typing import Any
 
-def read_system(records: Records, layout, read: list[Record]) -> None:
+    from .reader import Layout
+
+
+def read_system(records: Records, layout: "Layout", read: list[Record]) -> None:
     """Read TSYSIN's cards into `read`; `layout` gives the lengths of the lists (`dafms.Layout`)."""
     system = _System(records, layout, read)
     while not records.exhausted:
@@ -38,7 +44,7 @@ def _of_point(k: int) -> tuple[str, str, str]:
 class _System:
     """What TSYSIN has read so far: the deck's records and the line of every card."""
 
-    def __init__(self, records: Records, layout, read: list[Record]):
+    def __init__(self, records: Records, layout: "Layout", read: list[Record]):
         self.records = records
         self.layout = layout
         self.read = read
@@ -58,10 +64,10 @@ class _System:
         else:
             self.skipped.add(line)
 
-    def _switch(self, key, value):
+    def _switch(self, key: str, value: int) -> Number:
         return Number(key, value, "switch", "", Place(self.records.line, 1, 4), self.records.word())
 
-    def _add(self, section, number, subject, numbers):
+    def _add(self, section: str, number: int, subject: str, numbers: "Sequence[Any]") -> None:
         self.read.append(Record(section, number, subject, tuple(numbers)))
 
     def _forget_earlier(self, card: Card) -> None:

@@ -1,13 +1,17 @@
 """What acts on a tree of FMBD.DAT: pulses, tables, springs, dampers, motors, drives, closures."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.tree import (
     INERTIAL,
     ROTATION,
     TRANSLATION,
+    Body,
     BodyTorque,
     Closure,
+    Hinge,
     Motor,
     Prescribed,
     Spring,
@@ -16,8 +20,13 @@ from ...model.tree import (
     pulse,
 )
 
+if TYPE_CHECKING:
+    from ...deck.record import Record
 
-def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
+
+def build_functions_of_time(
+    values: DeckValues, bodies: tuple[Body, ...], hinges: tuple[Hinge, ...], findings: Findings
+) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [
@@ -45,7 +54,7 @@ def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findin
     }
 
 
-def _dampers(hinged, findings):
+def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
     dampers = []
     for record, where in hinged.entries("damper"):
         (damping,) = _behind_the_hinge(record)
@@ -67,12 +76,12 @@ def _behind_the_hinge(record):
 class _HingeCards:
     """Entries headed by K, A: the hinge of body K and its degree of freedom A."""
 
-    def __init__(self, values, hinges, findings):
+    def __init__(self, values: DeckValues, hinges: tuple[Hinge, ...], findings: Findings):
         self.values = values
         self.hinges = hinges
         self.findings = findings
 
-    def entries(self, section):
+    def entries(self, section: str) -> Any:
         """Pairs (record, (body, motion, axis)) of the entries that name a free axis."""
         for record in self.values.section(section):
             where = self._where(record)
@@ -103,7 +112,7 @@ class _HingeCards:
         return body.value - 1, motion, axis
 
 
-def _table(record, findings):
+def _table(record: "Record", findings: Findings) -> Table:
     values = record.values
     times, efforts = values[3::2], values[4::2]
     for k in (k for k in range(1, len(times)) if times[k] < times[k - 1]):
@@ -113,7 +122,7 @@ def _table(record, findings):
     return Table(tuple(times), tuple(efforts))
 
 
-def _check_drives(drives, findings):
+def _check_drives(drives: list[Prescribed], findings: Findings) -> None:
     seen = set()
     for drive in drives:
         where = (drive.body, drive.motion, drive.axis)
@@ -123,9 +132,9 @@ def _check_drives(drives, findings):
         seen.add(where)
 
 
-def _check_rotations(values, bodies, findings):
+def _check_rotations(values: Any, bodies: Any, findings: Any) -> None:
     """The reader has seen that K is a flexible body; `--set` may have changed it since."""
-    seen = {}
+    seen: dict[Any, Any] = {}
     for record in values.section("nodal_rotation"):
         node, where = record.at("I"), (record["K"], record["I"])
         elastic = bodies[record["K"] - 1].elastic if 1 <= record["K"] <= len(bodies) else None
@@ -143,7 +152,7 @@ def _check_rotations(values, bodies, findings):
         seen.setdefault(where, node.place.line if node.place else 0)
 
 
-def _pulses(values, bodies, findings):
+def _pulses(values: Any, bodies: Any, findings: Any) -> list[BodyTorque]:
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):
@@ -162,7 +171,7 @@ def _pulses(values, bodies, findings):
     return torques
 
 
-def _torque_tables(values, bodies, findings):
+def _torque_tables(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> list[BodyTorque]:
     torques = []
     for record in values.section("torque_table"):
         body, axis = record.at("K"), record.at("A")
@@ -177,12 +186,12 @@ def _torque_tables(values, bodies, findings):
     return torques
 
 
-def build_closures(values: DeckValues, bodies, findings: Findings) -> tuple[Closure, ...]:
+def build_closures(values: DeckValues, bodies: tuple[Body, ...], findings: Findings) -> tuple[Closure, ...]:
     """The cut joints of card LOOP."""
     return tuple(filter(None, (_closure(r, bodies, findings) for r in values.section("closure"))))
 
 
-def _closure(record, bodies, findings):
+def _closure(record: "Record", bodies: tuple[Body, ...], findings: Findings) -> Closure | None:
     first, second = record.at("KA"), record.at("KB")
     before = len(findings.faults)
     for number, least in ((first, 1), (second, 0)):
@@ -213,7 +222,7 @@ def _closure(record, bodies, findings):
     )
 
 
-def _flag(record, axis, findings):
+def _flag(record: "Record", axis: int, findings: Findings) -> bool:
     number = record.at(f"C{axis}")
     if number.value not in (0, 1):
         findings.error(
@@ -225,7 +234,9 @@ def _flag(record, axis, findings):
     return number.value == 1
 
 
-def _closure_node(record, key, body, bodies, findings):
+def _closure_node(
+    record: "Record", key: str, body: int, bodies: tuple[Body, ...], findings: Findings
+) -> int | None:
     number = record.at(key)
     if number.value == 0:
         return None

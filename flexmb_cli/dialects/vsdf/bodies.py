@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from ...model.fe_model import GROUND, RigidMass, VsdfBody
 from .flexible_bodies import FLEXIBLE_ONLY, LISTS, flexible_body
 from .nodes import given_nodes, sets_of
 from .placement import placed_bodies
+
+if TYPE_CHECKING:
+    from ...deck.record import Record
+
 
 _UNIT_LENGTH = 1e-6
 _TRIANGLE = 1e-9
@@ -30,7 +35,7 @@ def build_ground(values: DeckValues, findings: Findings) -> VsdfBody:
     return VsdfBody("ground", (0.0,) * 3, (1.0, 0.0, 0.0, 0.0), nodes=nodes)
 
 
-def _check_body_numbers(values, count, findings):
+def _check_body_numbers(values: DeckValues, count: int, findings: Findings) -> None:
     """Every card of a body must name one that exists."""
     sections = [name for name, _ in (*FLEXIBLE_ONLY, *LISTS)]
     sections += ["rigid", "node_set", "position", "attitude", "velocity", "node"]
@@ -43,7 +48,7 @@ def _check_body_numbers(values, count, findings):
                 findings.error(record.subject, message, number.place, id="VSDF-001")
 
 
-def _body(values, k, folder, findings) -> VsdfBody:
+def _body(values: Any, k: Any, folder: Any, findings: Any) -> VsdfBody:
     record = values.record("body", k)
     flexible = record["kind"] == "FLEX"
     r = values.record("position", k)
@@ -60,7 +65,7 @@ def _body(values, k, folder, findings) -> VsdfBody:
     return build(values, k, record, pose, folder, findings)
 
 
-def _attitude(record, findings):
+def _attitude(record: "Record | None", findings: Any) -> Any:
     if record is None:
         return 1.0, 0.0, 0.0, 0.0
     p = tuple(float(record[f"e{i}"]) for i in range(4))
@@ -75,7 +80,14 @@ def _attitude(record, findings):
     return tuple(e / length for e in p)
 
 
-def _rigid(values, k, record, pose, _folder, findings):
+def _rigid(
+    values: Any,
+    k: Any,
+    record: Any,
+    pose: Any,
+    _folder: Path,
+    findings: Any,
+) -> VsdfBody:
     for section, word in (*FLEXIBLE_ONLY, *LISTS):
         for given in values.section(section):
             if given["body"] == k:
@@ -95,7 +107,7 @@ def _rigid(values, k, record, pose, _folder, findings):
     return VsdfBody(record.subject, **pose, rigid=mass, nodes=nodes, sets=sets_of(values, k, nodes, findings))
 
 
-def _rigid_mass(record, findings) -> RigidMass:
+def _rigid_mass(record: "Record", findings: Findings) -> RigidMass:
     if not record["mass"] > 0:
         message = f"the mass must be above zero; read {record.at('mass').text}"
         findings.error(record.subject, message, record.at("mass").place, id="VSDF-006")

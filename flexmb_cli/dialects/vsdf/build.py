@@ -1,6 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -17,6 +18,10 @@ from .loads import Factors, build_forces, build_joint_springs, build_outputs, bu
 from .motion_angles import check_motion_functions
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MOST_ROWS = 10_000_000
 
@@ -63,7 +68,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values, bodies, folder, findings):
+def _shapes(values: "Any", bodies: "Any", folder: Path, findings: Any) -> "Any":
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.
@@ -72,7 +77,7 @@ def _shapes(values, bodies, folder, findings):
     return build_shapes(values, bodies, folder, findings)
 
 
-def _time(values, findings):
+def _time(values: DeckValues, findings: Findings) -> TimeGrid:
     record = values.record("time")
     if record is None:
         findings.error("", "card 'TIME' is missing", None, id="VSDF-010")
@@ -98,7 +103,7 @@ def _time(values, findings):
     return TimeGrid(0.0, end, output, record.place)
 
 
-def _integrator(values, findings):
+def _integrator(values: Any, findings: Any) -> Integrator:
     record, time = values.record("integrator"), values.record("time")
     step = float(time["step"]) if time else 0.0
     if step < 0:

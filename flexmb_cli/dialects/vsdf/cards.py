@@ -4,6 +4,8 @@ Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's 
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
+from typing import Any
+
 from ...solvers.constrained.integrators import METHODS
 from . import DIALECT
 from .card import Card, Column
@@ -23,7 +25,7 @@ _BODY = _whole("body", "number of the body", None)
 _NODE = _whole("node", "node or node set", None)
 
 
-def _file(word, section, what, forms):
+def _file(word: str, section: str, what: str, forms: tuple[str, ...]) -> Any:
     columns = (
         _BODY,
         _word("form", "format of the file", forms),
@@ -32,7 +34,7 @@ def _file(word, section, what, forms):
     return Card(word, section, f"{what} of body {{}}", "body", columns)
 
 
-def _node_list(word, section, what):
+def _node_list(word: str, section: str, what: str) -> Card:
     return Card(word, section, f"{what} {{}}", "list", (_BODY,), _NODE)
 
 

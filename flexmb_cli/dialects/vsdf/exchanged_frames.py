@@ -6,6 +6,7 @@ of the origin strains nothing: the two models are one and the same.
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace
 from .build import build_vsdf
 
+if TYPE_CHECKING:
+    from typing import Any
+
 
 def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> FlexibleMechanism:
     """Return the mechanism in the other frames, its bodies moving as those of the first.
@@ -24,7 +28,7 @@ def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> Flexi
     Raises ModelError where there is no other frame of the same model.
     """
     _refuse_unequal(deck)
-    changes = {}
+    changes: dict[Any, Any] = {}
     for record in deck.section("body"):
         if record["kind"] == "FLEX":
             changes |= {f"{record.prefix}.n1": record["n2"], f"{record.prefix}.n2": record["n1"]}
@@ -35,14 +39,14 @@ def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> Flexi
     return replace(second, bodies=tuple(_moving(*pair) for pair in pairs), forces=forces)
 
 
-def _moving(body, other):
+def _moving(body: "Any", other: "Any") -> "Any":
     """Return `other` with the motion that `body` has at the start."""
     A, B = rotation_matrix(body.p), rotation_matrix(other.p)
     omega = A @ body.omega
     return replace(other, velocity=body.velocity + np.cross(omega, other.r - body.r), omega=B.T @ omega)
 
 
-def _turned(force, body, other):
+def _turned(force: "Any", body: "Any", other: "Any") -> "Any":
     """Return a force that follows its body in the axes of the other frame."""
     if not force.follows:
         return force
@@ -50,7 +54,7 @@ def _turned(force, body, other):
     return replace(force, force=tuple(turned))
 
 
-def _refuse_unequal(deck):
+def _refuse_unequal(deck: Any) -> None:
     """Only with all modes, and frames by three nodes, is there another frame of the same model."""
     faults, elastic = [], [record for record in deck.section("body") if record["kind"] == "FLEX"]
     clamped = {r["body"] for name in ("clamped", "interface") for r in deck.section(name)}

@@ -1,9 +1,10 @@
 """The fields of one data card: cut by columns, or by commas where the card has one."""
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...deck import number
+from ...deck.record import Value
 from .card import WIDTHS, Column
 
 _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
@@ -19,7 +20,7 @@ class Field(NamedTuple):
     column: int
     first: int = 0
     last: int = 0
-    index: int = 0
+    index: int = 0  # type: ignore[assignment]
 
     @property
     def span(self) -> str:
@@ -69,7 +70,7 @@ def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
     return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
 
 
-def value(field: Field, column: Column) -> tuple[float | int | str, str]:
+def value(field: Field, column: Column) -> tuple[Value, str]:
     """The field's value and a doubt, "" for none.  Raises Unfit."""
     if not field.text:
         if column.default is None:
@@ -82,7 +83,7 @@ def value(field: Field, column: Column) -> tuple[float | int | str, str]:
     return field.text, ""
 
 
-def _numeral(field, column):
+def _numeral(field: Field, column: Column) -> tuple[float, str]:
     read = number.integer if column.letter == "I" else number.real
     if " " in field.text:
         raise Unfit(
@@ -98,7 +99,7 @@ def _numeral(field, column):
     return found, f"{column.key}: {doubt}" if doubt else ""
 
 
-def _word(field, column):
+def _word(field: Field, column: Column) -> Any:
     word = field.text.upper()
     if word not in column.words:
         raise Unfit(
@@ -122,7 +123,7 @@ def guide(line: str, columns: tuple[Column, ...]) -> tuple[str, ...]:
 
 
 @functools.cache
-def _edges(columns):
+def _edges(columns: tuple[Column, ...]) -> tuple[tuple[int, int], ...]:
     """First and last column of each field; text goes on to the end of the line, marked by 0."""
     edges, first = [], 1
     for column in columns:
@@ -133,20 +134,20 @@ def _edges(columns):
     return tuple(edges)
 
 
-def _cut(line, first, last):
+def _cut(line: str, first: int, last: int) -> Field:
     raw = line[first - 1 : last] if last else line[first - 1 :]
     text = raw.strip()
     column = first + (len(raw) - len(raw.lstrip()) if text else 0)
     return Field(text, column, first, last)
 
 
-def _cut_on(line, last, width):
+def _cut_on(line: str, last: int, width: int) -> list[Field]:
     """Fields of equal width from column `last` + 1 to the end of the line."""
     count = -(-max(0, len(line.rstrip()) - last) // width)
     return [_cut(line, last + 1 + i * width, last + (i + 1) * width) for i in range(count)]
 
 
-def _cut_by_commas(line, columns):
+def _cut_by_commas(line: str, columns: tuple[Column, ...]) -> list[Field]:
     found, first = [], 1
     limit = len(columns) - 1 if columns[-1].letter == "T" else -1
     for index, raw in enumerate(line.split(",", limit), start=1):

@@ -1,17 +1,24 @@
 """A flexible body of a VSDF deck: its finite-element files, reference, basis, damping and stiffening."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...fe.formats.formats import NEEDS_MAPPING
 from ...fe.formats.matrix_file import FEFileFault
-from ...fe.formats.node_table import read_node_table
+from ...fe.formats.node_table import NodeTable, read_node_table
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
 from ...model.flexible_body import FEFile, FlexibleInput, UnitLoad
 from .materials import matrices_of_elements, stiffening_material, stress_material
 from .nodes import members_of, sets_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
 
 FLEXIBLE_ONLY = (
     ("node_table", "FEMN"),
@@ -44,10 +51,10 @@ def flexible_body(
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
-    given = FlexibleInput(
+    given = FlexibleInput(  # type: ignore[assignment]
         record.subject,
-        files["mass_matrix"],
-        files["stiffness_matrix"],
+        files["mass_matrix"],  # type: ignore[arg-type]
+        files["stiffness_matrix"],  # type: ignore[arg-type]
         table.numbers,
         table.positions,
         files["mapping"],
@@ -56,12 +63,12 @@ def flexible_body(
         modes=_modes(record, findings),
         damping=_damping(values.record("damping", k), findings),
         unit_loads=_unit_loads(values, k, folder, findings),
-        stiffening=stiffening_material(values, k, files["node_table"], findings),
-        material=stress_material(values, k, files["node_table"], findings),
+        stiffening=stiffening_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
+        material=stress_material(values, k, files["node_table"], findings),  # type: ignore[arg-type]
         place=record.place,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
-    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
+    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)  # type: ignore[arg-type]
 
 
 def _refuse_rigid_cards(values, k, findings):
@@ -79,13 +86,13 @@ def _or_density(values, k, files):
     return ""
 
 
-def _file(record, folder) -> FEFile | None:
+def _file(record: Record | None, folder: Path) -> FEFile | None:
     if record is None:
         return None
     return FEFile(folder / record["file"].replace("\\", "/"), record["form"], record.at("file").place)
 
 
-def _check_mapping(record, files, findings):
+def _check_mapping(record: Record | None, files: "dict[Any, Any]", findings: Findings) -> None:
     """Rows of the other formats follow the node table, whatever a mapping says."""
     forms = {files[name].form for name in ("mass_matrix", "stiffness_matrix") if files[name]}
     if record and forms and not forms & set(NEEDS_MAPPING):
@@ -94,7 +101,7 @@ def _check_mapping(record, files, findings):
         findings.error(record.subject, message, record.place, id="VSDF-024")
 
 
-def _check_shapes(values, k, findings):
+def _check_shapes(values: DeckValues, k: int, findings: Findings) -> None:
     """The interface nodes of Craig and Bampton's method have their static shapes; no others are added."""
     bodies = [record["body"] for record in values.section("interface")]
     for record in values.section("attachment"):
@@ -103,7 +110,9 @@ def _check_shapes(values, k, findings):
             findings.error(record.subject, message, record.place, id="VSDF-025")
 
 
-def _node_table(values, k, record, folder, findings):
+def _node_table(
+    values: DeckValues, k: int, record: Record, folder: Path, findings: Findings
+) -> NodeTable | None:
     given = _file(values.record("node_table", k), folder)
     if given is None:
         findings.error(record.subject, "a FLEX body needs a card FEMN", record.place, id="VSDF-026")
@@ -115,7 +124,7 @@ def _node_table(values, k, record, folder, findings):
         return None
 
 
-def _reference(record, nodes, k, findings):
+def _reference(record: Record, nodes: "dict[int, np.ndarray]", k: int, findings: Findings) -> tuple[int, ...]:
     """Three nodes, or none at all: mean axes, or the frame of the clamped nodes."""
     numbers = [record.at(f"n{i}") for i in (1, 2, 3)]
     if not any(number.value for number in numbers):
@@ -137,7 +146,7 @@ def _reference(record, nodes, k, findings):
     return values if all(value in nodes for value in values) else ()
 
 
-def _modes(record, findings):
+def _modes(record: Record, findings: Findings) -> int:
     number = record.at("modes")
     if number.value < 0:
         findings.error(
@@ -147,7 +156,13 @@ def _modes(record, findings):
     return number.value
 
 
-def _node_lists(values, k, nodes, sets, findings):
+def _node_lists(
+    values: DeckValues,
+    k: int,
+    nodes: "dict[int, np.ndarray]",
+    sets: Any,
+    findings: Findings,
+) -> "dict[Any, Any]":
     """Nodes that the cards CLMP, ATTM, CRBN name, sets taken apart."""
     known = {**{number: (number,) for number in nodes}, **sets}
     lists = {}
@@ -160,7 +175,7 @@ def _node_lists(values, k, nodes, sets, findings):
     return lists
 
 
-def _damping(record, findings):
+def _damping(record: Record | None, findings: Findings) -> Any:
     if record is None:
         return 0.0, 0.0, 0.0
     for key in ("alpha", "beta", "ratio"):
@@ -170,8 +185,8 @@ def _damping(record, findings):
     return tuple(float(record[key]) for key in ("alpha", "beta", "ratio"))
 
 
-def _unit_loads(values, k, folder, findings):
-    loads = []
+def _unit_loads(values: Any, k: Any, folder: Any, findings: Any) -> tuple[UnitLoad, ...]:
+    loads: list[Any] = []
     for record in values.section("unit_load"):
         if record["body"] != k:
             continue
@@ -185,11 +200,11 @@ def _unit_loads(values, k, folder, findings):
             findings.error(
                 record.subject, f"unit load {number.value} is given twice", number.place, id="VSDF-032"
             )
-        loads.append(UnitLoad(i, j, _file(record, folder)))
+        loads.append(UnitLoad(i, j, _file(record, folder)))  # type: ignore[arg-type]
     return tuple(loads)
 
 
-def _stiffened(record, given, findings):
+def _stiffened(record: Record | None, given: Any, findings: Findings) -> bool:
     if record and record["on"] not in (0, 1):
         message = f"on is 0 or 1; read {record.at('on').text}"
         findings.error(record.subject, message, record.at("on").place, id="VSDF-035")

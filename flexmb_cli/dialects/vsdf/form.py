@@ -5,12 +5,13 @@ body's two matrices, the dialogue asks how many there are.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 from ...deck import number
 from ...deck.questions import INTEGER, TEXT, Cell, Entry
-from ...deck.record import Record
+from ...deck.record import Number, Record
 from ...errors import Fault
-from .card import Card
+from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
 
 MOST = 1000
@@ -20,7 +21,7 @@ _COUNTED = tuple(card for card in CARDS if card not in _SINGLE and card.word not
 _TITLE = Entry("title", 0, "title", (Cell("text", "one line on the mechanism", letter=TEXT, default=""),))
 
 
-def _count_cell(card):
+def _count_cell(card: Card) -> Cell:
     what = card.subject.replace("{}", "").strip().removesuffix(" of body")
     default = None if card is _BODY else "0"
     return Cell(card.word, f"number of cards: {what}", letter=INTEGER, default=default)
@@ -85,7 +86,7 @@ class VsdfForm:
 _BY_SECTION = {card.section: card for card in CARDS}
 
 
-def _counts(values):
+def _counts(values: dict[str, str]) -> dict[str, int]:
     try:
         counts = {cell.key: number.integer(values[f"counts.{cell.key}"])[0] for cell in _COUNTS.cells}
     except (KeyError, number.Misspelt):
@@ -93,7 +94,7 @@ def _counts(values):
     return counts if max(counts.values()) <= MOST else {}
 
 
-def _is_numbered(card):
+def _is_numbered(card: Card) -> bool:
     """Return whether the first field is the record's own number or body, which nobody needs to type."""
     return card.counted == "own" or card.word in (*_FLEXIBLE, *_RIGID)
 
@@ -108,7 +109,7 @@ def _entry(card: Card, k: int) -> Entry:
     return Entry(card.section, k, subject if k else card.word, cells)
 
 
-def _cell(column):
+def _cell(column: Column) -> Cell:
     # An empty field is more than a zero: a length without value is that of t = 0.
     default = None if column.default is None else ""
     if column.key == "method":
@@ -116,7 +117,7 @@ def _cell(column):
     return Cell(column.key, column.meaning, column.unit, column.letter, default, column.words)
 
 
-def _data_lines(card, record):
+def _data_lines(card: Card, record: Record) -> list[str]:
     texts = [n.text for n in record.numbers]
     if card.more:
         texts[-1:] = texts[-1].split()
@@ -127,14 +128,14 @@ def _data_lines(card, record):
     return ["    " + ",".join(part) for part in (texts[:first], texts[first:]) if part]
 
 
-def _outside(record, value, least, most):
+def _outside(record: Any, value: Number, least: Any, most: int) -> "Any":
     if int(least) <= value.value <= most:
         return []
     message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"
     return [Fault("error", message, value.place, record.subject, id="VSDF-039")]
 
 
-def _faults_of_list(record, value):
+def _faults_of_list(record: Record, value: Number) -> list[Fault]:
     faults = []
     for text in value.text.split():
         try:

@@ -3,10 +3,11 @@
 import math
 from array import array
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.record import Record
+from ...deck.record import Number, Record
 from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -17,6 +18,10 @@ from ...quick_dataclass import dataclass, field
 from ..elements.functions import Functions
 from . import DIALECT
 from .bodies import end_of_body
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _COINCIDENT = 1e-12
 # Laws of MOTN: the coordinate, or its rate, follows a function.
@@ -32,7 +37,14 @@ TURNING, SLIDING = (
 )
 
 
-def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) -> End | None:
+def find_end(
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    body: Number,
+    node: Number,
+    subject: str,
+    findings: Findings,
+) -> End | None:
     """The end that the deck's numbers `body` and `node` name; None, and a fault, when there is none."""
     if not 0 <= body.value <= len(bodies):
         findings.error(
@@ -60,13 +72,17 @@ def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) 
     return End(index, node.value)
 
 
-def build_joints(values: DeckValues, bodies, ground, findings: Findings) -> tuple[NodeJoint, ...]:
+def build_joints(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[NodeJoint, ...]:
     """The joints whose bodies and nodes exist."""
     joints = [_joint(record, bodies, ground, findings) for record in values.section("joint")]
     return tuple(joint for joint in joints if joint is not None)
 
 
-def _joint(record, bodies, ground, findings):
+def _joint(
+    record: Record, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> NodeJoint | None:
     kind = BY_WORD[record["kind"]]
     if record["a"] == record["b"]:
         which = "the ground" if record["a"] == 0 else f"body {record['a']}"
@@ -83,7 +99,7 @@ def _joint(record, bodies, ground, findings):
     if len(findings.faults) > before or (a is None and b is None):
         return None
     if None in (a, b):
-        a, b = _with_ground(record, kind, a, b, bodies, findings)
+        a, b = _with_ground(record, kind, a, b, bodies, findings)  # type: ignore[arg-type]
     if not a or not b:
         return None
     _check_axis(record, "a", a, bodies, ground, findings)
@@ -92,7 +108,14 @@ def _joint(record, bodies, ground, findings):
     return NodeJoint(record.subject, kind.name, a, b, size, record.place)
 
 
-def _side(record, letter, count, bodies, ground, findings):
+def _side(
+    record: Record,
+    letter: str,
+    count: int,
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    findings: Findings,
+) -> tuple[End, ...] | None:
     """The ends on one body; None for the ground without nodes, which takes its points from the other body."""
     body = record.at(letter)
     nodes = [record.at(f"{letter}{i}") for i in range(1, count + 1)]
@@ -111,7 +134,9 @@ def _side(record, letter, count, bodies, ground, findings):
     return tuple(end for end in ends if end is not None)
 
 
-def _with_ground(record, kind, a, b, bodies, findings):
+def _with_ground(
+    record: Record, kind: "Any", a: None, b: tuple[End, ...], bodies: tuple[VsdfBody, ...], findings: Findings
+) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
     """The ground's points where those of the other body are at t = 0."""
     ends = a or b
     if not kind.meets:
@@ -120,12 +145,13 @@ def _with_ground(record, kind, a, b, bodies, findings):
         findings.error(record.subject, message, record.at(f"{letter}1").place, id="VSDF-047")
         return None, None
     points = tuple(
-        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node)))) for end in ends
+        End(GROUND, 0, tuple(map(float, bodies[end.body].global_position(end.node))))  # type: ignore[arg-type]
+        for end in ends
     )
     return (points, b) if a is None else (a, points)
 
 
-def _positions(ends, bodies, ground):
+def _positions(ends: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody) -> list[np.ndarray]:
     owners = [ground if end.body == GROUND else bodies[end.body] for end in ends]
     return [
         np.array(end.point) if end.point is not None else owner.global_position(end.node)
@@ -133,7 +159,14 @@ def _positions(ends, bodies, ground):
     ]
 
 
-def _check_axis(record, letter, ends, bodies, ground, findings):
+def _check_axis(
+    record: Record,
+    letter: str,
+    ends: Any,
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    findings: Findings,
+) -> None:
     """P and Q must be apart, and H off their line."""
     if len(ends) < 2:
         return
@@ -148,7 +181,15 @@ def _check_axis(record, letter, ends, bodies, ground, findings):
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
 
 
-def _size(record, kind, a, b, bodies, ground, findings):
+def _size(
+    record: Record,
+    kind: "Any",
+    a: tuple[End, ...],
+    b: tuple[End, ...],
+    bodies: tuple[VsdfBody, ...],
+    ground: VsdfBody,
+    findings: Findings,
+) -> float:
     """Pitch or distance, nan where the deck leaves it to the positions at t = 0."""
     given = record.at("size")
     if kind.size == PITCH:
@@ -168,13 +209,15 @@ def _size(record, kind, a, b, bodies, ground, findings):
     return size
 
 
-def build_pins(values: DeckValues, bodies, ground, findings: Findings) -> tuple[Pin, ...]:
+def build_pins(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[Pin, ...]:
     """The cards PINN."""
     pins = [_pin(record, bodies, ground, findings) for record in values.section("pin")]
     return tuple(pin for pin in pins if pin is not None)
 
 
-def _pin(record, bodies, ground, findings):
+def _pin(record: Any, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings) -> Any:
     mask = record.at("mask")
     digits = f"{mask.value:03d}"
     if len(digits) != 3 or set(digits) - {"0", "1"} or digits == "000":
@@ -193,7 +236,7 @@ def _pin(record, bodies, ground, findings):
         record.made.update(
             {f"p.{axis}": f"{value + 0.0:.9g}" for axis, value in zip("xyz", place, strict=True)}
         )
-    return end and Pin(record.subject, end, held, point, record.place)
+    return end and Pin(record.subject, end, held, point, record.place)  # type: ignore[arg-type]
 
 
 @dataclass
@@ -208,7 +251,7 @@ class _Table:
     def add(self, record: Record) -> None:
         """Take the point of a card."""
         if self.times and self.late is None and not record["t"] > self.times[-1]:
-            self.late = self.times[-1], record.at("t").place
+            self.late = self.times[-1], record.at("t").place  # type: ignore[assignment]
         self.times.append(record["t"])
         self.values.append(record["f"])
 
@@ -224,7 +267,7 @@ def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionFunc
     }
 
 
-def _function_of(number, table, first, findings):
+def _function_of(number: int, table: _Table, first: Record, findings: Findings) -> MotionFunction | None:
     """The law of a table whose first card is `first`."""
     if number < 1:
         message = f"tables are numbered from 1; read {first.at('table').text}"
@@ -240,7 +283,7 @@ def _function_of(number, table, first, findings):
     return table_function(table.times, table.values)
 
 
-def _late_time(table):
+def _late_time(table: _Table) -> float:
     return next(after for before, after in pairwise(table.times) if not after > before)
 
 
@@ -263,7 +306,9 @@ def build_motions(
     return tuple(motions)
 
 
-def _target_exists(record, bodies, joints, kinds, findings):
+def _target_exists(
+    record: Record, bodies: int, joints: int, kinds: dict[str, str], findings: Findings
+) -> bool:
     target, kind = record.at("object"), record["kind"]
     relative = kind in ("ANGL", "STRK")
     what, count = ("joint", joints) if relative else ("body", bodies)
@@ -281,7 +326,7 @@ def _target_exists(record, bodies, joints, kinds, findings):
     return True
 
 
-def _function(record, tables, findings):
+def _function(record: Any, tables: Any, findings: Any) -> MotionFunction | None:
     function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:
@@ -301,10 +346,12 @@ def _function(record, tables, findings):
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
-    return MotionFunction(function.value, constants)
+    return MotionFunction(function.value, constants)  # type: ignore[arg-type]
 
 
-def find_table(record, number, tables, findings) -> MotionFunction | None:
+def find_table(
+    record: Record, number: Number, tables: dict[int, MotionFunction], findings: Findings
+) -> MotionFunction | None:
     """The table that a card names by `number`; None, and no further fault, for one that has faults."""
     found = tables.get(int(number.value))
     if number.value not in tables:

@@ -1,10 +1,19 @@
 """The listing of a VSDF deck: cards, bodies, frequencies, constraints, and output nodes in time."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...deck.body_text import body_lines
 from ...deck.fortran_format import SAFE, I, Layout, P
 from ...deck.record import Deck
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    from ...model.flexible_mechanism import FloatingBody
+
 
 _RULE = "*" * 78
 
@@ -15,7 +24,7 @@ class VsdfTable:
     `analysis` has the `mechanism` and, where that could be assembled, what was `found` of its equations.
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis):
+    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: "Any"):
         self.stream, self.deck, self.analysis = streams[0], deck, analysis
         self.mechanism = analysis.mechanism
         time, energy = (" TIME =", P(13, 5), "\n"), (" ENERGY", *4 * (P(13, 5),), "\n")
@@ -31,14 +40,14 @@ class VsdfTable:
         lines += [*self._constraint_lines(), "", *_HEADINGS, ""]
         self.stream.write("".join(f"{line.rstrip()}\n" for line in lines))
 
-    def _cards(self):
+    def _cards(self) -> "Iterator[str]":
         """The deck's lines up to STOP."""
         for line in self.deck.source.lines:
             yield line
             if line[:4].strip().upper() == "STOP":
                 return
 
-    def _constraint_lines(self):
+    def _constraint_lines(self) -> "Iterator[str]":
         found = self.analysis.found
         if found is None:
             yield "  the mechanism could not be assembled"
@@ -72,7 +81,7 @@ _HEADINGS = (
 )
 
 
-def _rigid_lines(body):
+def _rigid_lines(body: "FloatingBody") -> "Iterator[str]":
     centre = body.s0 / body.m
     J = body.J0
     yield f"  {body.name}: rigid, mass {body.m:.9g} kg, centre of mass {_vector(centre)} m"
@@ -80,10 +89,10 @@ def _rigid_lines(body):
     yield f"                              xy yz zx {_vector([J[0, 1], J[1, 2], J[2, 0]])} kg m^2"
 
 
-def _vector(values):
+def _vector(values: list[float] | np.ndarray) -> str:
     return " ".join(f"{value + 0.0:.6g}" for value in values)
 
 
-def _numbers(point):
+def _numbers(point: "Any") -> tuple[int, int]:
     """Numbers of a point's body, 0 for the ground, and of its node."""
     return point.body + 1, int(point.name.rpartition(" ")[2])

@@ -30,7 +30,7 @@ class _Gathered:
     steps: list[int] = field(default_factory=list)
     words: list[list[str]] = field(default_factory=list)
 
-    def add(self, line, step, words):
+    def add(self, line: int, step: int, words: list[str]) -> None:
         self.lines.append(line)
         self.steps.append(step)
         self.words.append(words)
@@ -59,7 +59,7 @@ def parse_vsdf(name: str, text: str) -> Listing | None:
 class _Scan:
     """Sorts the lines into the head, times, nodes and energies."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.head: list[EchoLine] = []
         self.times: list[str] = []
         self.nodes, self.energies = _Gathered(), _Gathered()
@@ -68,7 +68,7 @@ class _Scan:
         self.failed = False
         self._rules = 0
 
-    def take(self, number, line):
+    def take(self, number: int, line: str) -> None:
         """Sort one line."""
         if match := _TIME.match(line):
             words = self._fields(number, line, match.end(), (P(13, 5),))
@@ -84,7 +84,7 @@ class _Scan:
         elif line.strip():
             self.nodes.add(number, len(self.times) - 1, self._fields(number, line, 0, _NODE_EDITS))
 
-    def _take_head(self, number, line):
+    def _take_head(self, number: int, line: str) -> None:
         if line.startswith(_RULE):
             self._rules += 1
             return
@@ -97,7 +97,7 @@ class _Scan:
             values, units = tuple(map(value_of, words)), tuple(map(unit_of, words))
             self.head.append(EchoLine(number, " ".join(line.split()), values, units, kind=kind))
 
-    def _fields(self, number, line, start, edits):
+    def _fields(self, number: int, line: str, start: int, edits: tuple[Edit, ...]) -> list[str]:
         words = split_fields(line[start:], edits)
         if words is None or _is_nameless(words, edits):
             sentence = f"{len(edits)} numbers are expected, read {line[start:].strip()!r}"
@@ -108,12 +108,12 @@ class _Scan:
         return words
 
 
-def _is_nameless(words, edits):
+def _is_nameless(words: list[str], edits: tuple[Edit, ...]) -> bool:
     """Return whether stars stand where the number of a body or node is wanted."""
     return any(edit.kind == "d" and word.startswith("*") for word, edit in zip(words, edits, strict=True))
 
 
-def _nodes(gathered):
+def _nodes(gathered: _Gathered) -> Section:
     numbers = [(int(words[0]), int(words[1])) for words in gathered.words]
     places = {pair: k for k, pair in enumerate(dict.fromkeys(numbers), 1)}
     rest = _Gathered(gathered.lines, gathered.steps, [words[2:] for words in gathered.words])
@@ -121,7 +121,13 @@ def _nodes(gathered):
     return _section(rest, _PLACE, _NODE_EDITS[2:], [places[pair] for pair in numbers], labels)
 
 
-def _section(gathered, groups, edits: tuple[Edit, ...], index=None, labels=None):
+def _section(
+    gathered: _Gathered,
+    groups: tuple[tuple[str, str], ...],
+    edits: tuple[Edit, ...],
+    index: list[int] | None = None,
+    labels: dict[int, str] | None = None,
+) -> Section:
     shape = (len(gathered.words), len(edits))
     return Section(
         tuple(column for _, columns in groups for column in columns.split()),

@@ -1,15 +1,19 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
-from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeSpring
+from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
 from ...model.time_functions import MotionFunction
 from ..elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class Factors:
@@ -47,7 +51,7 @@ def build_forces(
     return tuple(forces)
 
 
-def _follows(record, findings):
+def _follows(record: "Record", findings: Findings) -> bool:
     number = record.at("follows")
     if number.value not in (0, 1):
         message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
@@ -74,7 +78,7 @@ def build_torques(values: DeckValues, bodies, factors: Factors, findings: Findin
     return tuple(torques)
 
 
-def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tuple[NodeSpring, ...]:
+def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findings) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
     for record in values.section("spring"):
@@ -86,29 +90,31 @@ def build_springs(values: DeckValues, bodies, ground, findings: Findings) -> tup
         if ends[0] and ends[0] == ends[1]:
             message = "both ends are the same node"
             findings.error(record.subject, message, record.at("nb").place, id="VSDF-067")
-        elif all(ends) and _in_one_solid(*ends, bodies):
-            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"
+        elif all(ends) and _in_one_solid(*ends, bodies):  # type: ignore[arg-type, call-arg]
+            what = "the ground" if ends[0].body == GROUND else f"body {ends[0].body + 1}, which is rigid"  # type: ignore[union-attr]
             message = f"both ends are on {what}, so their distance never changes"
             findings.error(record.subject, message, record.at("b").place, id="VSDF-068")
         elif all(ends):
             given = record.at("length")
             length = float(given.value) if given.text else math.nan
-            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))
+            springs.append(NodeSpring(record.subject, *ends, record["k"], record["c"], length, record.place))  # type: ignore[arg-type, call-arg]
     return tuple(springs)
 
 
-def _in_one_solid(a, b, bodies):
+def _in_one_solid(a: Any, b: End, bodies: tuple[VsdfBody, ...]) -> Any:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 
-def _check_not_negative(record, keys, findings):
+def _check_not_negative(record: "Record", keys: tuple[str, ...], findings: Findings) -> None:
     for key in keys:
         if record[key] < 0:
             message = f"{key} must not be negative; read {record.at(key).text}"
             findings.error(record.subject, message, record.at(key).place, id="VSDF-069")
 
 
-def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple[JointSpring, ...]:
+def build_joint_springs(
+    values: DeckValues, joints: tuple[NodeJoint, ...], findings: Findings
+) -> tuple[JointSpring, ...]:
     """The cards JSPR."""
     springs = []
     kinds = {joint.name: joint.kind for joint in joints}
@@ -133,7 +139,9 @@ def build_joint_springs(values: DeckValues, joints, findings: Findings) -> tuple
     return tuple(springs)
 
 
-def build_outputs(values: DeckValues, bodies, ground, findings: Findings) -> tuple[End, ...]:
+def build_outputs(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[End, ...]:
     """The cards OUTN: nodes and node sets, in the deck's order, each once."""
     ends = []
     for record in values.section("output"):

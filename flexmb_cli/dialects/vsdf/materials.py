@@ -44,7 +44,7 @@ def stress_material(values: DeckValues, k: int, file: FEFile, findings: Findings
     return _material(record, file, findings, float(density.value) if density.text else math.nan)
 
 
-def _material(record: Record, file, findings, density=math.nan):
+def _material(record: Record, file: FEFile, findings: Findings, density: float = math.nan) -> ElementMaterial:
     young, poisson = float(record["E"]), float(record["nu"])
     if not young > 0:
         message = f"Young's modulus must be above zero; read {record.at('E').text}"

@@ -7,7 +7,7 @@ import numpy as np
 from ...model.diagnostics import Findings
 from ...model.driver_angles import LARGEST_ANGLE, MANY_REVOLUTIONS, NO_ANGLE
 from ...model.mechanism import TimeGrid
-from ...model.time_functions import Motion
+from ...model.time_functions import Motion, MotionFunction
 
 LARGEST_RATE = 1e100  # its square still is a number
 SAMPLES = 101  # even times of a run at which a law is looked at
@@ -38,7 +38,7 @@ def check_motion_functions(motions: tuple[Motion, ...], grid: TimeGrid, findings
             findings.note(motion.name, message, motion.place, id="VSDF-074")
 
 
-def _sampled(function, grid):
+def _sampled(function: MotionFunction, grid: TimeGrid) -> np.ndarray:
     """Value, rate and acceleration of a law at even times, or at the points of its table, (3, times)."""
     # Each look into a table goes through all of its points.
     times = (grid.start, grid.end) if function.times else np.linspace(grid.start, grid.end, SAMPLES)
@@ -49,7 +49,7 @@ def _sampled(function, grid):
     return np.hstack([reported, _at_points(function, grid)]) if function.times else reported
 
 
-def _at_points(function, grid):
+def _at_points(function: MotionFunction, grid: TimeGrid) -> np.ndarray:
     """The same at the points of a table that the run reaches; of the rates a bound."""
     t, f, g = (np.array(column) for column in (function.times, function.values, function.curvature))
     h = np.diff(t)

@@ -1,10 +1,15 @@
 """Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.ndarray]:
@@ -28,7 +33,7 @@ def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.
 
 def sets_of(values: DeckValues, k: int, nodes: dict, findings: Findings) -> dict[int, tuple[int, ...]]:
     """The sets of body k, whose `nodes` are: their nodes by the sets' numbers."""
-    sets = {}
+    sets: dict[Any, Any] = {}
     for record in values.section("node_set"):
         if record["body"] != k:
             continue
@@ -47,7 +52,7 @@ def sets_of(values: DeckValues, k: int, nodes: dict, findings: Findings) -> dict
     return sets
 
 
-def _check_once(record, before, findings):
+def _check_once(record: Record, before: "tuple[Any, ...]", findings: Findings) -> None:
     """A set is the mean of its nodes: one that it names twice would count double."""
     seen = set(before)
     for number in record.numbers[2:]:

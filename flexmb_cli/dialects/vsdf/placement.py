@@ -1,5 +1,7 @@
 """The cards PLAC: a body is placed by one of its nodes at a point, and turned by two more nodes."""
 
+from typing import Any
+
 import numpy as np
 
 from ...deck.record import Record
@@ -33,7 +35,9 @@ def placed_bodies(
     )
 
 
-def _placed(values, k, body: VsdfBody, records, findings) -> VsdfBody:
+def _placed(
+    values: DeckValues, k: int, body: VsdfBody, records: list[Record], findings: Findings
+) -> VsdfBody:
     if len(records) not in (1, 3):
         message = f"{len(records)} cards place {body.name}; one node places it, three place and turn it"
         findings.error(records[-1].subject, message, records[-1].place, id="VSDF-095")
@@ -56,14 +60,16 @@ def _placed(values, k, body: VsdfBody, records, findings) -> VsdfBody:
     return replace(body, r=tuple(map(float, points[0] - A @ nodes[0])), **turned)
 
 
-def _has_node(body, record, findings):
+def _has_node(body: VsdfBody, record: Record, findings: Findings) -> bool:
     number = record.at("node")
     if body.nodes and not body.members(number.value):
         findings.error(record.subject, f"{body.name} has no node {number.value}", number.place, id="VSDF-097")
     return bool(body.members(number.value))
 
 
-def _attitude(body, records, nodes, points, findings):
+def _attitude(
+    body: VsdfBody, records: Any, nodes: np.ndarray, points: np.ndarray, findings: Findings
+) -> np.ndarray | None:
     """Rotation matrix that takes the triad of the nodes to that of the points; None with a fault found."""
     own, wanted = _triad(nodes), _triad(points)
     for triad, what, record in ((own, "nodes", records[2]), (wanted, "points", records[2])):
@@ -82,7 +88,7 @@ def _attitude(body, records, nodes, points, findings):
     return wanted @ own.T
 
 
-def _triad(places):
+def _triad(places: np.ndarray) -> np.ndarray | None:
     """Axes (3, 3) from the first place to the second, and across in their plane; None on one line."""
     along, beside = places[1] - places[0], places[2] - places[0]
     across = np.cross(along, beside)

@@ -3,6 +3,7 @@
 import re
 from array import array
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records
 from ...deck.many_records import Block, ManyRecords
@@ -11,6 +12,10 @@ from ...errors import DeckError, Fault, Place
 from . import fields
 from .card import Card, Column
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _TITLE_WIDTH = 75
 # Nobody reads more, and each costs a search for near words.
@@ -32,7 +37,7 @@ def read_vsdf(source: DeckText) -> Deck:
     return Deck("vsdf", source, records, tuple(reader.faults))
 
 
-def _many(source, starts):
+def _many(source: DeckText, starts: "dict[str, Any]") -> ManyRecords:
     """The records of a large deck without errors: the first line of each is known."""
     title = _Reader(source)
     title._read_title()
@@ -42,7 +47,7 @@ def _many(source, starts):
     return ManyRecords(blocks)
 
 
-def _again(source, card, lines, index):
+def _again(source: DeckText, card: Card, lines: "Any", index: int) -> Record:
     """A record that was read without error before."""
     reader = _Reader(source)
     reader.at = lines[index]
@@ -54,7 +59,7 @@ def _again(source, card, lines, index):
     return Record(card.section, number, card.subject.format(number), _with_own_keys(numbers))
 
 
-def _number_of(card, head, count):
+def _number_of(card: Card, head: Number, count: int) -> Any:
     """The number of a record, of its kind the `count`-th, whose first number is `head`."""
     return {"single": 0, "list": count}.get(card.counted, head.value)
 
@@ -79,7 +84,7 @@ class _Reader:
     def read(self) -> None:
         """Title, keyword blocks, END, STAR and STOP."""
         self._read_title()
-        card, ended = None, {}
+        card, ended = None, {}  # type: ignore[var-annotated]
         while (line := self._next()) is not None:
             if len(self.faults) > _MOST_FAULTS:
                 place = Place(self.at, 1)
@@ -99,7 +104,7 @@ class _Reader:
                 self._error("", f"a data card stands {where}", Place(self.at, 1))
         self._check_end(ended)
 
-    def _next(self):
+    def _next(self) -> str | None:
         """The next line that is neither blank nor a comment; None at the end of the deck."""
         while self.at < len(self.lines):
             self.at += 1
@@ -108,7 +113,7 @@ class _Reader:
                 return line
         return None
 
-    def _read_title(self):
+    def _read_title(self) -> None:
         line = self._next() or ""
         if line[:4].upper() != "VSDF":
             place = Place(max(self.at, 1), 1, 4)
@@ -138,13 +143,13 @@ class _Reader:
         self.begun, self.bare = True, None if reported else place
         return BY_WORD[word]
 
-    def _check_filled(self, card, following):
+    def _check_filled(self, card: Card | None, following: str) -> None:
         """A keyword alone says nothing; what was meant may stand in its comment."""
         if card is not None and self.bare is not None and following in KNOWN_WORDS:
             self._warn(card.word, "no data card stands below the keyword, so it says nothing", self.bare)
         self.bare = None
 
-    def _check_alone(self, word, line):
+    def _check_alone(self, word: str, line: str) -> bool:
         """Words behind a keyword are a comment; numbers there were meant to be read, and are a fault."""
         extra = line[4:].strip()
         if not _NUMBERS.match(extra):
@@ -155,7 +160,7 @@ class _Reader:
         self._error(word, message, Place(self.at, line.index(extra, 4) + 1, len(extra)))
         return True
 
-    def _check_end(self, ended):
+    def _check_end(self, ended: dict[str, Place]) -> None:
         if END not in ended:
             last = len(self.lines)
             while last > 1 and not self.lines[last - 1].strip():
@@ -178,7 +183,7 @@ class _Reader:
             return
         self._keep(card, head, numbers)
 
-    def _read_second(self, card):
+    def _read_second(self, card: Card) -> list[Number]:
         """The second card of a record; it must be a data card."""
         here = self.at
         line = self._next()
@@ -190,7 +195,7 @@ class _Reader:
             return []
         return self._read_card(card, line, card.second, None)
 
-    def _read_card(self, card: Card, line: str, columns, more: Column | None) -> list[Number]:
+    def _read_card(self, card: Card, line: str, columns: Any, more: Column | None) -> list[Number]:
         found = fields.fields(line, columns, more)
         wanted = [*columns, *([more] * (len(found) - len(columns)))]
         numbers = [self._number(card, line, columns, *pair) for pair in zip(found, wanted, strict=True)]
@@ -201,7 +206,9 @@ class _Reader:
             self._error(card.word, f"the card names no {more.meaning}", place)
         return [number for number in numbers if number is not None]
 
-    def _number(self, card, line, columns, field, column: Column) -> Number | None:
+    def _number(
+        self, card: Card, line: str, columns: tuple[Column, ...], field: Any, column: Column
+    ) -> Number | None:
         place = Place(self.at, field.column, max(1, len(field.text)))
         try:
             value, doubt = fields.value(field, column)
@@ -212,7 +219,7 @@ class _Reader:
             self._warn(card.word, doubt, place)
         return Number(column.key, value, column.meaning, column.unit, place, field.text)
 
-    def _check_rest(self, card, line, columns):
+    def _check_rest(self, card: Card, line: str, columns: tuple[Column, ...]) -> None:
         """Words behind the last field are a comment; numbers there were meant to be read."""
         extra = fields.rest(line, columns)
         text = extra.text
@@ -247,7 +254,7 @@ class _Reader:
         if self.kept:
             self.records.append(Record(card.section, number, subject, _with_own_keys(numbers)))
 
-    def _given(self, section, number, count):
+    def _given(self, section: str, number: int, count: int) -> int:
         """The line where a record of this number stands already, 0 without one."""
         earlier = self.seen.get((section, number), 0)
         if not earlier and 0 < number < count and (section, number) not in self.strange:
@@ -257,10 +264,10 @@ class _Reader:
             self.strange.add((section, count))
         return earlier
 
-    def _error(self, subject, message, place, guide=()):
+    def _error(self, subject: str, message: str, place: Any, guide: tuple[str, ...] = ()) -> None:
         self.faults.append(Fault("error", message, place, subject, tuple(guide), id="VSDF-081"))
 
-    def _warn(self, subject, message, place):
+    def _warn(self, subject: str, message: str, place: Place) -> None:
         self.faults.append(Fault("warning", message, place, subject, id="VSDF-082"))
 
 
@@ -279,7 +286,7 @@ def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:
     keys = [number.key for number in numbers]
     if len(set(keys)) == len(keys):
         return tuple(numbers)
-    named, counts = [], {}
+    named, counts = [], {}  # type: ignore[var-annotated]
     for found in numbers:
         if keys.count(found.key) > 1:
             counts[found.key] = counts.get(found.key, 0) + 1

@@ -16,7 +16,7 @@ def build_shapes(
     values: DeckValues, bodies: tuple[VsdfBody, ...], folder: Path, findings: Findings
 ) -> tuple[Shape, ...]:
     """Return the shapes in the order of the cards; file names are relative to `folder`."""
-    keys, rigid = Keys(), [values.record("body", k)["kind"] == "RIGD" for k in range(1, len(bodies) + 1)]
+    keys, rigid = Keys(), [values.record("body", k)["kind"] == "RIGD" for k in range(1, len(bodies) + 1)]  # type: ignore[index]
     found = [
         primitive_of(record, _KINDS[record["shape"]], keys, findings)
         for record in values.section("shape")

@@ -1,8 +1,13 @@
 """The cards OUTS: at which nodes and elements of a body stresses are reported."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import StressSelection, VsdfBody
+
+if TYPE_CHECKING:
+    from ...deck.record import Record
 
 
 def build_stresses(
@@ -17,7 +22,7 @@ def build_stresses(
     )
 
 
-def _usable(record, bodies, findings):
+def _usable(record: "Record", bodies: tuple[VsdfBody, ...], findings: Findings) -> bool:
     """Whether the body exists and has a material; else a fault."""
     number = record.at("body")
     if not 1 <= number.value <= len(bodies):
@@ -37,7 +42,7 @@ def _usable(record, bodies, findings):
     return body.flexible is not None
 
 
-def _selection(k, body, records, findings) -> StressSelection:
+def _selection(k: int, body: VsdfBody, records: "list[Record]", findings: Findings) -> StressSelection:
     nodes: dict[int, None] = {}
     elements: dict[int, None] = {}
     every = False
@@ -55,7 +60,7 @@ def _selection(k, body, records, findings) -> StressSelection:
     return StressSelection(k - 1, tuple(nodes), tuple(elements), every, largest, records[0].place)
 
 
-def _nodes(record, numbers, body, findings):
+def _nodes(record: Any, numbers: Any, body: Any, findings: Any) -> list[int]:
     if not numbers:
         return list(body.nodes)
     found = []

@@ -4,7 +4,9 @@ A written 0 is what an empty field means, and is let pass.
 """
 
 from collections.abc import Iterator
+from typing import Any
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
@@ -37,21 +39,21 @@ def refuse_unread(values: DeckValues, findings: Findings) -> None:
     _doubt_switched_off(values, findings)
 
 
-def _refuse(record, key, reason, findings):
+def _refuse(record: Any, key: str, reason: str, findings: Findings) -> None:
     number = record.at(key)
     if number.value:
         message = f"{key} is {number.text} and is not read: {reason}; leave the field empty"
         findings.error(record.subject, message, number.place, id="VSDF-084")
 
 
-def _of_body(record) -> Iterator[tuple[str, str]]:
+def _of_body(record: Record) -> Iterator[tuple[str, str]]:
     if record["kind"] == "RIGD":
         yield "modes", "a RIGD body has no modes"
         for key in ("n1", "n2", "n3"):
             yield key, "a RIGD body has no reference nodes, its axes are those of its RIGI and NODE cards"
 
 
-def _of_joint(record) -> Iterator[tuple[str, str]]:
+def _of_joint(record: Record) -> Iterator[tuple[str, str]]:
     word, kind = record["kind"], BY_WORD[record["kind"]]
     for letter, count in (("a", kind.points_on("i")), ("b", kind.points_on("j"))):
         nodes = f"{count} node{'s' if count > 1 else ''} on {letter}"
@@ -61,24 +63,24 @@ def _of_joint(record) -> Iterator[tuple[str, str]]:
         yield "size", f"{word} has neither pitch nor distance"
 
 
-def _of_motion(record) -> Iterator[tuple[str, str]]:
+def _of_motion(record: Record) -> Iterator[tuple[str, str]]:
     function = record["law"]
     for key in ("c0", "c1", "c2", "c3"):
         if function in _OF_FUNCTION and key not in _OF_FUNCTION[function]:
             yield key, _FUNCTIONS[function]
 
 
-def _of_stiffening(record) -> Iterator[tuple[str, str]]:
+def _of_stiffening(record: Record) -> Iterator[tuple[str, str]]:
     if record["on"] and not record.at("E").text:
         yield "nu", "Poisson's ratio belongs to Young's modulus E, which is empty"
 
 
-def _of_spring(record) -> Iterator[tuple[str, str]]:
+def _of_spring(record: Record) -> Iterator[tuple[str, str]]:
     if not record.at("k").text:
         yield "length", "a length at rest belongs to the stiffness k, which is empty"
 
 
-def _of_joint_spring(record) -> Iterator[tuple[str, str]]:
+def _of_joint_spring(record: Record) -> Iterator[tuple[str, str]]:
     if not record.at("k").text:
         yield "q0", "a position at rest belongs to the stiffness k, which is empty"
 
@@ -93,7 +95,7 @@ _UNREAD = {
 }
 
 
-def _doubt_switched_off(values, findings):
+def _doubt_switched_off(values: DeckValues, findings: Findings) -> None:
     for record in values.section("stiffening"):
         if not record["on"] and record["E"]:
             message = "E and nu are not used: stiffening is switched off, on is 0"

@@ -6,12 +6,13 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from ...collector import without_collector
 from ...deck.many_records import Chained, Made
 from ...deck.record import Deck, Record
 from ...deck.shifted_lines import with_slip_named
-from ...errors import Fault, ModelError
+from ...errors import Fault, FaultList, ModelError
 from ...model.diagnostics import Findings
 from ...model.driver_angles import check_driver_angles
 from ...model.joints import JOINT_TYPES
@@ -21,6 +22,10 @@ from .element_cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
@@ -71,8 +76,8 @@ def faults_of_last(records: Sequence[Record], bodies: int, complete: bool = True
     return findings.in_order
 
 
-def _holders(records, bodies):
-    made = {name: [] for name in _HOLDERS}
+def _holders(records: Any, bodies: Any) -> Mechanism:
+    made: Any = {name: [] for name in _HOLDERS}
     for record in records:
         if record.section in made:
             made[record.section].append(part_of(record, bodies)[0])
@@ -80,7 +85,7 @@ def _holders(records, bodies):
     return Mechanism((), TimeGrid(0.0, 0.0, 1.0), simplified=simplified, drivers=drivers, grounds=grounds)
 
 
-def _parts(deck, findings):
+def _parts(deck: Deck, findings: Findings) -> "dict[Any, Any]":
     """The parts of the mechanism by section, in the deck's order; "joint": all joints."""
     bodies, parts = len(deck.section("body")), defaultdict(list)
     kept = isinstance(deck.records, tuple)
@@ -99,18 +104,18 @@ def _parts(deck, findings):
     return {**found, "joint": joints, "time": tuple(parts["time"])}
 
 
-def _part(bodies, record):
+def _part(bodies: int, record: "Any") -> "Any":
     return part_of(record, bodies)[0]
 
 
-def _kept_part(record, bodies):
+def _kept_part(record: "Any", bodies: int) -> "tuple[Any, FaultList]":
     # A study makes thousands of decks that differ in a record or two, and share the others.
     if bodies not in record.made:
         record.made[bodies] = part_of(record, bodies)
     return record.made[bodies]
 
 
-def _refuse_if_faulty(deck, findings, counted=None):
+def _refuse_if_faulty(deck: Deck, findings: Findings, counted: Findings | None = None) -> None:
     # The counts stand first in the deck, and the notes that follow their fault stay with it.
     faults = [*(counted.faults if counted else ()), *findings.in_order]
     if any(fault.severity == "error" for fault in faults):

@@ -3,6 +3,7 @@
 import math
 from functools import partial
 from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,9 +22,15 @@ from ...model.loads import (
     SpringDamper,
 )
 from ...model.time_checks import unsteppable
+from ..elements.functions import Functions
 from .build import build_young
 from .build_elements import build_elements, build_functions
 from .dynamic_cards import FORWARD, analysis_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
 _OF_BODIES = (
@@ -49,7 +56,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     _check_method(deck, findings)
     model = DynamicModel(
         mechanism,
-        analysis_of(deck),
+        analysis_of(deck),  # type: ignore[arg-type]
         _made(deck, "mass", _mass, findings),
         _made(deck, "force", partial(_force, functions=functions), findings),
         _made(deck, "torque", partial(_torque, functions=functions), findings),
@@ -72,7 +79,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     return model, faults
 
 
-def _made(deck, section, make, findings):
+def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> Any:
     """What the cards of a section describe; that of a large deck is made again when it is looked at."""
     records = deck.section(section)
     if isinstance(deck.records, tuple):
@@ -82,15 +89,15 @@ def _made(deck, section, make, findings):
     return Made(records, partial(_again, make))
 
 
-def _again(make, record):
+def _again(make: Any, record: Any) -> "Any":
     return make(record, Findings())
 
 
-def _one_of(springs, dampers):
+def _one_of(springs: tuple[SpringDamper, ...], dampers: "tuple[Any, ...]") -> tuple[SpringDamper, ...]:
     return springs + dampers if isinstance(springs, tuple) else Chained([springs, dampers])
 
 
-def _check_bodies(deck, bodies, findings):
+def _check_bodies(deck: Deck, bodies: int, findings: Findings) -> None:
     for section in _OF_BODIES:
         for record in deck.section(section):
             keys = [key for key in ("body", "I", "J") if key in record]
@@ -105,7 +112,7 @@ def _check_bodies(deck, bodies, findings):
                 findings.error(record.subject, message, record.at("J").place, id="YOUNG-002")
 
 
-def _check_once(deck, findings):
+def _check_once(deck: Deck, findings: Findings) -> None:
     """A body has one mass and one first velocity, a deck one of all else that is here."""
     for section in ("mass", "velocity", "gravity", "tolerance", "generalised-alpha", "radau"):
         first: dict[int | None, int] = {}
@@ -119,18 +126,23 @@ def _check_once(deck, findings):
                 findings.error(record.subject, message, record.place, id="YOUNG-003")
 
 
-def _mass(record: Record, findings) -> MassProperties:
+def _mass(record: Record, findings: Any) -> MassProperties:
     inertia = tuple(float(record[element]) for element in ELEMENTS)
     if not record["m"] >= 0.0:
         message = f"the mass must not be negative; read {record['m']:g}"
         findings.error(record.subject, message, record.at("m").place, id="YOUNG-004")
     _check_inertia(record, inertia, findings)
     return MassProperties(
-        record.subject, record["body"] - 1, float(record["m"]), record.vector("centre"), inertia, record.place
+        record.subject,
+        record["body"] - 1,
+        float(record["m"]),
+        record.vector("centre"),
+        inertia,  # type: ignore[arg-type]
+        record.place,
     )
 
 
-def _check_inertia(record, inertia, findings):
+def _check_inertia(record: Record, inertia: tuple[float, ...], findings: Findings) -> None:
     """1. No principal moment is negative.  2. None exceeds the sum of the others."""
     moments = np.linalg.eigvalsh(inertia_matrix(inertia))
     slack = ROUND_OFF * max(abs(moments[0]), moments[2])
@@ -146,7 +158,7 @@ def _check_inertia(record, inertia, findings):
         findings.warn(record.subject, message, record.at("Ixx").place, id="YOUNG-006")
 
 
-def _following(record, findings):
+def _following(record: Record, findings: Findings) -> bool:
     following = record["following"]
     if following not in (0, 1):
         message = f"following must be 0 (global axes) or 1 (body axes); read {following}"
@@ -154,7 +166,7 @@ def _following(record, findings):
     return following == 1
 
 
-def _force(record: Record, findings, functions) -> AppliedForce:
+def _force(record: Record, findings: Findings, functions: Functions) -> AppliedForce:
     following = _following(record, findings)
     return AppliedForce(
         record.subject,
@@ -167,7 +179,7 @@ def _force(record: Record, findings, functions) -> AppliedForce:
     )
 
 
-def _torque(record: Record, findings, functions) -> AppliedTorque:
+def _torque(record: Record, findings: Findings, functions: Functions) -> AppliedTorque:
     following = _following(record, findings)
     return AppliedTorque(
         record.subject,
@@ -179,18 +191,18 @@ def _torque(record: Record, findings, functions) -> AppliedTorque:
     )
 
 
-def _spring(record: Record, findings) -> SpringDamper:
+def _spring(record: Record, findings: Findings) -> SpringDamper:
     for key in ("stiffness", "free_length", "damping"):
         _doubt_negative(record, key, findings)
     return _line(record, record["stiffness"], record["free_length"])
 
 
-def _damper(record: Record, findings) -> SpringDamper:
+def _damper(record: Record, findings: Any) -> SpringDamper:
     _doubt_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 
 
-def _line(record, stiffness, free_length):
+def _line(record: Record, stiffness: float, free_length: float) -> Any:
     return SpringDamper(
         record.subject,
         record["I"] - 1,
@@ -204,19 +216,19 @@ def _line(record, stiffness, free_length):
     )
 
 
-def _doubt_negative(record, key, findings):
+def _doubt_negative(record: Record, key: str, findings: Findings) -> None:
     if record[key] < 0.0:
         message = f"{key.replace('_', ' ')} {record[key]:g} is negative"
         findings.warn(record.subject, message, record.at(key).place, id="YOUNG-008")
 
 
-def _velocity(record: Record, _findings) -> InitialVelocity:
+def _velocity(record: Record, _findings: "Any") -> InitialVelocity:
     return InitialVelocity(
         record.subject, record["body"] - 1, record.vector("v"), record.vector("w"), record.place
     )
 
 
-def _tolerance(deck, findings):
+def _tolerance(deck: Deck, findings: Findings) -> float:
     """That of RAD5, else that of TOLERANCE, else the default."""
     found = DEFAULT_TOLERANCE
     for section, key in (("tolerance", "relative"), ("radau", "tolerance")):
@@ -231,7 +243,7 @@ def _tolerance(deck, findings):
     return found
 
 
-def _check_method(deck, findings):
+def _check_method(deck: Deck, findings: Findings) -> None:
     """A deck has one method, which only a forward analysis uses."""
     for record in deck.section("radau"):
         if deck.section("generalised-alpha"):
@@ -241,7 +253,7 @@ def _check_method(deck, findings):
             findings.warn(record.subject, "is not used: nothing is integrated", record.place, id="YOUNG-011")
 
 
-def _alpha_steps(deck, findings):
+def _alpha_steps(deck: Deck, findings: Findings) -> AlphaSteps | None:
     records = deck.section("generalised-alpha")
     if not records:
         return None
@@ -260,21 +272,21 @@ def _alpha_steps(deck, findings):
     return AlphaSteps(float(step.value), float(radius.value))
 
 
-def _check_time(model, findings):
+def _check_time(model: DynamicModel, findings: Findings) -> None:
     grid = model.mechanism.time
     fault = unsteppable(max(abs(grid.start), abs(grid.end)), grid.step)
     if fault and model.analysis == FORWARD:
         findings.error("time", fault, grid.place, id="YOUNG-015")
 
 
-def _doubt_massless(model, findings):
+def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
     reported = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
         if number not in reported:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
-def _note_loads_at_rest(model, findings):
+def _note_loads_at_rest(model: Any, findings: Any) -> None:
     """Note the loads that act on bodies at rest only."""
     at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
@@ -288,7 +300,7 @@ def _note_loads_at_rest(model, findings):
             findings.note(item.name, message, item.place, id="YOUNG-017")
 
 
-def _doubt_idle_velocities(model, findings):
+def _doubt_idle_velocities(model: DynamicModel, findings: Findings) -> None:
     if model.analysis == FORWARD:
         return
     for item in model.velocities:

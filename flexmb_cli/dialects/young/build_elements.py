@@ -1,8 +1,9 @@
 """The cards of functions, drivers, supports, composite joints and elements of a YOUNG deck."""
 
 from collections.abc import Iterator
+from typing import Any
 
-from ...deck.record import Deck
+from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
 from ...model.joint_elements import CompositeJoint, DrivenItem, JointElements
 from ...model.joints import ANGLE, STROKE
@@ -47,7 +48,7 @@ class _Maker(JointMaker):
         super().__init__(mechanism.joints, functions, findings, mechanism.time.start)
         self.mechanism = mechanism
 
-    def ends(self, record):
+    def ends(self, record: Record) -> Any:
         """Bodies (-1: ground) and points of an element between two bodies."""
         return {
             "i": record["I"] - 1, "j": record["J"] - 1,
@@ -55,7 +56,7 @@ class _Maker(JointMaker):
         }  # fmt: skip
 
 
-def _driven(maker, record):
+def _driven(maker: _Maker, record: Record) -> "Any":
     number, drivers = record["driver"], maker.mechanism.drivers
     if not 1 <= number <= len(drivers):
         message = f"driver number {number} is outside 1..{len(drivers)}"
@@ -66,7 +67,7 @@ def _driven(maker, record):
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _support(maker, record):
+def _support(maker: _Maker, record: Record) -> "Any":
     number, held = record["simplified"], maker.mechanism.simplified
     if not 1 <= number <= len(held):
         message = f"simplified constraint {number} is outside 1..{len(held)}"

@@ -33,7 +33,7 @@ class Card:
             return None
         return (*self.columns, *self._repetitions(times))
 
-    def _repetitions(self, times) -> Iterator[Column]:
+    def _repetitions(self, times: int) -> Iterator[Column]:
         for k in range(1, times + 1):
             yield from (replace(column, key=f"{column.key}{k}") for column in self.repeated)
 

@@ -11,6 +11,7 @@ from array import array
 from collections.abc import Sequence
 from functools import cached_property, partial
 from itertools import takewhile
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords, blocks_of
@@ -24,6 +25,11 @@ from .reader import read_young
 from .sections import Column
 from .shape_cards import SHAPE_CARDS
 from .unread_lines import cards_behind_end, unread_lines
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 MARKER = re.compile(
     r"\s*(?:DYNAMICS\s+(?P<analysis>INVERSE|FORWARD)|(?P<shapes>GEOMETRY))\s*(\{[^}]*\}\s*)?", re.IGNORECASE
@@ -140,7 +146,7 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = read_young(source)
     opening = _opening(deck)
     if opening is None:
-        last = deck.one("time").at("step").place.line
+        last = deck.one("time").at("step").place.line  # type: ignore[union-attr]
         return replace(deck, warnings=(*deck.warnings, *unread_lines(source.lines, last, BY_KEYWORD)))
     cards = _Cards(source, opening)
     cards.read()
@@ -165,12 +171,12 @@ def has_elements(deck: Deck) -> bool:
     return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
 
 
-def _opening(deck):
+def _opening(deck: Deck) -> int | None:
     """Number of the line that opens the cards, None without one."""
     return next((n for n, line in _lines_behind(deck) if MARKER.fullmatch(line)), None)
 
 
-def _lines_behind(deck):
+def _lines_behind(deck: Any) -> "Iterator[tuple[int, str]]":
     """Number and text of every line behind that of dT that names the cards."""
     lines = deck.source.lines
     last = deck.one("time").at("step").place.line
@@ -203,10 +209,10 @@ class _Cards:
             blocks.append(Block(section, len(starts), partial(_again, self.source, section, starts)))
         return ManyRecords(blocks)
 
-    def read(self):
+    def read(self) -> None:
         """Read all cards behind the opening line."""
         self.records.append(self._opening_record())
-        card = []
+        card: list[Any] = []
         for word in words(self.source.lines, self.opening):
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
@@ -224,21 +230,21 @@ class _Cards:
                 card = [Word("", word.line, word.column)]
         self._finish(card)
 
-    def error(self, place: Place, subject: str, message: str):
+    def error(self, place: Place, subject: str, message: str) -> Any:
         self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
 
-    def _opening_record(self):
+    def _opening_record(self) -> Record:
         found = MARKER.fullmatch(self.source.lines[self.opening - 1])
-        self.shapes_alone = found["shapes"] is not None
+        self.shapes_alone = found["shapes"] is not None  # type: ignore[index]
         key = "shapes" if self.shapes_alone else "analysis"
-        place = Place(self.opening, found.start(key) + 1, len(found[key]))
+        place = Place(self.opening, found.start(key) + 1, len(found[key]))  # type: ignore[index, union-attr]
         section, meaning = SECTION, "inverse: forces of the driven motion; forward: motion under forces"
         if self.shapes_alone:
             section, meaning = GEOMETRY, "shapes of bodies follow, for pictures"
-        number = Number(key, found[key].lower(), meaning, "", place, found[key])
+        number = Number(key, found[key].lower(), meaning, "", place, found[key])  # type: ignore[index]
         return Record(section, 0, section, (number,))
 
-    def _finish(self, card):
+    def _finish(self, card: list[Word]) -> None:
         """Make a record of a keyword and the words behind it."""
         if not card or not card[0].text:
             return
@@ -282,12 +288,12 @@ class _Cards:
         ]
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
-    def _number(self, subject, column, word):
+    def _number(self, subject: str, column: Column, word: Word) -> Number:
         if column.is_text:
             return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
         value = 0
         try:
-            value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
+            value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)  # type: ignore[assignment]
             if doubt:
                 self.faults.append(
                     Fault("warning", f"{column.key}: {doubt}", word.place, subject, id="YOUNG-021")
@@ -297,7 +303,7 @@ class _Cards:
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
 
 
-def _again(source, section, starts, index):
+def _again(source: DeckText, section: str, starts: "Any", index: int) -> "_ReadCard":
     kind = next(card for card in CARDS if card.section == section)
     return _ReadCard(source, kind, index + 1, starts[index])
 
@@ -316,7 +322,7 @@ class _ReadCard(Record):
         if not self._plain:
             return tuple(item.value for item in self.numbers)
         texts = self._plain[1].split()
-        columns = self._kind.columns_of(len(texts))
+        columns = self._kind.columns_of(len(texts))  # type: ignore[attr-defined]
         spellings = [number.integer if column.is_integer else number.real for column in columns]
         read = [spelled(text)[0] for spelled, text in zip(spellings, texts, strict=False)]
         return *read, *(0 if column.is_integer else 0.0 for column in columns[len(read) :])
@@ -325,46 +331,46 @@ class _ReadCard(Record):
     def positions(self) -> dict[str, int]:
         """Where among the numbers each key stands."""
         count = len(self._plain[1].split()) if self._plain else len(self.numbers)
-        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}
+        return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}  # type: ignore[attr-defined]
 
     @cached_property
     def numbers(self) -> tuple[Number, ...]:
         """The numbers with their places."""
-        behind = words_from(self._source.lines, self._start)
+        behind = words_from(self._source.lines, self._start)  # type: ignore[attr-defined]
         keyword = next(behind)
-        found = [next(behind)] if self._kind.begins_with_text else []
+        found = [next(behind)] if self._kind.begins_with_text else []  # type: ignore[attr-defined]
         found += takewhile(lambda word: not _is_keyword(word), behind)
-        columns = self._kind.columns_of(len(found))
-        return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers
+        columns = self._kind.columns_of(len(found))  # type: ignore[attr-defined]
+        return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers  # type: ignore[attr-defined]
 
     @property
     def place(self) -> Place:
         """Place of the first number."""
         if self._plain is None:
-            return self.numbers[0].place
+            return self.numbers[0].place  # type: ignore[return-value]
         first = self._plain[1].split(maxsplit=1)[0]
-        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))
+        return Place(*self._source.lines.place_of(self._plain.start(1)), len(first))  # type: ignore[attr-defined, call-arg]
 
     @cached_property
-    def _plain(self):
+    def _plain(self) -> Any:
         """The card in the text; None where a comment stands in it or behind it."""
-        if self._kind.begins_with_text:
+        if self._kind.begins_with_text:  # type: ignore[attr-defined]
             return None
-        found = _PLAIN_CARD.match(self._source.text, self._start)
+        found = _PLAIN_CARD.match(self._source.text, self._start)  # type: ignore[attr-defined]
         return found if found and not found[2] else None
 
 
-def _is_keyword(word):
+def _is_keyword(word: Word) -> bool:
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
 
 
-def _wants_text(card):
+def _wants_text(card: "Any") -> "Any":
     """Whether a keyword alone has been read, behind which a word is no keyword."""
     kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
     return kind is not None and kind.begins_with_text
 
 
-def _unknown(text):
+def _unknown(text: str) -> str:
     from difflib import get_close_matches
 
     close = get_close_matches(text.upper(), BY_KEYWORD, n=1)

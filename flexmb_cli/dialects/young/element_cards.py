@@ -54,7 +54,7 @@ _ENDS = (
 _LINK = Column("length", "length of the link", "m")
 
 
-def _spring(keyword, section, coordinate, force, unit):
+def _spring(keyword: str, section: str, coordinate: str, force: str, unit: str) -> Card:
     columns = (
         _JOINT,
         Column("stiffness", f"{force} per {coordinate}", f"{force}/{unit}"),
@@ -67,7 +67,7 @@ def _spring(keyword, section, coordinate, force, unit):
     return Card(keyword, section, columns, optional=5)
 
 
-def _stop(keyword, section, coordinate, force, unit):
+def _stop(keyword: str, section: str, coordinate: str, force: str, unit: str) -> Card:
     columns = (
         _JOINT,
         Column("lower", f"least {coordinate}", unit),

@@ -7,6 +7,7 @@ IN1-4-3 of Appendix B (Liang Yong, YOUNG dissertation, 1996) is printed so.  Its
 from collections.abc import Iterable, Sequence
 from functools import partial
 from itertools import chain, zip_longest
+from typing import TYPE_CHECKING, Any
 
 from ...deck.many_records import ManyRecords
 from ...deck.number import Misspelt, integer
@@ -15,6 +16,11 @@ from ...deck.words import Word
 from ...errors import Fault
 from ...quick_dataclass import replace
 from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 POSITIONS = 3  # numbers of a body estimate
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -58,7 +64,7 @@ def lines_begin_records(words: Iterable[Word], sizes: Iterable[int], behind: Wor
     return behind is None or behind.line != line
 
 
-def _within(sizes):
+def _within(sizes: Any) -> "Iterator[Any]":
     """For every number of records in their order how many of its record stand before it."""
     return chain.from_iterable(range(size) for size in sizes)
 
@@ -68,13 +74,13 @@ def completed(deck: Deck) -> Deck:
     if isinstance(deck.records, tuple):
         records = tuple(_completed(record) for record in deck.records)
     else:
-        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)
-        records = ManyRecords(tuple(blocks))
+        blocks = (replace(block, made=partial(_made, block.made)) for block in deck.records.blocks)  # type: ignore[attr-defined]
+        records = ManyRecords(tuple(blocks))  # type: ignore[assignment]
     note = Fault("note", NOTE, deck.one("counts").place, "counts", id="YOUNG-022")
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 
 
-def _made(made, index):
+def _made(made: "Any", index: "Any") -> "Any":
     return _completed(made(index))
 
 

@@ -9,6 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import chain, pairwise
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -16,6 +17,10 @@ from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass, field
 from . import DIALECT
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
@@ -63,7 +68,7 @@ def imbalance(counts: Mapping[str, int]) -> str:
     return "" if equations == coordinates else _total(equations, coordinates, counts["NBODY"])
 
 
-def _total(equations, coordinates, bodies):
+def _total(equations: int, coordinates: int, bodies: int) -> str:
     many = "few" if equations < coordinates else "many"
     return (
         f"{bodies} {'body has' if bodies == 1 else 'bodies have'} {coordinates} coordinates, but the "
@@ -71,16 +76,16 @@ def _total(equations, coordinates, bodies):
     )
 
 
-def _grounds_alone(mechanism, grounded):
+def _grounds_alone(mechanism: Any, grounded: Any) -> frozenset[int]:
     """Bodies that one ground holds and nothing else touches: in balance, and maybe by the million."""
     touched = {body for _, bodies in _links(mechanism, ()) for body in bodies}
-    held, twice = set(), set()
+    held, twice = set(), set()  # type: ignore[var-annotated]
     for body in grounded:
         (twice if body in held else held).add(body)
     return frozenset(held - twice - touched)
 
 
-def _links(mechanism, grounded) -> Iterator[tuple[int, tuple[int, ...]]]:
+def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]]]:
     """Pairs (equations, bodies they touch); `grounded` is the body of each ground."""
     for joint in mechanism.joints:
         yield BY_NAME[joint.kind].equations, (joint.i, joint.j)
@@ -92,7 +97,7 @@ def _links(mechanism, grounded) -> Iterator[tuple[int, tuple[int, ...]]]:
         yield _PER_BODY, (body,)
 
 
-def _balanced(mechanism, grounded):
+def _balanced(mechanism: Any, grounded: "Any") -> "Any":
     """Whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)
@@ -136,7 +141,7 @@ class _Group:
         return text if len(self.bodies) == 1 else f"{text} ({self._shares})"
 
     @property
-    def _shares(self):
+    def _shares(self) -> str:
         share = dict.fromkeys(self.bodies, 0.0)
         for equations, bodies in self.borne:
             for body in bodies:
@@ -146,11 +151,11 @@ class _Group:
         return f"a joint's equations shared between its bodies, {shown}{more}; 6 each are needed"
 
 
-def _many(equations):
+def _many(equations: int) -> str:
     return "1 equation" if equations == 1 else f"{equations} equations"
 
 
-def _named(bodies):
+def _named(bodies: list[int]) -> str:
     numbers = [str(body + 1) for body in bodies[:SHOWN_BODIES]]
     if len(bodies) > SHOWN_BODIES:
         return f"bodies {', '.join(numbers)} and {len(bodies) - SHOWN_BODIES} more"
@@ -160,7 +165,7 @@ def _named(bodies):
 
 
 @lru_cache(maxsize=4)
-def _groups(bodies, fixed, alone, links):
+def _groups(bodies: Any, fixed: Any, alone: Any, links: Any) -> tuple[_Group, ...]:
     """The groups in the order of their first bodies, without the balanced ones of those `alone`.
 
     The variants of a study mostly have the same.
@@ -170,7 +175,7 @@ def _groups(bodies, fixed, alone, links):
         free = [body for body in touched if body not in fixed]
         for a, b in pairwise(free):
             root[_root(root, a)] = _root(root, b)
-    groups = defaultdict(_Group)
+    groups: Any = defaultdict(_Group)
     for body in (body for body in range(bodies) if body not in alone):
         groups[_root(root, body)].bodies.append(body)
     for equations, touched in links:
@@ -179,7 +184,7 @@ def _groups(bodies, fixed, alone, links):
     return tuple(groups.values())
 
 
-def _root(root, body):
+def _root(root: Any, body: int) -> int:
     while root[body] != body:
         root[body] = root[root[body]]
         body = root[body]

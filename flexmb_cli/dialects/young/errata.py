@@ -30,7 +30,9 @@ class KnownError:
     cause: str
     steps: tuple[int, ...] | None = None
 
-    def holds(self, index, column, step):
+    def holds(
+        self, index: int | np.ndarray, column: int | np.ndarray, step: int | np.ndarray
+    ) -> bool | np.ndarray:
         """Return whether it covers the cells; the arguments are numbers or arrays that broadcast."""
         here = np.equal(index, self.index) & np.isin(column, self.columns)
         return here if self.steps is None else here & np.isin(step, self.steps)

@@ -12,7 +12,7 @@ from ...deck.record import Record
 from ...errors import Fault
 from .build import faults_of_last
 from .equation_count import imbalance
-from .sections import COUNTS, YOUNG_SECTIONS, Section
+from .sections import COUNTS, YOUNG_SECTIONS, Column, Section
 
 MOST = 1000
 """Largest count that is asked for one by one; a deck beyond it is a program's work."""
@@ -62,7 +62,7 @@ class YoungForm:
         return lines
 
 
-def _counts(values):
+def _counts(values: dict[str, str]) -> dict[str, int]:
     """The counts by name, none before all are known and sensible: a slip must not announce a billion."""
     try:
         counts = {c.key: number.integer(values[f"counts.{c.key}"])[0] for c in COUNTS.columns}
@@ -71,14 +71,14 @@ def _counts(values):
     return counts if max(counts.values()) <= MOST else {}
 
 
-def _entry(section: Section, k: int, values) -> Entry:
+def _entry(section: Section, k: int, values: dict[str, str]) -> Entry:
     subject = f"{section.subject} {k}" if k else section.subject
     prefix = f"{section.name}.{k}" if k else section.name
     turning = values.get(f"{prefix}.direction") in ("4", "5", "6")
     return Entry(section.name, k, subject, tuple(_cell(section, c, turning) for c in section.columns))
 
 
-def _cell(section, column, turning):
+def _cell(section: Section, column: Column, turning: bool) -> Cell:
     default = _DEFAULTS.get(column.key)
     if section is COUNTS and column.key != "NBODY":
         default = "0"
@@ -86,13 +86,13 @@ def _cell(section, column, turning):
     return Cell(column.key, *column.label(turning), letter, default)
 
 
-def _faults_of_title(record):
+def _faults_of_title(record: Record) -> list[Fault]:
     brace = next((brace for brace in "{}" if brace in record["text"]), "")
     message = f"the title becomes a comment, which cannot hold {brace}"
     return [Fault("error", message, record.place, "title", id="YOUNG-027")] if brace else []
 
 
-def _faults_of_counts(record, complete):
+def _faults_of_counts(record: Record, complete: bool) -> list[Fault]:
     faults = []
     for count in record.numbers:
         least = 1 if count.key == "NBODY" else 0

@@ -5,11 +5,17 @@ body numbers that the program printed without a blank between them (screw joints
 both have one digit.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from ...deck.fortran_format import HISTORIC, SAFE, Layout, fixed, integer
-from ...deck.record import Deck
+from ...deck.fortran_format import HISTORIC, SAFE, Edit, Layout, fixed, integer
+from ...deck.record import Deck, Record
 from ...solvers.as_printed.errors import AS_PRINTED
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 COUNT_TITLES = (
     "body : NBODY",
@@ -137,33 +143,33 @@ def echo_of_input(deck: Deck, layout: str = SAFE) -> str:
     return "".join([*texts, _time(deck.one("time"), layout)])
 
 
-def _section(name, title, count, fields):
+def _section(name: str, title: str, count: int, fields: Any) -> Any:
     parts = [f"{name}\n{title}\n"]
     for number in range(1, count + 1):
         parts += [f"{number:3d}", *fields, "\n"]
     return parts
 
 
-def _answers(values, field, layout):
+def _answers(values: "list[Any]", field: Edit, layout: str) -> str:
     """One line of answers, all with the same field."""
     return Layout(*len(values) * (field,), "\n", layout=layout).lines(values)
 
 
-def _values(record, start):
+def _values(record: Record, start: int) -> "list[Any]":
     return [number.value for number in record.numbers[start:]]
 
 
-def _counts(record, layout):
+def _counts(record: Record, layout: str) -> str:
     title = "\n".join(("ENTER NUMBER OF", *COUNT_TITLES))
     return f"{title}\n{_answers(_values(record, 0), integer(3), layout)}"
 
 
-def _body(record, layout):
+def _body(record: Record, layout: str) -> Any:
     title = f"FOR BODY {record.number} ENTER INITIAL ESTIMATES OF X,Y,Z & E0 E1,E2,E3"
     return f"{title}\n{_answers(_values(record, 0), fixed(6, 2), layout)}"
 
 
-def _driver(record, drivers, layout):
+def _driver(record: Record, drivers: int, layout: str) -> str:
     body, direction, function = DRIVER_TITLES
     return (
         f"FOR DRIVER No {drivers}\n{body}\n{record['body']:3d}\n{direction}\n{record['direction']:3d}\n"
@@ -171,14 +177,14 @@ def _driver(record, drivers, layout):
     )
 
 
-def _point(record, layout):
+def _point(record: Record, layout: str) -> str:
     return (
         f"FOR POINT OF INTEREST No {record.number}\n ENTER BODY No \n{record['body']:3d}\n"
         f"ENTER RELATIVE COORDINATES OF THE POINT\n{_answers(_values(record, 1), fixed(6, 2), layout)}"
     )
 
 
-def _joint(record, layout):
+def _joint(record: Record, layout: str) -> str:
     name, coordinates = JOINT_TITLES[record.section]
     pair = [record["I"], record["J"]]
     bodies = _touching(pair, layout) if record.section == "screw" else _answers(pair, integer(3), layout)
@@ -188,12 +194,12 @@ def _joint(record, layout):
     )
 
 
-def _touching(pair, layout):
+def _touching(pair: list[int], layout: str) -> str:
     readable = layout == HISTORIC or max(pair) < 10
     return ("" if readable else " ").join(str(number) for number in pair) + "\n"
 
 
-def _simplified(record, layout):
+def _simplified(record: Record, layout: str) -> str:
     return (
         f"FOR SIMPLIFIED CONSTRAINTS No {record.number}\n ENTER BODY No: \n{record['body']:3d}\n"
         f"{DIRECTION_TITLE}\n{record['direction']:3d}\n"
@@ -201,7 +207,7 @@ def _simplified(record, layout):
     )
 
 
-def _distance(record, layout):
+def _distance(record: Record, layout: str) -> str:
     return (
         f"FOR DISTANCE CONSTRAINTS No {record.number}\n ENTER THE TWO BODY No: \n"
         f"{_answers([record['I'], record['J']], integer(3), layout)}"
@@ -210,7 +216,7 @@ def _distance(record, layout):
     )
 
 
-def _ground(record, layout):
+def _ground(record: Record, layout: str) -> str:
     body = record["body"]
     group = (integer(2), integer(2), fixed(6, 2))
     answers = [
@@ -221,7 +227,7 @@ def _ground(record, layout):
     return f"{title}\n{body}\nENTER BODY {body} COORDINATES\n{coordinates}"
 
 
-def _time(record, layout):
+def _time(record: Record, layout: str) -> str:
     gap = 5 * " "
     field = fixed(5, 2)
     line = Layout(field, gap, field, gap, field, "\n", layout=layout).lines(_values(record, 0))

@@ -8,6 +8,7 @@ do not matter.  Lines that are no part of the layout are passed over.
 import re
 import warnings
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +17,11 @@ from ...deck.table_columns import HEADINGS, OLD_DECIMALS, SECTIONS, Columns
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass, field
 from .errata import young_errors
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
 
 FAST_LINES = 4096
 
@@ -54,7 +60,7 @@ def parse_listing(name: str, text: str) -> Listing | None:
     sections = {key: _section(key, lines, gathered, faults) for key, gathered in scan.sections.items()}
     faults += scan.faults
     if faults:
-        raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)
+        raise TableError(name, sorted(faults, key=lambda fault: fault.place.line), lines)  # type: ignore[union-attr]
     time, words = np.array(scan.time), tuple(scan.words)
     return Listing(name, tuple(scan.echo), time, scan.time_unit, sections, scan.failed, FORM, words)
 
@@ -62,7 +68,7 @@ def parse_listing(name: str, text: str) -> Listing | None:
 class _Scan:
     """Sorts the lines of a file into echo, times and sections."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.echo: list[EchoLine] = []
         self.time: list[float] = []
         self.time_unit = 0.001
@@ -77,7 +83,7 @@ class _Scan:
         self._interrupted: _Gathered | None = None
         self._title = ""
 
-    def take(self, number, line):
+    def take(self, number: int, line: str) -> None:
         """Sort one line."""
         head = line.lstrip()[:1]
         if not head:
@@ -93,11 +99,11 @@ class _Scan:
             self._take_words(number, line)
 
     def _take_row(self, number: int, line: str) -> None:
-        self._open.text.append(line)
-        self._open.step.append(len(self.time) - 1)
-        self._open.line.append(number)
+        self._open.text.append(line)  # type: ignore[union-attr]
+        self._open.step.append(len(self.time) - 1)  # type: ignore[union-attr]
+        self._open.line.append(number)  # type: ignore[union-attr]
 
-    def _take_words(self, number, line):
+    def _take_words(self, number: int, line: str) -> None:
         words = line.split()
         if words[0].startswith("TIME"):
             self._open_block(number, line)
@@ -126,7 +132,7 @@ class _Scan:
             self._titles.add(text)
         self.words.append((number, text))
 
-    def _open_block(self, number, line):
+    def _open_block(self, number: int, line: str) -> None:
         self._open = self._interrupted = None
         match = re.fullmatch(r"\s*TIME\s*=\s*([-+]?\d*\.?\d+)\s*", line)
         if match is None:
@@ -140,26 +146,26 @@ class _Scan:
         self.time.append(float(match[1]))
         self.time_unit = _unit(match[1])
 
-    def _open_section(self, key):
+    def _open_section(self, key: str) -> None:
         self._interrupted, self._open = None, self.sections.setdefault(key, _Gathered(SECTIONS[key]))
 
-    def _take_title(self, words):
+    def _take_title(self, words: Any) -> None:
         """A title with fewer columns than the layout names those that are there."""
-        standard = self._open.columns
+        standard = self._open.columns  # type: ignore[union-attr]
         known = {name.lower(): k for k, name in enumerate(standard.names)}
         chosen = [known.get(word.lower()) for word in words]
         if len(words) == len(standard.names) or not words or None in chosen:
             return
-        self._open.columns = Columns(
+        self._open.columns = Columns(  # type: ignore[union-attr]
             standard.item,
-            *(
-                tuple(values[k] for k in chosen)
+            *(  # type: ignore[arg-type]
+                tuple(values[k] for k in chosen)  # type: ignore[index]
                 for values in (standard.names, standard.kinds, standard.decimals)
             ),
         )
 
 
-def _section(key, lines, gathered, faults):
+def _section(key: str, lines: list[str], gathered: _Gathered, faults: "Any") -> Section:
     columns = gathered.columns
     width = len(columns.names)
     table = np.empty((len(gathered.text), width + 1))
@@ -182,7 +188,7 @@ def _section(key, lines, gathered, faults):
     )
 
 
-def _read_together(texts, width):
+def _read_together(texts: list[str], width: int) -> np.ndarray | None:
     """All numbers of the lines at once, shape (lines, 1 + width); None when fields may run together."""
     joined = "\n".join(texts) + "\n"
     decimals = [len(word.partition(".")[2]) for word in texts[0].split()[1:]]
@@ -202,7 +208,7 @@ def _read_together(texts, width):
     return table if ((index >= 1) & (index <= LARGEST_INDEX) & (index == np.floor(index))).all() else None
 
 
-def _decimals_agree(joined, decimals, lines):
+def _decimals_agree(joined: str, decimals: np.ndarray, lines: int) -> bool:
     """Return whether every point of the text is followed by just its column's digits.
 
     Without this `0.0000245.3407` would be read as 0.0000245 and 0.3407.
@@ -216,7 +222,9 @@ def _decimals_agree(joined, decimals, lines):
     return bool(digit[last].all() and not digit[last + 1].any())
 
 
-def _read_one_by_one(key, texts, numbers, columns, faults):
+def _read_one_by_one(
+    key: str, texts: list[str], numbers: list[int], columns: Columns, faults: "Any"
+) -> np.ndarray:
     block = np.full((len(texts), len(columns.names) + 1), np.nan)
     block[:, 0] = 0
     for row, (text, number) in enumerate(zip(texts, numbers, strict=True)):
@@ -232,7 +240,7 @@ def _read_one_by_one(key, texts, numbers, columns, faults):
     return block
 
 
-def _split_index(text):
+def _split_index(text: str) -> tuple[int, str, int]:
     """Number of the body or point (three columns wide), the rest of the line, and where that begins."""
     head = INDEX.match(text)
     end = head.end() if head else 3
@@ -245,7 +253,7 @@ INDEX = re.compile(r"\s*\d+(?=\s|$)")
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE | re.ASCII)
 
 
-def _split_row(rest, columns):
+def _split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":
     """Spellings of the numbers of a line, separated by blanks or else by the decimals of their columns."""
     words = rest.split()
     if len(words) == len(columns.names) and all(NUMBER.fullmatch(word) for word in words):
@@ -257,19 +265,19 @@ def _split_row(rest, columns):
     return None
 
 
-def _is_row_of(columns, line):
+def _is_row_of(columns: "Any", line: str) -> "Any":
     """Return whether a line reads as a body or point and its numbers."""
     index, rest, _ = _split_index(line)
     return index > 0 and _split_row(rest, columns) is not None
 
 
 @lru_cache(maxsize=64)
-def _pattern(decimals):
+def _pattern(decimals: tuple[int, ...]) -> re.Pattern[str]:
     number = r"\s*([-+]?\d*\.\d{%d}|[-+]?nan|[-+]?inf)"
     return re.compile("".join(number % count for count in decimals) + r"\s*")
 
 
-def _row_fault(key, index, rest, number, offset, columns):
+def _row_fault(key: str, index: int, rest: str, number: int, offset: int, columns: Columns) -> Fault:
     words = list(re.finditer(r"\S+", rest))
     bad = next((word for word in words if not NUMBER.fullmatch(word[0])), None)
     shown = bad or (words[0] if words else None)
@@ -279,19 +287,19 @@ def _row_fault(key, index, rest, number, offset, columns):
     return Fault("error", f"{wanted}, {read}", place, f"{key} of {columns.item} {index}", id="YOUNG-031")
 
 
-def _units(text, columns):
+def _units(text: str, columns: Columns) -> np.ndarray:
     words = _split_row(_split_index(text)[1], columns)
     if words is None:
         return 10.0 ** -np.array(columns.decimals)
     return np.array([_unit(word) for word in words])
 
 
-def _unit(word):
+def _unit(word: str) -> float:
     """One unit of the last digit of a number in fixed-point notation."""
     return float(f"1e-{len(word.partition('.')[2])}")
 
 
-def _echo_numbers(line):
+def _echo_numbers(line: str) -> "tuple[tuple[Any, ...], tuple[Any, ...]] | None":
     """Values and units of a line of numbers; None when the line is text.  Echoes print two decimals."""
     if not re.fullmatch(r"[-+.\d\s]*\d[-+.\d\s]*", line):
         return None

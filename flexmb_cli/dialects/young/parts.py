@@ -5,12 +5,18 @@ across it.
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...errors import Fault
 from ...model.diagnostics import Findings
-from ...model.joints import JOINT_TYPES, PITCH
+from ...model.joints import JOINT_TYPES, PITCH, JointType
 from ...model.mechanism import Body, Distance, Driver, Ground, Joint, Point, Simplified, TimeGrid, Vector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 MOST_ROWS = 10_000_000
 LARGEST = 1e50
@@ -36,7 +42,7 @@ def part_of(record: Record, bodies: int, complete: bool = True) -> tuple[object,
     return part, findings.faults
 
 
-def _fits_doubles(record, findings):
+def _fits_doubles(record: Record, findings: Findings) -> bool:
     """Products of huge numbers leave the doubles, and no mechanism is that large."""
     if not [value for value in record.values if isinstance(value, float) and abs(value) > LARGEST]:
         return True
@@ -53,7 +59,7 @@ def _fits_doubles(record, findings):
     return not huge
 
 
-def _names_bodies(record, bodies, findings):
+def _names_bodies(record: Record, bodies: int, findings: Findings) -> bool:
     keys = [key for key in ("body", "I", "J") if key in record]
     outside = [key for key in keys if not 1 <= record[key] <= bodies]
     for key in outside:
@@ -68,7 +74,7 @@ def _names_bodies(record, bodies, findings):
     return True
 
 
-def _names_direction(record, findings):
+def _names_direction(record: Record, findings: Findings) -> bool:
     if "direction" not in record or 1 <= record["direction"] <= 6:
         return True
     message = f"direction {record['direction']} is outside 1..6 (1 2 3: along x y z; 4 5 6: about x y z)"
@@ -76,7 +82,7 @@ def _names_direction(record, findings):
     return False
 
 
-def _body(record: Record, findings) -> Body:
+def _body(record: Record, findings: Findings) -> Body:
     r = record["x"], record["y"], record["z"]
     p = tuple(map(record.__getitem__, _EULER))
     # Scaled by the largest first: squares of very large or small parameters leave the doubles.
@@ -98,7 +104,7 @@ def _body(record: Record, findings) -> Body:
     return Body(record.subject, r, tuple(e / length for e in q), record.place)
 
 
-def _time(record: Record, findings) -> TimeGrid:
+def _time(record: Record, findings: Findings) -> TimeGrid:
     grid = TimeGrid(record["start"], record["end"], record["step"], record.place)
     span = grid.end - grid.start
     if grid.step <= 0.0:
@@ -115,14 +121,14 @@ def _time(record: Record, findings) -> TimeGrid:
     return grid
 
 
-def _too_many_rows(grid, span):
+def _too_many_rows(grid: TimeGrid, span: float) -> str:
     rows = span / grid.step
     number = f"{grid.rows}" if rows < 1e15 else f"{rows:.3g}"
     return f"Ti, Te and dT give {number} rows; at most {MOST_ROWS} are computed; a larger dT is needed"
 
 
-def _joint(kind):
-    def make(record: Record, findings) -> Joint:
+def _joint(kind: JointType) -> "Callable[..., Any]":
+    def make(record: Record, findings: Findings) -> Joint:
         points = {name: record.vector(name) for name in kind.points}
         vectors = _vectors(record, points, findings)
         _across_the_axis(record, vectors, findings)
@@ -143,7 +149,7 @@ def _joint(kind):
     return make
 
 
-def _vectors(record, points, findings) -> dict[str, Vector]:
+def _vectors(record: Any, points: Any, findings: Any) -> dict[str, Vector]:
     """s_i, s_j, h_i, h_j as far as the joint has them."""
     vectors = {}
     for name, tip in points.items():
@@ -156,14 +162,16 @@ def _vectors(record, points, findings) -> dict[str, Vector]:
     return vectors
 
 
-def _check_vector(record, name, side, vector, findings):
+def _check_vector(record: Record, name: str, side: str, vector: Any, findings: Findings) -> None:
     place = record.at(f"{name}.x").place
     if not any(vector):
         message = f"{name} and P_{side} are the same point, so the vector between them has no direction"
         findings.error(record.subject, message, place, id="YOUNG-042")
 
 
-def _across_the_axis(record, vectors, findings):
+def _across_the_axis(
+    record: Record, vectors: dict[str, tuple[float, float, float]], findings: Findings
+) -> None:
     for side in "ij":
         s, h = vectors.get(f"s_{side}"), vectors.get(f"h_{side}")
         if s and h and _parallel(s, h):
@@ -171,7 +179,7 @@ def _across_the_axis(record, vectors, findings):
             findings.error(record.subject, message, record.at(f"H_{side}.x").place, id="YOUNG-043")
 
 
-def _parallel(a, b):
+def _parallel(a: Any, b: Any) -> bool:
     """Return whether two vectors lie along one line; zero and infinite ones are faults of their own."""
     a, b = _unit(a), _unit(b)
     if a is None or b is None:
@@ -180,7 +188,7 @@ def _parallel(a, b):
     return math.hypot(*cross) <= PARALLEL
 
 
-def _unit(vector):
+def _unit(vector: tuple[float, float, float]) -> list[float] | None:
     scale = max(map(abs, vector))
     if scale == 0.0 or not math.isfinite(scale):
         return None
@@ -189,27 +197,27 @@ def _unit(vector):
     return [component / length for component in scaled]
 
 
-def _simplified(record: Record, findings) -> Simplified:
+def _simplified(record: Record, findings: Findings) -> Simplified:
     if record["direction"] >= _FIRST_ANGLE:
         _doubt_degrees(record, "value", findings)
     return Simplified(record.subject, record["body"] - 1, record["direction"], record["value"], record.place)
 
 
-def _ground(record: Record, findings) -> Ground:
+def _ground(record: Record, findings: Findings) -> Ground:
     for key in _GROUND[3:]:
         _doubt_degrees(record, key, findings)
     values = tuple(map(record.__getitem__, _GROUND))
     return Ground(record.subject, record["body"] - 1, values, record.place)
 
 
-def _doubt_degrees(record, key, findings):
+def _doubt_degrees(record: Record, key: str, findings: Findings) -> None:
     angle = record[key]
     if abs(angle) > DOUBTFUL_ANGLE:
         message = f"angles are in rad; {key} {angle:.6g} would be {angle / math.tau:.3g} turns"
         findings.warn(record.subject, message, record.at(key).place, id="YOUNG-044")
 
 
-def _distance(record: Record, findings) -> Distance:
+def _distance(record: Record, findings: Findings) -> Distance:
     if record["direction"] >= _FIRST_ANGLE and abs(record["value"]) > 2.0:
         message = f"Euler parameters differ by 2 at most; read {record.at('value').text}"
         findings.error(record.subject, message, record.at("value").place, id="YOUNG-045")
@@ -223,7 +231,7 @@ def _distance(record: Record, findings) -> Distance:
     )
 
 
-def _driver(record: Record, _findings) -> Driver:
+def _driver(record: Record, _findings: Findings) -> Driver:
     return Driver(
         record.subject,
         record["body"] - 1,
@@ -235,7 +243,7 @@ def _driver(record: Record, _findings) -> Driver:
     )
 
 
-def _point(record: Record, _findings) -> Point:
+def _point(record: Record, _findings: Findings) -> Point:
     return Point(record.subject, record["body"] - 1, (record["x"], record["y"], record["z"]), record.place)
 
 

@@ -8,11 +8,16 @@ import math
 from array import array
 from collections.abc import Iterator
 from itertools import chain, groupby
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
-from ...model.mechanism import Driver, Mechanism
+from ...model.mechanism import Driver, Ground, Mechanism
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SAME = 1e-12
 MANY = 10_000  # holds
@@ -33,7 +38,7 @@ class _Hold:
     driver: Driver | None = None
 
     @property
-    def imposed(self):
+    def imposed(self) -> float:
         """Return what the equation imposes: the coordinate, or the Euler parameter."""
         return math.sin(self.value / 2) if self.direction > 3 else self.value
 
@@ -53,17 +58,17 @@ def check_held_coordinates(mechanism: Mechanism, findings: Findings) -> None:
         _check_attitude(of_body, findings)
 
 
-def _sorted_places(held):
+def _sorted_places(held: Any) -> Any:
     """The places of numbers in ascending order of the numbers, equal ones as they stand."""
     if len(held) < MANY:
         return sorted(range(len(held)), key=held.__getitem__)
     # Small decks are read without numpy; of a large one a list of places would take six times the memory.
     import numpy as np
 
-    return memoryview(np.argsort(held, kind="stable"))
+    return memoryview(np.argsort(held, kind="stable"))  # type: ignore[arg-type]
 
 
-def _by_bodies(mechanism, findings) -> Iterator[list[_Hold]]:
+def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
     """What holds each body; of the holds of a large deck those of one body at a time."""
     by_body: dict[int, list[_Hold]] = {}
     for hold in _of_grounds(_worth_looking_at(_first_grounds(mechanism, findings), mechanism)):
@@ -77,7 +82,7 @@ def _by_bodies(mechanism, findings) -> Iterator[list[_Hold]]:
     yield from by_body.values()
 
 
-def _of(mechanism, k, given):
+def _of(mechanism: Any, k: Any, given: Any) -> _Hold:
     """The hold of simplified constraint k, or behind all `given` ones of a driver."""
     if k < given:
         item = mechanism.simplified[k]
@@ -86,8 +91,8 @@ def _of(mechanism, k, given):
     return _Hold(item.name, item.body, item.direction, item.C, item.place, item)
 
 
-def _first_grounds(mechanism, findings):
-    first = {}
+def _first_grounds(mechanism: Any, findings: Any) -> Iterator[Ground]:
+    first: dict[Any, Any] = {}
     for index, ground in enumerate(mechanism.grounds):
         earlier = first.setdefault(ground.body, index)
         if earlier == index:
@@ -104,7 +109,7 @@ def _first_grounds(mechanism, findings):
             findings.error(ground.name, message, ground.place, id="YOUNG-047")
 
 
-def _worth_looking_at(grounds, mechanism):
+def _worth_looking_at(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
     """Of grounds that nothing else holds only those that no attitude may have: there may be thousands."""
     others = {item.body for item in chain(mechanism.simplified, mechanism.drivers)}
     return [
@@ -114,21 +119,21 @@ def _worth_looking_at(grounds, mechanism):
     ]
 
 
-def _of_grounds(grounds):
+def _of_grounds(grounds: "Any") -> Iterator[_Hold]:
     for ground in grounds:
         for direction, value in enumerate(ground.values, start=1):
             yield _Hold(ground.name, ground.body, direction, value, ground.place)
 
 
-def _check_coordinates(holds, findings):
-    first = {}
+def _check_coordinates(holds: Any, findings: Any) -> None:
+    first: dict[Any, Any] = {}
     for hold in holds:
         other = first.setdefault(hold.direction, hold)
         if other is not hold:
             _check_pair(other, hold, findings)
 
 
-def _check_pair(first, second, findings):
+def _check_pair(first: _Hold, second: _Hold, findings: Findings) -> None:
     what = f"{_NAMES[second.direction]} of body {second.body + 1}"
     if _turning(first) and _turning(second):
         return  # reported as two rotational drivers
@@ -151,19 +156,19 @@ def _check_pair(first, second, findings):
         findings.error(second.name, message, second.place, id="YOUNG-051")
 
 
-def _moves(hold):
+def _moves(hold: _Hold) -> bool:
     return hold.driver is not None and (hold.driver.B != 0.0 or hold.driver.A != 0.0)
 
 
-def _turning(hold):
+def _turning(hold: _Hold) -> bool:
     return hold.driver is not None and hold.direction > 3
 
 
-def _function(hold):
+def _function(hold: _Hold) -> Any:
     return hold.driver and (hold.driver.C, hold.driver.B, hold.driver.A)
 
 
-def _check_rotational_drivers(holds, findings):
+def _check_rotational_drivers(holds: list[_Hold], findings: Findings) -> None:
     drivers = [hold for hold in holds if _turning(hold)]
     for second in drivers[1:]:
         first = drivers[0]
@@ -182,7 +187,7 @@ def _check_rotational_drivers(holds, findings):
             findings.error(hold.name, message, hold.place, id="YOUNG-053")
 
 
-def _check_attitude(holds, findings):
+def _check_attitude(holds: list[_Hold], findings: Findings) -> None:
     angles = [hold for hold in holds if hold.direction > 3 and not hold.driver]
     total = sum({hold.direction: hold.imposed**2 for hold in angles}.values())
     if total > 1.0 + NO_ATTITUDE:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import cached_property, partial
 from itertools import islice
+from typing import TYPE_CHECKING, Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords
@@ -18,6 +19,10 @@ from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 DIALECT = "young"
 MOST_ERRORS = 1000
@@ -36,14 +41,14 @@ def read_young(source: DeckText) -> Deck:
     return _read(reading)
 
 
-def _words_of_first_line(words):
+def _words_of_first_line(words: Words) -> list[str]:
     """The words of the first line that has any, no more than a few of them."""
     words.reach(len(COUNTS.columns))
     few = list(words.upto(len(COUNTS.columns)))
     return [word.text for word in few if word.line == few[0].line and word.text != UNCLOSED]
 
 
-def _read_earlier(source):
+def _read_earlier(source: DeckText) -> Deck:
     """The deck as one of the earlier version; raises DeckError when it is none."""
     reading = _Reading(source, EARLIER_SECTIONS)
     deck = _read(reading)
@@ -57,7 +62,7 @@ def _read_earlier(source):
     return completed(deck)
 
 
-def _read(reading):
+def _read(reading: "_Reading") -> Deck:
     counts = _read_counts(reading)
     records = _read_sections(reading, counts)
     slipped = _slips_of(reading, counts)
@@ -77,7 +82,7 @@ class _Reading:
     faults: list[Fault] = field(default_factory=FaultList)
     errors: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.words = Words(self.source.lines)
 
     def take(self, wanted: int) -> range:
@@ -91,14 +96,14 @@ class _Reading:
             self.words.drop_last()
         return range(first, self.taken)
 
-    def error(self, word: Word, subject: str, message: str):
+    def error(self, word: Word, subject: str, message: str) -> Any:
         self.errors += 1
         self.faults.append(Fault("error", message, word.place, subject, id="YOUNG-056"))
 
-    def warn(self, word: Word, subject: str, message: str):
+    def warn(self, word: Word, subject: str, message: str) -> None:
         self.faults.append(Fault("warning", message, word.place, subject, id="YOUNG-057"))
 
-    def early_end(self, subject: str, message: str):
+    def early_end(self, subject: str, message: str) -> None:
         # An unclosed comment swallows the rest of the deck: its own fault says enough.
         if any("never closed" in fault.message for fault in self.faults):
             return
@@ -106,7 +111,7 @@ class _Reading:
         self.faults.append(Fault("error", message, end_of(self.source.lines), subject, id="YOUNG-058"))
 
 
-def _read_counts(reading):
+def _read_counts(reading: _Reading) -> "_Read":
     section = reading.sections[0]
     found = reading.take(len(section.columns))
     record = _record(reading, section, 0, found)
@@ -123,13 +128,13 @@ def _read_counts(reading):
     return record
 
 
-def _too_few_counts(found):
+def _too_few_counts(found: int) -> str:
     if not found:
         return "the deck is empty; a YOUNG deck begins with 12 integers"
     return f"the deck ends after {found} of the 12 counts"
 
 
-def _read_sections(reading, counts):
+def _read_sections(reading: _Reading, counts: "_Read") -> "ManyRecords | tuple[_Read, ...]":
     wanted = sum(size for _, size in _blocks(reading, counts))
     found = reading.take(wanted)
     records, position = [counts], 0
@@ -153,7 +158,7 @@ def _read_sections(reading, counts):
     return tuple(records) if wanted <= many_records.MANY else _many(reading, counts)
 
 
-def _many(reading, counts):
+def _many(reading: _Reading, counts: "_Read") -> ManyRecords:
     """The records of a large deck without errors."""
     blocks = [Block(COUNTS.name, 1, [counts].__getitem__)]
     first = len(counts.values)
@@ -165,7 +170,7 @@ def _many(reading, counts):
     return ManyRecords(blocks)
 
 
-def _again(section, words, first, index):
+def _again(section: Section, words: Words, first: int, index: int) -> "_Read":
     """A record that was read without error before."""
     start = first + index * len(section.columns)
     texts = words.texts(start, start + len(section.columns))
@@ -173,7 +178,7 @@ def _again(section, words, first, index):
     return _Read(section, index + 1 if section.count else 0, values, words, start)
 
 
-def _expected(reading, counts) -> Iterator[tuple[Section, int]]:
+def _expected(reading: _Reading, counts: "_Read") -> Iterator[tuple[Section, int]]:
     """Every record that the counts announce, lazily: a small file may announce a trillion."""
     for section in reading.sections[1:]:
         if section.count:
@@ -183,7 +188,7 @@ def _expected(reading, counts) -> Iterator[tuple[Section, int]]:
             yield section, 0
 
 
-def _blocks(reading, counts):
+def _blocks(reading: _Reading, counts: "_Read") -> Iterator[tuple[Section, int]]:
     """Pairs (section, numbers in the whole section)."""
     for section in reading.sections[1:]:
         yield section, len(section.columns) * (counts[section.count] if section.count else 1)
@@ -221,18 +226,18 @@ class _Read(Record):
 
     @property
     def place(self) -> Place | None:
-        return self._words[self._first].place
+        return self._words[self._first].place  # type: ignore[attr-defined]
 
     def at(self, key: str) -> Number:
         return self._number(self.positions[key])
 
-    def _number(self, k):
-        word, column = self._words[self._first + k], self._section.columns[k]
-        label = column.label(_turns(self._section, self.values))
-        return Number(column.key, self.values[k], *label, word.place, word.text)
+    def _number(self, k: Any) -> Any:
+        word, column = self._words[self._first + k], self._section.columns[k]  # type: ignore[attr-defined]
+        label = column.label(_turns(self._section, self.values))  # type: ignore[attr-defined]
+        return Number(column.key, self.values[k], *label, word.place, word.text)  # type: ignore[call-arg]
 
 
-def _record(reading, section, number_of_record, found):
+def _record(reading: _Reading, section: Section, number_of_record: int, found: range) -> _Read:
     texts = reading.words.texts(found.start, found.stop)
     try:
         read = [spelled(text) for spelled, text in zip(section.spellings, texts, strict=False)]
@@ -244,7 +249,9 @@ def _record(reading, section, number_of_record, found):
     return _Read(section, number_of_record, values, reading.words, found.start)
 
 
-def _values(reading, section, number_of_record, found):
+def _values(
+    reading: _Reading, section: Section, number_of_record: int, found: range
+) -> Iterator[float | None]:
     """The values of a record, None for a word that is no number; each of its faults is reported."""
     subject = _subject(section, number_of_record)
     for column, spelled, place in zip(section.columns, section.spellings, found, strict=False):
@@ -260,17 +267,17 @@ def _values(reading, section, number_of_record, found):
         yield value
 
 
-def _turns(section, values):
+def _turns(section: Section, values: tuple[float, ...]) -> Any:
     """Return whether the record's direction is a rotation, so that its values are angles."""
     where = section.direction
     return where is not None and where < len(values) and values[where] in (4, 5, 6)
 
 
-def _subject(section, number_of_record):
+def _subject(section: Section, number_of_record: int) -> str:
     return f"{section.subject} {number_of_record}" if number_of_record else section.subject
 
 
-def _slips_of(reading, counts):
+def _slips_of(reading: _Reading, counts: _Read) -> tuple[Fault, ...]:
     """Slips, looked for only where the numbers needed do not end with a line: no other deck has any."""
     wanted = sum(size for _, size in _blocks(reading, counts)) + len(counts.values)
     behind = _words_behind(reading)
@@ -283,13 +290,13 @@ def _slips_of(reading, counts):
     return slips([*taken, *behind], [(COUNTS.subject, len(counts.values)), *sizes])
 
 
-def _words_behind(reading):
+def _words_behind(reading: _Reading) -> list[Word]:
     """The rest of the last number's line and the next line; nothing when the number ends its line."""
     rest, following = _lines_behind(reading, reading.words[reading.taken - 1].line)
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading, last):
+def _lines_behind(reading: Any, last: int) -> "Any":
     """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
@@ -300,7 +307,7 @@ def _lines_behind(reading, last):
     return rest, [word for word in following if word.line == following[0].line]
 
 
-def _is_number(word):
+def _is_number(word: Any) -> "Any":
     try:
         number.real(word.text)
     except number.Misspelt:
@@ -308,7 +315,7 @@ def _is_number(word):
     return True
 
 
-def _numbers_left_over(reading):
+def _numbers_left_over(reading: Any) -> "Iterator[Any]":
     """A warning of numbers behind dT: on its line, or alone on the next one.
 
     Prose may stand there.  Numbers only are rather one too many in a record before.
@@ -325,7 +332,7 @@ def _numbers_left_over(reading):
         yield Fault("warning", message, following[0].place, "", id="YOUNG-061")
 
 
-def _slip_of_counts(reading, record):
+def _slip_of_counts(reading: _Reading, record: _Read) -> tuple[Fault, ...]:
     """The counts' own slip: judged by the body estimates that follow, which are 7 numbers a line."""
     reading.take(2 * len(BODIES.columns))
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
@@ -335,5 +342,5 @@ def _slip_of_counts(reading, record):
     return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
-def _in_order(faults):
+def _in_order(faults: Any) -> Any:
     return sorted(faults, key=lambda fault: fault.place)

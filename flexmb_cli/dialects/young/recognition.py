@@ -13,7 +13,7 @@ def begins_young(lines: Sequence[str]) -> bool:
     return bool(start) and _is_integer(start[0]) and sum(map(_is_integer, start)) >= 6
 
 
-def _is_integer(word: Word):
+def _is_integer(word: Word) -> bool:
     try:
         number.integer(word.text)
     except number.Misspelt:

@@ -1,5 +1,7 @@
 """A rigid model as a YOUNG deck with DYNAMICS forward, every number with all of its digits."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -9,6 +11,11 @@ from ...model.joints import ANGLE, JOINT_TYPES
 from ...model.time_functions import SINE
 from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
 from .sections import COUNTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 _LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}
 _KIND = {"fixed": "revolute"}  # whose angle a driver holds
@@ -31,7 +38,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
 class _Deck:
     """Numbers joints and functions while the sections are made; the ground is the last body."""
 
-    def __init__(self, model):
+    def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
         self.functions: list[str] = []
         proper = [joint for joint in model.joints if joint.kind not in _LINKS]
@@ -43,7 +50,7 @@ class _Deck:
         order = [joint for joints in self.sorted.values() for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
-    def lines(self):
+    def lines(self) -> "Any":
         """The numbers of the 1996 program, then the cards of dynamics."""
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
@@ -68,21 +75,21 @@ class _Deck:
             "END",
         ]
 
-    def _counts(self):
+    def _counts(self) -> "Any":
         counts = {
             "NBODY": len(self.model.bodies) + self.with_ground,
             "NDRIVE": len(self.model.drivers),
             "NPOINT": len(self.model.points),
             "NGROUN": int(self.with_ground),
         }
-        counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
+        counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}  # type: ignore[attr-defined]
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
-    def _body(self, body):
+    def _body(self, body: "Any") -> "Any":
         """Number of a body of a joint proper, which the ground is, too."""
         return len(self.model.bodies) + 1 if body == GROUND else body + 1
 
-    def _joint(self, joint):
+    def _joint(self, joint: "Any") -> "Any":
         kind = next(each for each in JOINT_TYPES if each.name == _KIND.get(joint.kind, joint.kind))
         axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         if joint.kind == "fixed":
@@ -102,7 +109,7 @@ class _Deck:
         pitch = [joint.size] if joint.kind == "screw" else []
         return _line(self._body(joint.i), self._body(joint.j), *numbers, *pitch)
 
-    def _driver(self, n, item):
+    def _driver(self, n: "Any", item: "Any") -> "Any":
         """The record of a driver, and the card of one that follows a function."""
         c = polynomial_of(item.function)
         if c is not None and len(c) <= 3:
@@ -111,7 +118,7 @@ class _Deck:
         number = self._function(item.function, item)
         return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
 
-    def _function(self, function, item):
+    def _function(self, function: Any, item: "Any") -> "Any":
         """Number of a function card; 1 stands in where there is none."""
         function, number = simple(function), len(self.functions) + 1
         c, points = polynomial_of(function), points_of(function)
@@ -127,7 +134,7 @@ class _Deck:
             return 1
         return number
 
-    def _masses(self):
+    def _masses(self) -> "Iterator[Any]":
         for k, body in enumerate(self.model.bodies, start=1):
             J = body.inertia
             moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
@@ -136,7 +143,7 @@ class _Deck:
             if any((*body.velocity, *body.omega)):
                 yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
 
-    def _loads(self):
+    def _loads(self) -> "Any":
         """The cards of loads, springs and drivers at joints."""
         model, cards = self.model, []
         for item in model.joints:
@@ -165,17 +172,17 @@ class _Deck:
             cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
         return cards
 
-    def _word(self, item, turning, sliding):
+    def _word(self, item: "Any", turning: "Any", sliding: "Any") -> "Any":
         number = self.joint_number[id(self.model.joints[item.joint])]
         return f"{turning if item.coordinate == ANGLE else sliding} {number}"
 
-    def _factor(self, load, item):
+    def _factor(self, load: "Any", item: "Any") -> "Any":
         value = value_of(item.factor)
         if value is not None:
             return [value * x for x in load], 0
         return load, self._function(item.factor, item)
 
-    def _method(self):
+    def _method(self) -> "Iterator[Any]":
         stepping = self.model.stepping
         yield f"TOLERANCE {_line(min(max(stepping.tolerance, LEAST_TOLERANCE), MOST_TOLERANCE))}"
         if stepping.method == ALPHA:
@@ -184,5 +191,5 @@ class _Deck:
             yield "RAD5"
 
 
-def _line(*values):
+def _line(*values: "Any") -> "Any":
     return " ".join(str(v) if isinstance(v, int) else repr(float(v) + 0.0) for v in values)

@@ -1,6 +1,7 @@
 """What a YOUNG deck describes, in the terms of `model.exchange`: for conversion to other dialects."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,6 +34,11 @@ from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace
 from .dynamic_cards import analysis_of
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+
 _FOREIGN = {
     "couplings": "couplings of joint coordinates are not converted",
     "bushings": "bushings are not converted",
@@ -52,7 +58,7 @@ def rigid_model(
         )
         raise ModelError([Fault("error", message, id="YOUNG-150")])
     model = build()
-    made = _Conversion(model, start(model))
+    made = _Conversion(model, start(model))  # type: ignore[arg-type]
     found = made.model()
     faults = [
         Fault("error", message, place, name, id="YOUNG-151") for message, place, name in made.refusals.items
@@ -65,7 +71,7 @@ def rigid_model(
 class _Conversion:
     """Collects the parts, grounded bodies becoming the ground."""
 
-    def __init__(self, model, start):
+    def __init__(self, model: Any, start: int):
         self.deck, self.start, self.mechanism = model, start, model.mechanism
         self.refusals = Refusals()
         held = {ground.body for ground in self.mechanism.grounds}
@@ -74,10 +80,10 @@ class _Conversion:
         self.moving = moving
         estimates = Attitudes(self.mechanism).estimates().reshape(-1, 7)
         self.first = [(q[:3], rotation_matrix(q[3:])) for q in estimates]
-        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]  # type: ignore[attr-defined]
         self.joints: dict[int, int] = {}
 
-    def model(self):
+    def model(self) -> "Any":
         deck, time = self.deck, self.mechanism.time
         self._refuse_foreign()
         joints = self._joints()
@@ -110,14 +116,14 @@ class _Conversion:
             self._notes(),
         )  # fmt: skip
 
-    def _refuse_foreign(self):
+    def _refuse_foreign(self) -> None:
         for field, message in _FOREIGN.items():
             for item in getattr(self.deck.elements, field):
                 self.refusals.add(item, message)
         for item in self.mechanism.distances:
             self.refusals.add(item, "differences of single coordinates (NSIMP2) are not converted")
 
-    def _notes(self):
+    def _notes(self) -> "Any":
         notes = []
         if self.mechanism.time.start:
             notes.append(f"t = 0 is {self.mechanism.time.start!r} s of the other deck")
@@ -126,14 +132,14 @@ class _Conversion:
             notes.append(f"bodies here and there: {pairs}; the ground is no body")
         return tuple(notes)
 
-    def _stepping(self):
+    def _stepping(self) -> "Any":
         deck = self.deck
         if deck.alpha_steps:
             steps = deck.alpha_steps
             return Stepping(ALPHA, deck.tolerance, steps.length, steps.radius)
         return Stepping(RADAU if deck.radau else EXPLICIT, deck.tolerance)
 
-    def _body(self, k):
+    def _body(self, k: int) -> "Any":
         body, start = self.mechanism.bodies[k], self.start
         mass = next((item for item in self.deck.masses if item.body == k), None)
         data = (
@@ -141,33 +147,33 @@ class _Conversion:
             if mass
             else (0.0, np.zeros(3), np.zeros((3, 3)))
         )
-        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
-        return RigidBody(f"body {k + 1}", *motion, *data, body.place)
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
+        return RigidBody(f"body {k + 1}", *motion, *data, body.place)  # type: ignore[call-arg]
 
-    def _point(self, body, point):
+    def _point(self, body: "Any", point: tuple[float, float, float]) -> "Any":
         """A point of a body, global where the body is at rest."""
         if self.number[body] != GROUND or body == GROUND:
             return vector(point)
         r, A = self.now[body]
         return vector(r + A @ np.array(point))
 
-    def _direction(self, body, s):
+    def _direction(self, body: "Any", s: "Any") -> "Any":
         if self.number[body] != GROUND or body == GROUND:
             return vector(s)
         return vector(self.now[body][1] @ np.array(s))
 
-    def _joints(self):
-        found = []
+    def _joints(self) -> "Any":
+        found: list[Any] = []
         for k, joint in enumerate(self.mechanism.joints):
             self._add_joint(found, joint, joint.kind, joint.pitch, k)
         for item in self.deck.elements.composites:
             if item.kind == "revolute-cylindrical":
                 self.refusals.add(item, "the composite joint REVCYL is not converted")
             else:
-                self._add_joint(found, item, item.kind, item.size, None)
+                self._add_joint(found, item, item.kind, item.size, None)  # type: ignore[arg-type]
         return tuple(found)
 
-    def _add_joint(self, found, joint, kind, size, k):
+    def _add_joint(self, found: "Any", joint: "Any", kind: "Any", size: "Any", k: int) -> None:
         i, j = self.number[joint.i], self.number[joint.j]
         if i == GROUND == j:
             return
@@ -177,10 +183,10 @@ class _Conversion:
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
-    def _function(self, function):
+    def _function(self, function: Any) -> "Any":
         return function and moved(function, self.mechanism.time.start)
 
-    def _drivers(self):
+    def _drivers(self) -> "Any":
         """Drivers, and coordinates that are held, of bodies that move."""
         elements = self.deck.elements
         driven = {item.item: item.function for item in elements.driven}
@@ -201,7 +207,7 @@ class _Conversion:
             if self.number[item.body] != GROUND
         )
 
-    def _offset(self, number, coordinate):
+    def _offset(self, number: int, coordinate: str) -> "Any":
         """A joint coordinate at the start: YOUNG counts it from the estimates."""
         joint = self.mechanism.joints[number]
         first, now = (Pair(*poses[joint.i], *poses[joint.j]) for poses in (self.first, self.now))
@@ -209,18 +215,18 @@ class _Conversion:
             return angle_between(joint.s_i, first, now)
         return stroke_between(joint.s_i, joint.P_i, joint.P_j, first, now)
 
-    def _joint_driver(self, item):
+    def _joint_driver(self, item: "Any") -> "Any":
         # The function is met at the start, whatever number of turns it begins with.
         time = self.mechanism.time.start
         function = moved(item.function, time, item.function.at(time)[0])
         return JointDriver(item.name, self.joints[item.joint], item.coordinate, function, item.place)
 
-    def _motors(self):
+    def _motors(self) -> "Iterator[Any]":
         for item in self.deck.elements.motors:
             if item.joint in self.joints:
                 yield replace(item, joint=self.joints[item.joint], function=self._function(item.function))
 
-    def _joint_springs(self):
+    def _joint_springs(self) -> "Any":
         """Springs without preload, and motors with the preload of those without stiffness."""
         springs, motors = [], []
         for item in self.deck.elements.springs:
@@ -241,7 +247,7 @@ class _Conversion:
                 )
         return tuple(springs), tuple(motors)
 
-    def _springs(self):
+    def _springs(self) -> "Any":
         found = [self._spring(item, item.free_length) for item in self.deck.springs]
         for item in self.deck.elements.lines:
             if item.slack:
@@ -255,7 +261,7 @@ class _Conversion:
                 found.append(self._spring(item, item.rest - shift))
         return tuple(spring for spring in found if not spring.i == GROUND == spring.j)
 
-    def _spring(self, item, rest):
+    def _spring(self, item: "Any", rest: "Any") -> "Any":
         i, j = self.number[item.i], self.number[item.j]
         ends = self._point(item.i, item.P_i), self._point(item.j, item.P_j)
         return SpringDamper(item.name, i, j, *ends, item.stiffness, rest, item.damping, item.place)

@@ -6,11 +6,16 @@ in m, angles in rad, times in s; points in the axes of their body.
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from ...deck import number
 from ...model.joints import JOINT_TYPES, PITCH
 from ...quick_dataclass import dataclass
 from . import DIALECT
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 COUNT_OF = {name: count for count, name in DIALECT.joints.items()}
 
@@ -66,11 +71,11 @@ class Section:
         return self.positions.get("direction")
 
 
-def _whole(key, meaning):
+def _whole(key: str, meaning: str) -> Any:
     return Column(key, meaning, is_integer=True)
 
 
-def _joint(kind):
+def _joint(kind: "Any") -> Section:
     columns = [_whole("I", "number of body I"), _whole("J", "number of body J")]
     for point in kind.points:
         body = point[-1].upper()

@@ -5,6 +5,8 @@ Masses are consistent, integrated exactly in elements with straight edges (Hughe
 Multiple Integrals (1971), section 2.5).
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...model.flexible_body import FlexibleInput
@@ -23,6 +25,10 @@ from .solid_elements import (
     shape_slopes,
     solid_elements,
 )
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
@@ -43,7 +49,7 @@ def element_matrix(given: FlexibleInput, table: BodyTable, letter: str) -> Matri
     return MatrixFile(matrix.shape[0], entries.row, entries.col, entries.data, False)
 
 
-def _stiffness(given, table):
+def _stiffness(given: Any, table: Any) -> "Any":
     material = given.material
     name = element_type(material.file.path, material.file.form)
     formulation = formulation_of(name, table.rows.shape[1])
@@ -62,7 +68,7 @@ def formulation_of(name: str, nodes: int) -> Formulation:
     return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
 
 
-def _mass(given, table):
+def _mass(given: Any, table: BodyTable) -> "Any":
     rows, nodes = table.rows, table.rows.shape[1]
     points, weights = _mass_rule(nodes)
     shapes, slopes = shape_values(points, nodes), shape_slopes(points, nodes)
@@ -74,7 +80,7 @@ def _mass(given, table):
     return in_three_directions(scalar)
 
 
-def _mass_rule(nodes):
+def _mass_rule(nodes: int) -> tuple[np.ndarray, np.ndarray]:
     points, weights = gauss_points(_MASS_POINTS[nodes])
     if nodes not in tetrahedra.COUNTS:
         return points, weights

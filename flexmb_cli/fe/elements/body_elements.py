@@ -44,7 +44,7 @@ def element_table(
     return BodyTable(found.numbers, rows)
 
 
-def _rows(given, found: ElementTable):
+def _rows(given: FlexibleInput, found: ElementTable) -> np.ndarray:
     order = np.argsort(given.numbers)
     places = np.searchsorted(given.numbers[order], found.nodes)
     rows = order[np.minimum(places, len(order) - 1)]

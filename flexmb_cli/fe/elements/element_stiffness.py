@@ -1,10 +1,16 @@
 """From elements to matrices of the body: which formulation its stiffness is made of, stresses, K_G."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..linear_algebra import summed
 from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_elements
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
@@ -27,7 +33,9 @@ class BodyElements:
     deviation: float
 
 
-def matching_elements(positions: np.ndarray, rows: np.ndarray, material, K) -> BodyElements:
+def matching_elements(
+    positions: np.ndarray, rows: np.ndarray, material: tuple[float, float], K: "Any"
+) -> BodyElements:
     """Return the formulation of elements `rows` (m, k) that assembles to K (3 n, 3 n), else the nearest.
 
     `positions` (n, 3), m; `material`: Young's modulus, Pa, and Poisson's ratio.
@@ -44,7 +52,7 @@ def matching_elements(positions: np.ndarray, rows: np.ndarray, material, K) -> B
     return min(found, key=lambda body: body.deviation)
 
 
-def element_stiffness(made: SolidElements, D):
+def element_stiffness(made: SolidElements, D: np.ndarray) -> Any:
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
     `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).
@@ -67,7 +75,7 @@ def parts(count: int) -> list[slice]:
     return [slice(first, min(first + _CHUNK, count)) for first in range(0, count, _CHUNK)]
 
 
-def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int):
+def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int) -> np.ndarray:
     """Sum of element matrices (m, d k, d k) over the nodes, (d n, d n)."""
     places = (directions * rows[:, :, None] + np.arange(directions)).reshape(len(rows), -1)
     width = places.shape[1]
@@ -76,7 +84,9 @@ def assembled(elements: np.ndarray, rows: np.ndarray, n: int, directions: int):
     return summed(elements.ravel(), i, j, directions * n)
 
 
-def uniform_strain_deviation(made: SolidElements, stiffness: np.ndarray, positions: np.ndarray, K) -> float:
+def uniform_strain_deviation(
+    made: SolidElements, stiffness: np.ndarray, positions: np.ndarray, K: np.ndarray
+) -> float:
     """Return how far `K` and the elements differ in the nodal forces of uniform strains, relative.
 
     Elements of any sound formulation agree in them; `stiffness` (m, 3 k, 3 k), `positions` (n, 3), m.
@@ -91,7 +101,7 @@ def uniform_strain_deviation(made: SolidElements, stiffness: np.ndarray, positio
     return float(np.abs(wanted - forces.reshape(-1, 9)).max() / np.abs(wanted).max())
 
 
-def initial_stress_matrix(body: BodyElements, displacements: np.ndarray):
+def initial_stress_matrix(body: BodyElements, displacements: np.ndarray) -> np.ndarray:
     """Scalars (n, n) of K_G: the sum over elements of grad N_I . sigma . grad N_J, N/m.
 
     `displacements` (3 n,), m, are those of the load that stresses the body; K_G itself is (n, n) times
@@ -120,7 +130,7 @@ def stresses(body: BodyElements, displacements: np.ndarray, part: slice) -> np.n
     return np.einsum("ab,mgbi,mic->mgac", body.D, made.strains(part), full, optimize=True)
 
 
-def _tensor(stress):
+def _tensor(stress: np.ndarray) -> np.ndarray:
     """(…, 6) xx yy zz xy yz zx as (…, 3, 3)."""
     xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)
     return np.stack([xx, xy, zx, xy, yy, yz, zx, yz, zz], axis=-1).reshape(*stress.shape[:-1], 3, 3)

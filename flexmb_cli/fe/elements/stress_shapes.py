@@ -6,6 +6,8 @@ hexahedra, linear in tetrahedra of four points, constant for one point) and eval
 the mean of its elements.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...model.diagnostics import Findings
@@ -21,24 +23,29 @@ from .element_stiffness import (
     stresses,
     uniform_strain_deviation,
 )
-from .solid_elements import CUBE, FORMULATIONS, elasticity, integration_points, solid_elements
+from .solid_elements import CUBE, FORMULATIONS, Formulation, elasticity, integration_points, solid_elements
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 # A mass that differs by more of itself is that of another density; meshes and digits make less.
 DIFFERENT_MASS = 1e-3
 
 
 def body_stress(
-    given: FlexibleInput, K, mass: float, frame: Frame, Phi, findings: Findings
+    given: FlexibleInput, K: Any, mass: float, frame: Frame, Phi: Any, findings: Findings
 ) -> BodyStress | None:
     """Return the elements of `given` and their nodal stresses per mode; None with a fault found.
 
     `K` (3 n, 3 n), body axes; `mass`, kg, that of the mass matrix; `Phi` (3 n, N).
     """
     material = given.material
-    table = element_table(given, material.file, frame.r0, findings)
+    table = element_table(given, material.file, frame.r0, findings)  # type: ignore[union-attr]
     if table is None:
         return None
-    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)
+    body = matching_elements(frame.r0, table.rows, (material.young, material.poisson), K)  # type: ignore[union-attr]
     if body.deviation > FOREIGN:
         body = _at_best_points(given, frame.r0, table, body, K, findings)
     _check_density(given, mass, body, findings)
@@ -46,14 +53,21 @@ def body_stress(
         table.numbers,
         table.rows,
         body.elements.formulation.name,
-        material.young,
-        material.poisson,
+        material.young,  # type: ignore[union-attr]
+        material.poisson,  # type: ignore[union-attr]
         body.deviation,
         nodal_stresses(body, Phi),
     )
 
 
-def _at_best_points(given, positions, table: BodyTable, nearest: BodyElements, K, findings):
+def _at_best_points(
+    given: Any,
+    positions: Any,
+    table: BodyTable,
+    nearest: BodyElements,
+    K: Any,
+    findings: Any,
+) -> BodyElements:
     """Return elements at their points of reduced integration, for a stiffness of an unknown formulation.
 
     A stiffness that answers uniform strains as the elements do is of their mesh and material; else E or nu
@@ -81,7 +95,7 @@ def _at_best_points(given, positions, table: BodyTable, nearest: BodyElements, K
     return body
 
 
-def _check_density(given, mass, body: BodyElements, findings):
+def _check_density(given: Any, mass: Any, body: BodyElements, findings: Any) -> None:
     material, volume = given.material, body.elements.volumes.sum()
     if abs(material.density * volume - mass) > DIFFERENT_MASS * mass:
         message = (
@@ -104,7 +118,7 @@ def nodal_stresses(body: BodyElements, Phi: np.ndarray) -> np.ndarray:
     return sums / np.maximum(counts, 1)[:, None, None]
 
 
-def extrapolation(nodes: int, formulation) -> np.ndarray:
+def extrapolation(nodes: int, formulation: Formulation) -> np.ndarray:
     """Matrix (k, g) from values at the points of integration to those at the nodes of an element."""
     points, _ = integration_points(nodes, formulation)
     places = tetrahedra.NODES[:nodes] if nodes in tetrahedra.COUNTS else CUBE[:nodes]
@@ -112,7 +126,7 @@ def extrapolation(nodes: int, formulation) -> np.ndarray:
     return terms(places) @ np.linalg.pinv(terms(points))
 
 
-def _terms_of(nodes, count):
+def _terms_of(nodes: int, count: int) -> "Callable[..., Any]":
     """The polynomial that so many points determine."""
     if count == 1:
         return lambda x: np.ones((len(x), 1))
@@ -125,11 +139,11 @@ def _terms_of(nodes, count):
 def elements_of(body: FlexibleBody, chosen: np.ndarray) -> BodyElements:
     """Return the elements at the places `chosen` of the body's table, with their strains."""
     stress = body.stress
-    formulations = FORMULATIONS[stress.rows.shape[1]]
-    formulation = next(one for one in formulations if one.name == stress.formulation)
-    made = solid_elements(body.r0, stress.rows[chosen], formulation)
-    D = elasticity(stress.young, stress.poisson)
-    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)
+    formulations = FORMULATIONS[stress.rows.shape[1]]  # type: ignore[union-attr]
+    formulation = next(one for one in formulations if one.name == stress.formulation)  # type: ignore[union-attr]
+    made = solid_elements(body.r0, stress.rows[chosen], formulation)  # type: ignore[union-attr]
+    D = elasticity(stress.young, stress.poisson)  # type: ignore[union-attr]
+    return BodyElements(made, D, element_stiffness(made, D)[1], stress.deviation)  # type: ignore[union-attr]
 
 
 def point_stresses(body: FlexibleBody, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -42,13 +42,13 @@ def read_abaqus(path: Path) -> MatrixFile:
     return (_by_rows if width == 3 else _by_nodes)(name, where, entries[:, -1])
 
 
-def _by_rows(_name, where, values):
+def _by_rows(_name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
     rows, columns = where.T - 1
     size = int(where.max())
     return MatrixFile(size, rows, columns, values, not has_both_triangles(rows, columns, size))
 
 
-def _by_nodes(name, where, values):
+def _by_nodes(name: str, where: np.ndarray, values: np.ndarray) -> MatrixFile:
     turning = (where[:, 1::2] > 3).any(axis=1)
     if (values[turning] != 0.0).any():
         node = where[turning, 0][0]

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from .file_text import integer, line_fault, lines_of, real
 
@@ -25,7 +26,7 @@ def cdb_nodes(path: Path) -> Iterator[tuple[int, list[float], int]]:
         yield _node(path.name, number, line.rstrip(), integers * width, width, digits)
 
 
-def _widths(name, number, texts):
+def _widths(name: str, number: int, texts: Any) -> list[int]:
     """Counts and widths of a format's fields; a field has at least one column."""
     found = [int(text) if len(text) < 4 else 0 for text in texts]
     if 0 in found:
@@ -33,7 +34,9 @@ def _widths(name, number, texts):
     return found
 
 
-def _node(name, number, line, first, width, digits):
+def _node(
+    name: str, number: int, line: str, first: int, width: int, digits: int
+) -> tuple[int, list[float], int]:
     cells = [line[i : i + digits] for i in range(first, len(line), digits)]
     try:
         node = integer(line[:width])

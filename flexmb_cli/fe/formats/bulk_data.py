@@ -40,7 +40,7 @@ def bulk_cards(path: Path, names: tuple[str, ...]) -> Iterator[BulkCard]:
         yield card
 
 
-def _fields(line, head):
+def _fields(line: str, head: str) -> list[str]:
     """Fields behind the head of a line; a card of small fields has eight, of large ones four."""
     if "," in line:
         fields = [cell.strip() for cell in line.split(",")[1:]]

@@ -5,13 +5,18 @@ Tetrahedra have 4 or 10 nodes, hexahedra 8 or 20.
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from .bulk_data import bulk_cards, integer_field
+from .bulk_data import BulkCard, bulk_cards, integer_field
 from .file_text import integer, line_fault, lines_of
 from .matrix_file import FEFileFault
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 COUNTS = (4, 8, 10, 20)
 _KNOWN = "tetrahedra of 4 or 10 and hexahedra of 8 or 20 nodes"
@@ -57,7 +62,7 @@ def read_elements(path: Path, form: str) -> ElementTable:
     if len(counts) > 1:
         mixed = " and of ".join(map(str, sorted(counts)))
         raise FEFileFault(f"{path.name} mixes elements of {mixed} nodes; one kind is wanted", id="FE-021")
-    numbers, nodes, _ = zip(*found, strict=True)
+    numbers, nodes, _ = zip(*found, strict=True)  # type: ignore[assignment]
     return ElementTable(np.array(numbers, dtype=np.int64), np.array(nodes, dtype=np.int64))
 
 
@@ -70,9 +75,9 @@ def element_type(path: Path, form: str) -> str:
     return ""
 
 
-def _inp_elements(path):
+def _inp_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
     """Data lines of *ELEMENT; a line that ends in a comma is continued."""
-    wanted, words, first = 0, [], 0
+    wanted, words, first = 0, [], 0  # type: ignore[var-annotated]
     for number, line in enumerate(lines_of(path), start=1):
         if line.startswith("**") or not line.strip():
             continue
@@ -89,7 +94,7 @@ def _inp_elements(path):
             words = []
 
 
-def _inp_type(path, number, line):
+def _inp_type(path: Path, number: int, line: str) -> int:
     """Nodes of the elements below this keyword, 0 when it is no *ELEMENT."""
     if line.split(",")[0].strip() != "*ELEMENT":
         return 0
@@ -100,7 +105,7 @@ def _inp_type(path, number, line):
     return int(kind[1])
 
 
-def _integers(path, number, words):
+def _integers(path: Path, number: int, words: list[str]) -> list[int]:
     try:
         return [integer(word) for word in words]
     except ValueError:
@@ -108,7 +113,7 @@ def _integers(path, number, words):
         raise line_fault(path.name, number, message) from None
 
 
-def _cdb_elements(path):
+def _cdb_elements(path: Any) -> "Iterator[tuple[int, list[int], int]]":
     """EBLOCK, cut by the format below it; nodes that do not fit stand on the next line."""
     lines = lines_of(path)
     start = next((i for i, line in enumerate(lines) if line.upper().startswith("EBLOCK")), None)
@@ -117,7 +122,7 @@ def _cdb_elements(path):
     layout = _CDB_FORMAT.match(lines[start + 1].strip()) if start + 1 < len(lines) else None
     if layout is None:
         raise line_fault(path.name, start + 2, "a format such as (19i9) must follow EBLOCK")
-    width, words, first = max(1, int(layout[1])), [], 0
+    width, words, first = max(1, int(layout[1])), [], 0  # type: ignore[var-annotated]
     for number, line in enumerate(lines[start + 2 :], start=start + 3):
         if line.strip() == "-1":
             return
@@ -135,7 +140,7 @@ _SOLIDS = ("CHEXA", "CPENTA", "CTETRA", "CPYRAM", "CHEXA1", "CHEXA2")
 _MOST_POINTS = {"CHEXA": 20, "CTETRA": 10}
 
 
-def _bdf_elements(path):
+def _bdf_elements(path: Path) -> "Iterator[tuple[int, list[int], int]]":
     for card in bulk_cards(path, _SOLIDS):
         number = integer_field(path, card, 0, "the number of the element")
         if card.name not in _MOST_POINTS:
@@ -146,5 +151,5 @@ def _bdf_elements(path):
         yield number, [given[i] for i in _FROM_NASTRAN] if len(given) == 20 else given, card.line
 
 
-def _filled(card, index):
+def _filled(card: BulkCard, index: int) -> bool:
     return index < len(card.fields) and bool(card.fields[index])

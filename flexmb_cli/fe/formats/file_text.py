@@ -9,10 +9,15 @@ import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .matrix_file import FEFileFault
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 LARGEST = 2**31  # bytes
 _SHOWN = 40
@@ -39,7 +44,7 @@ def bytes_of(path: Path, largest: int = LARGEST) -> bytes:
         raise FEFileFault(f"{path.name} cannot be read: {reason}", id="FE-024") from None
 
 
-def _check_kind(name, found, largest):
+def _check_kind(name: str, found: "Any", largest: "Any") -> None:
     if not stat.S_ISREG(found.st_mode):
         raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device", id="FE-025")
     if found.st_size >= largest:
@@ -88,7 +93,7 @@ def lines_of(path: Path) -> list[str]:
 
 
 def table(
-    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma=False
+    name: str, lines: list[str], numbers: Sequence[int], columns: int, meaning: str, comma: Any = False
 ) -> np.ndarray:
     """The numbers of `lines`, (len, columns) float64; D exponents are read as E.
 
@@ -105,10 +110,12 @@ def table(
         found = None
     if found is None or found.shape != (len(lines), columns) or not np.isfinite(found).all():
         _point_at_fault(name, text, numbers, columns, meaning, delimiter)
-    return found
+    return found  # type: ignore[return-value]
 
 
-def _point_at_fault(name, lines, numbers, columns, meaning, delimiter):
+def _point_at_fault(
+    name: str, lines: list[str], numbers: "Sequence[Any]", columns: int, meaning: str, delimiter: str | None
+) -> None:
     for number, line in zip(numbers, lines, strict=False):
         words = [word.strip() for word in line.split(delimiter)]
         if len(words) != columns:
@@ -124,14 +131,14 @@ def line_fault(name: str, number: int, message: str) -> FEFileFault:
     return FEFileFault(f"{name}, line {number}: {message}", id="FE-029")
 
 
-def _is_finite(word):
+def _is_finite(word: str) -> bool:
     try:
         return bool(np.isfinite(float(word)))
     except ValueError:
         return False
 
 
-def _short(text):
+def _short(text: str) -> str:
     text = text.strip()
     return text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "…"
 
@@ -144,7 +151,7 @@ def whole(name: str, values: np.ndarray, numbers: Sequence[int], meaning: str) -
     return values.astype(np.int64)
 
 
-def _is_whole(values):
+def _is_whole(values: np.ndarray) -> np.ndarray:
     return (np.abs(values) < _EXACT) & (values == np.rint(values))
 
 

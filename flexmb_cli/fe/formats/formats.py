@@ -30,7 +30,7 @@ def read_matrix(
     return found
 
 
-def _read(path, form, letter, mapping, mapping_form) -> MatrixFile:
+def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form: str) -> MatrixFile:
     if form in NEEDS_MAPPING:
         if mapping is None or mapping_form != NEEDS_MAPPING[form]:
             raise FEFileFault(

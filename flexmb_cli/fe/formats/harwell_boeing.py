@@ -7,11 +7,17 @@ numbers as the heading announces, these count: scipy.io.hb_write has other width
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault, MatrixFile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 # Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.
 _FORMAT = re.compile(r"([IDEFG])([1-9]\d{0,2})(?!\d)", re.IGNORECASE)
@@ -39,7 +45,7 @@ def read_harwell_boeing(path: Path, equations: np.ndarray) -> MatrixFile:
     ):
         sections.append(_numbers(name, lines, start, lengths, form, wanted))
         start += lengths
-    return _matrix(name, kind, size, *sections, equations)
+    return _matrix(name, kind, size, *sections, equations)  # type: ignore[call-arg]
 
 
 def read_mapping(path: Path) -> np.ndarray:
@@ -66,7 +72,7 @@ def read_mapping(path: Path) -> np.ndarray:
     return np.array([found[i] for i in range(1, len(found) + 1)], dtype=np.int64)
 
 
-def _integers(name, line, number, first, count):
+def _integers(name: str, line: str, number: int, first: int, count: int) -> list[int]:
     """`count` integers of 14 columns; blank ones are 0."""
     cells = [line[first + 14 * i : first + 14 * (i + 1)].strip() or "0" for i in range(count)]
     try:
@@ -80,7 +86,7 @@ def _integers(name, line, number, first, count):
     return found
 
 
-def _check_kind(name, kind, size, columns, equations):
+def _check_kind(name: str, kind: str, size: int, columns: int, equations: np.ndarray) -> None:
     if kind not in ("RSA", "RUA"):
         message = f"the matrix is of type {kind}; RSA (symmetric) or RUA, assembled and real, wanted"
         raise line_fault(name, 3, message)
@@ -94,7 +100,7 @@ def _check_kind(name, kind, size, columns, equations):
         )
 
 
-def _format(name, line, first, width):
+def _format(name: str, line: str, first: int, width: int) -> tuple[str, int]:
     """Letter and width of the fields that a FORTRAN format prescribes."""
     match = _FORMAT.search(line[first : first + width])
     if match is None:
@@ -103,7 +109,9 @@ def _format(name, line, first, width):
     return match[1].upper(), int(match[2])
 
 
-def _numbers(name, lines, start, count, form, wanted):
+def _numbers(
+    name: str, lines: list[str], start: int, count: int, form: tuple[str, int], wanted: int
+) -> np.ndarray:
     """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format."""
     letter, width = form
     section = lines[start : start + count]
@@ -116,7 +124,7 @@ def _numbers(name, lines, start, count, form, wanted):
     return _cut(name, section, start, width, read, wanted) if split is None else split
 
 
-def _split(section, read, wanted):
+def _split(section: list[str], read: "Callable[..., Any]", wanted: int) -> np.ndarray | None:
     """The numbers between blanks, None where they are not `wanted` ones."""
     words = " ".join(section).split()
     if len(words) != wanted:
@@ -127,7 +135,9 @@ def _split(section, read, wanted):
         return None
 
 
-def _cut(name, section, start, width, read, wanted):
+def _cut(
+    name: str, section: list[str], start: int, width: int, read: "Callable[..., Any]", wanted: int
+) -> np.ndarray:
     """The numbers in fields of `width` columns."""
     cells = [
         (line[i : i + width], number)
@@ -150,7 +160,15 @@ def _cut(name, section, start, width, read, wanted):
     return np.array(values)
 
 
-def _matrix(name, kind, size, pointers, rows, values, equations):
+def _matrix(
+    name: str,
+    kind: str,
+    size: int,
+    pointers: np.ndarray,
+    rows: np.ndarray,
+    values: np.ndarray,
+    equations: np.ndarray,
+) -> Any:
     """ANSYS 9 declared RSA and wrote full columns with wrong pointers: those are not mirrored."""
     full = len(values) == size * size
     if full:

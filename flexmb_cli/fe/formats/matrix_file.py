@@ -59,10 +59,10 @@ def of_strings(name: str, size: int, strings: list[tuple[int, int, np.ndarray]])
     columns = [np.full(len(values), column) for _, column, values in strings]
     parts = [np.concatenate(part) if part else np.zeros(0, int) for part in (rows, columns)]
     values = np.concatenate([part for _, _, part in strings]) if strings else np.zeros(0)
-    return MatrixFile(size, *parts, values.astype(float), False)
+    return MatrixFile(size, *parts, values.astype(float), False)  # type: ignore[arg-type, call-arg]
 
 
-def has_both_triangles(rows, columns, size: int) -> bool:
+def has_both_triangles(rows: np.ndarray, columns: np.ndarray, size: int) -> bool:
     """Return whether any entry off the diagonal has its mirror image among the entries."""
     off = rows != columns
     forward = rows[off].astype(np.int64) * size + columns[off]

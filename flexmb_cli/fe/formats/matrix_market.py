@@ -4,6 +4,7 @@ Boisvert, Pozo, Remington, NISTIR 5935 (1996).  Rows follow the node table: x y 
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,7 @@ def read_matrix_market(path: Path) -> MatrixFile:
     return reader(path.name, lines[start], body, start + 1, symmetric)
 
 
-def _kind(name, lines):
+def _kind(name: str, lines: list[str]) -> Any:
     words = lines[0].lower().split() if lines else []
     if not words or words[0] != _BANNER:
         raise line_fault(name, 1, "a Matrix Market file begins with %%MatrixMarket; is the format another?")
@@ -40,14 +41,14 @@ def _kind(name, lines):
     return words[2], words[4] == "symmetric"
 
 
-def _size(name, line, number, count):
+def _size(name: str, line: str, number: int, count: int) -> np.ndarray:
     size = whole(name, table(name, [line], [number], count, "the size"), [number], "sizes")[0]
     if size[0] != size[1] or size[0] < 1:
         raise line_fault(name, number, f"the matrix must be square; it has {size[0]} rows, {size[1]} columns")
     return size
 
 
-def _coordinate(name, line, body, number, symmetric):
+def _coordinate(name: str, line: str, body: list[str], number: int, symmetric: bool) -> MatrixFile:
     size, _, count = _size(name, line, number, 3)
     _check_count(name, len(body), count)
     numbers = range(number + 1, number + 1 + len(body))
@@ -62,7 +63,7 @@ def _coordinate(name, line, body, number, symmetric):
     return MatrixFile(int(size), rows, columns, entries[:, 2], symmetric)
 
 
-def _array(name, line, body, number, symmetric):
+def _array(name: str, line: str, body: list[str], number: int, symmetric: bool) -> MatrixFile:
     size = int(_size(name, line, number, 2)[0])
     count = size * (size + 1) // 2 if symmetric else size * size
     _check_count(name, len(body), count)
@@ -71,7 +72,7 @@ def _array(name, line, body, number, symmetric):
     return MatrixFile(size, rows, columns, values, symmetric)
 
 
-def _check_count(name, found, announced):
+def _check_count(name: str, found: int, announced: int) -> None:
     if found != announced:
         raise FEFileFault(
             f"{name} announces {announced} entries and holds {found}; was it cut off, or edited?", id="FE-041"

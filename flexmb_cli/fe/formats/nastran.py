@@ -4,10 +4,11 @@ MSC Nastran Quick Reference Guide, DMIG.  pyNastran reads them too, but cannot s
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from .bulk_data import bulk_cards, integer_field, real_field
+from .bulk_data import BulkCard, bulk_cards, integer_field, real_field
 from .file_text import line_fault
 from .matrix_file import FEFileFault, MatrixFile, labelled
 
@@ -26,7 +27,7 @@ def read_dmig(path: Path, letter: str) -> MatrixFile:
     name = chosen(path, list(matrices), letter)
     header, *columns = matrices[name]
     symmetric = _check_header(path, name, header)
-    entries, values = [], []
+    entries, values = [], []  # type: ignore[var-annotated]
     for card in columns:
         _read_column(path, card, entries, values)
     where = np.array(entries, dtype=np.int64).reshape(-1, 4)
@@ -46,7 +47,7 @@ def chosen(path: Path, names: list[str], letter: str) -> str:
     return fitting[0]
 
 
-def _check_header(path, name, header):
+def _check_header(path: Path, name: str, header: BulkCard) -> bool:
     if integer_field(path, header, 1, "the 0 of a header", -1) != 0:
         raise line_fault(path.name, header.line, f"DMIG {name} begins without its header card")
     form = integer_field(path, header, 2, "the form of the matrix")
@@ -58,7 +59,9 @@ def _check_header(path, name, header):
     return form == _SYMMETRIC
 
 
-def _read_column(path, card, entries, values):
+def _read_column(
+    path: Path, card: BulkCard, entries: list[tuple[int, int, int, int]], values: list[float]
+) -> None:
     """One column: fields of four, the first with the column's point and component."""
     node = integer_field(path, card, 1, "a grid point")
     component = integer_field(path, card, 2, "a component")
@@ -75,7 +78,7 @@ def _read_column(path, card, entries, values):
             values.append(value)
 
 
-def _refuse(path, card, row, row_component, node, component):
+def _refuse(path: Any, card: BulkCard, row: int, row_component: int, node: int, component: int) -> None:
     point, wrong = (node, component) if component not in (1, 2, 3) else (row, row_component)
     if wrong == 0:
         message = f"scalar point {point} is a coordinate of a condensed model; full matrices are wanted"

@@ -5,6 +5,7 @@ values; a line of integers only heads a column, or a string of values in it.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ def read_op4(path: Path, letter: str) -> MatrixFile:
     return found[chosen(path, list(found), letter)]
 
 
-def _text_matrices(path):
+def _text_matrices(path: Path) -> dict[str, MatrixFile]:
     lines = lines_of(path)
     at, found = 0, {}
     while at < len(lines) and lines[at].strip():
@@ -32,9 +33,9 @@ def _text_matrices(path):
     return found
 
 
-def _read_one(name, lines, at):
+def _read_one(name: Any, lines: Any, at: Any) -> tuple[str, MatrixFile, int]:
     columns, label, width = _heading(name, lines, at)
-    parts = []
+    parts: list[Any] = []
     while True:
         at += 1
         column, row = _column(name, lines, at)
@@ -49,7 +50,7 @@ def _read_one(name, lines, at):
             at = _read_string(name, lines, at, (_string_row(name, lines, at), column, width), parts)
 
 
-def _heading(name, lines, at):
+def _heading(name: str, lines: list[str], at: int) -> tuple[int, str, int]:
     """Columns, name, and width of a value."""
     head = lines[at]
     try:
@@ -66,7 +67,7 @@ def _heading(name, lines, at):
     return columns, head[32:40].strip().upper(), width
 
 
-def _width(form):
+def _width(form: str) -> int:
     """Columns of a value in a format such as 1P,3E23.16; ValueError when there is none."""
     width = integer(form.upper().split("E")[-1].split(".")[0])
     if not 1 <= width <= 999:
@@ -74,7 +75,7 @@ def _width(form):
     return width
 
 
-def _column(name, lines, at):
+def _column(name: str, lines: list[str], at: int) -> tuple[int, int]:
     """Number of a column and its first row, 0 when strings follow."""
     try:
         column, row, _ = map(integer, lines[at].split())
@@ -84,7 +85,7 @@ def _column(name, lines, at):
     return column, row
 
 
-def _string_row(name, lines, at):
+def _string_row(name: str, lines: list[str], at: int) -> int:
     try:
         *length, row = map(integer, lines[at].split())
     except ValueError:
@@ -92,7 +93,13 @@ def _string_row(name, lines, at):
     return row if length else row % PACKED
 
 
-def _read_string(name, lines, at, layout, parts):
+def _read_string(
+    name: str,
+    lines: list[str],
+    at: int,
+    layout: tuple[int, int, int],
+    parts: list[tuple[int, int, np.ndarray]],
+) -> int:
     """Values of one string; the number of its last line."""
     row, column, width = layout
     values = []

@@ -6,11 +6,16 @@ one for every column that is not zero follows, and one behind the last column cl
 
 import struct
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from .matrix_file import FEFileFault, MatrixFile, of_strings
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 REAL = (1, 2)
 _COMPLEX = (3, 4)
@@ -53,7 +58,7 @@ def binary_matrices(file: str, raw: bytes) -> dict[str, MatrixFile]:
     return found
 
 
-def _layout(file, raw) -> _Layout:
+def _layout(file: str, raw: bytes) -> _Layout:
     """Recognised by the length of the first record."""
     for order in "<>":
         length = struct.unpack(f"{order}i", raw[:4])[0] if len(raw) >= 4 else 0
@@ -66,7 +71,7 @@ def _layout(file, raw) -> _Layout:
     )
 
 
-def _records(layout: _Layout, raw) -> Iterator[bytes]:
+def _records(layout: _Layout, raw: bytes) -> Iterator[bytes]:
     """Records between their lengths, which stand before and behind."""
     at = 0
     while at < len(raw):
@@ -79,11 +84,11 @@ def _records(layout: _Layout, raw) -> Iterator[bytes]:
         at = end + 4
 
 
-def _read_one(layout: _Layout, heading, records) -> tuple[str, MatrixFile]:
+def _read_one(layout: _Layout, heading: Any, records: Any) -> tuple[str, MatrixFile]:
     columns, rows, _, kind = layout.integers(heading, 0, 4)
     name = heading[4 * layout.word : _HEADING_WORDS * layout.word].decode("latin-1").strip().upper()
     _check(layout, name, columns, rows, kind)
-    strings = []
+    strings: list[Any] = []
     for record in records:
         column, row, words = layout.integers(record, 0, 3)
         if column > columns:
@@ -98,7 +103,7 @@ def _read_one(layout: _Layout, heading, records) -> tuple[str, MatrixFile]:
     )
 
 
-def _check(layout: _Layout, name, columns, rows, kind):
+def _check(layout: _Layout, name: str, columns: int, rows: int, kind: int) -> None:
     if kind not in REAL:
         what = "is complex" if kind in _COMPLEX else f"has type {kind}"
         raise FEFileFault(f"{layout.file}: matrix {name} {what}; a real one wanted, type 1 or 2", id="FE-050")
@@ -107,7 +112,9 @@ def _check(layout: _Layout, name, columns, rows, kind):
         raise FEFileFault(f"{layout.file}: {message}", id="FE-051")
 
 
-def _column(layout: _Layout, record, head, big, value: np.dtype):
+def _column(
+    layout: _Layout, record: bytes, head: tuple[int, int, int], big: bool, value: np.dtype
+) -> Iterator[tuple[int, int, np.ndarray]]:
     """The strings of a column: one when it has a first row, else each with its own."""
     column, row, words = head
     at, end = 3, 3 + words

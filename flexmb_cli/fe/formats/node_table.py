@@ -3,6 +3,7 @@
 import math
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from .ansys_cdb import cdb_nodes
 from .bulk_data import bulk_cards, integer_field, real_field
 from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 # Products of such lengths with masses and stiffnesses stay finite.
 FARTHEST = 1e30  # m
@@ -42,7 +47,7 @@ def read_node_table(path: Path, form: str) -> NodeTable:
     return NodeTable(numbers, np.array([position for _, position, _ in found], dtype=float))
 
 
-def _check_twice(name, found, numbers):
+def _check_twice(name: str, found: list[tuple[int, list[float], int]], numbers: np.ndarray) -> None:
     values, counts = np.unique(numbers, return_counts=True)
     if (counts > 1).any():
         twice = int(values[counts > 1][0])
@@ -50,7 +55,7 @@ def _check_twice(name, found, numbers):
         raise FEFileFault(f"{name}: node {twice} stands on lines {' and '.join(lines)}", id="FE-054")
 
 
-def _plain_nodes(path):
+def _plain_nodes(path: Path) -> "Iterator[tuple[int, list[float], int]]":
     """Lines `id x y z`; # and headings are passed over, as are rotated axes of NLIST when they are 0."""
     for number, line in enumerate(lines_of(path), start=1):
         words = line.split("#", 1)[0].split()
@@ -59,7 +64,7 @@ def _plain_nodes(path):
         yield _node(path.name, number, words)
 
 
-def _inp_nodes(path):
+def _inp_nodes(path: Path) -> "Iterator[tuple[int, list[float], int]]":
     """Data lines of the *NODE cards; *NODE PRINT and *NODE FILE are other cards."""
     inside = False
     for number, line in enumerate(lines_of(path), start=1):
@@ -71,7 +76,7 @@ def _inp_nodes(path):
             yield _node(path.name, number, [word.strip() for word in line.rstrip(" ,").split(",")])
 
 
-def _node(name, number, words):
+def _node(name: str, number: int, words: list[str]) -> tuple[int, list[float], int]:
     """A node's number and position; trailing coordinates that are left out are 0."""
     try:
         node = integer(words[0])
@@ -86,7 +91,7 @@ def _node(name, number, words):
     return node, position, number
 
 
-def _bdf_nodes(path):
+def _bdf_nodes(path: Path) -> "Iterator[tuple[int, list[float], int]]":
     for card in bulk_cards(path, ("GRID",)):
         node = integer_field(path, card, 0, "the number of the point")
         for index, what in ((1, "position"), (5, "displacement")):

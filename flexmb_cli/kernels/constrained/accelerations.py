@@ -10,6 +10,8 @@ With f = 0 the same solution is the shortest correction in the metric of M: one 
 accelerations and projections.
 """
 
+from typing import Any
+
 import numpy as np
 
 from .._jit import kernel, part
@@ -44,13 +46,15 @@ from .system import (
     SOLVED,
     UNKNOWN,
     A,
+    System,
+    Work,
 )
 
 SMALLEST_INERTIA = 1e-13  # pivot of the reduced mass matrix, of its diagonal entry
 
 
 @kernel
-def evaluate_jacobian(system, work, q):
+def evaluate_jacobian(system: System, work: Work, q: np.ndarray) -> None:
     """Fill A, the body vectors, Φ_q and the scaled Jacobian on speeds of `work` at q."""
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)
@@ -64,7 +68,7 @@ def evaluate_jacobian(system, work, q):
 
 
 @kernel
-def choose_order(work, most):
+def choose_order(work: Work, most: int) -> int:
     """Find which equations and speeds are independent from now on; returns the rank found."""
     work.rank[0] = choose(work.jacobian, work.left, work.order, most)
     work.quality[0] = factorise_order(work)
@@ -78,7 +82,7 @@ def factorise_order(work):
 
 
 @kernel
-def factorise_at(system, work, q):
+def factorise_at(system: System, work: Work, q: np.ndarray) -> int:
     """Factors at q of the constraints and of the mass matrix of the free motions: a code."""
     code = factorise_constraints(system, work, q)
     if code != SOLVED:
@@ -88,7 +92,7 @@ def factorise_at(system, work, q):
 
 
 @kernel
-def factorise_constraints(system, work, q):
+def factorise_constraints(system: System, work: Work, q: np.ndarray) -> int:
     """Factors at q of the constraints, and the motions they leave free: a code."""
     evaluate_jacobian(system, work, q)
     rank, m = work.rank[0], work.jacobian.shape[0]
@@ -104,7 +108,7 @@ def factorise_constraints(system, work, q):
 
 
 @part
-def _reduce_mass(system, work, free):
+def _reduce_mass(system: System, work: Work, free: int) -> int:
     """Zᵀ M Z and its Cholesky factor."""
     inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(free):
@@ -116,7 +120,7 @@ def _reduce_mass(system, work, free):
 
 
 @kernel
-def fill_column(system, work, product, f, matrix):
+def fill_column(system: System, work: Work, product: np.ndarray, f: int, matrix: np.ndarray) -> None:
     """Fill column f of the lower part of matrix (n, n) with Zᵀ product.
 
     A free motion moves one free speed and dependent ones: nothing else is visited.
@@ -135,7 +139,7 @@ def fill_column(system, work, product, f, matrix):
 
 
 @kernel
-def solve(system, work, forces, gamma, x):
+def solve(system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: np.ndarray) -> None:
     """Fill x (n,) with J x = gamma and M x = forces + Jᵀ λ, by the factors at hand."""
     y = work.vectors[FREE]
     split(system, work, forces, gamma, x, y)
@@ -144,7 +148,9 @@ def solve(system, work, forces, gamma, x):
 
 
 @kernel
-def split(system, work, forces, gamma, x, y):
+def split(
+    system: System, work: Work, forces: np.ndarray, gamma: np.ndarray, x: np.ndarray, y: np.ndarray
+) -> Any:
     """Fill x (n,) with x_p, by dependent speeds alone, and y with Zᵀ (forces - M x_p)."""
     rank, (m, n) = work.rank[0], work.jacobian.shape
     right_side, scaled, product = work.rows[SCALED], work.vectors[UNKNOWN], work.vectors[PRODUCT]
@@ -166,7 +172,7 @@ def split(system, work, forces, gamma, x, y):
 
 
 @kernel
-def add_free(system, work, Z, y, x):
+def add_free(system: System, work: Work, Z: np.ndarray, y: np.ndarray, x: np.ndarray) -> None:
     """x += Z y for the free motions Z of some position, with the order of the work."""
     rank, (m, n) = work.rank[0], work.jacobian.shape
     order, scale = work.order, system.speed_scale
@@ -181,14 +187,16 @@ def add_free(system, work, Z, y, x):
 
 
 @part
-def accelerations(system, work, q, u, t, ud):
+def accelerations(
+    system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float, ud: np.ndarray
+) -> tuple[int, float]:
     """Fill ud (n,), the rates of the speeds u at q; returns (code, power), the power that of `accelerate`."""
     code = factorise_at(system, work, q)
     return code, accelerate(system, work, q, u, t, ud) if code == SOLVED else 0.0
 
 
 @part
-def accelerate(system, work, q, u, t, ud):
+def accelerate(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float, ud: np.ndarray) -> float:
     """Fill ud (n,), the rates of the speeds u at q, whose factors are at hand.
 
     Returns the power of the drivers and of the applied forces that store no energy, W.  FORCES of the
@@ -206,7 +214,7 @@ def accelerate(system, work, q, u, t, ud):
 
 
 @part
-def fill_forces(system, work, q, u, t):
+def fill_forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> float:
     """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
 
     Mass matrices, body vectors and factors of the constraints belong to q.
@@ -218,13 +226,13 @@ def fill_forces(system, work, q, u, t):
 
 
 @kernel
-def _forces(system, work, q, u, t):
+def _forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> float:
     power = inertia_and_elastic_forces(system, work, q, u, work.vectors[FORCES])
     return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
 
 
 @kernel
-def _iterate_friction(system, work, q, u, t):
+def _iterate_friction(system: Any, work, q: np.ndarray, u: np.ndarray, t: float) -> None:
     """Find the normal forces of friction that agree with the accelerations they cause."""
     n = work.jacobian.shape[1]
     ud = np.empty(n)
@@ -239,7 +247,7 @@ def _iterate_friction(system, work, q, u, t):
 
 
 @part
-def fill_gamma(system, work, q, u, t):
+def fill_gamma(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> None:
     """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved body vectors belong to q and
     u.
     """

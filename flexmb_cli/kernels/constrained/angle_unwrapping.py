@@ -1,6 +1,8 @@
 """Angles of screws, drivers and joint springs during an integration: they count whole turns, which a position
 alone does not show."""
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import kernel
 from ..kinematics.constraints import SCREW
 from ..kinematics.joints import screw
@@ -8,7 +10,15 @@ from ..linalg.rotation import rotate, rotation_matrices
 from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import angle_rates, primitive_angle
 from .report import coordinates_and_speeds
-from .system import A
+from .system import A, System, Work
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..integrators.constrained_dop853 import Integration
+    from ..integrators.generalised_alpha import AlphaIntegration
+    from ..integrators.radau5 import RadauIntegration
+
 
 # Rows of the angles kept (3, angles), rad: at the end of the last step, at its start, and those expected.
 NEW, OLD, EXPECTED = 0, 1, 2
@@ -16,7 +26,7 @@ MOST_TURNED = 2.5  # rad in a step, less than half a turn: the stages of a step 
 
 
 @kernel
-def _turn_rate(work, c, u):
+def _turn_rate(work, c: Any, u: "np.ndarray"):
     """Rate of a screw's angle: the relative turning along its axis, rad/s."""
     i, j = 6 * c["body_i"] + 3, 6 * c["body_j"] + 3
     axis = rotate(work.rotations[A], c["body_i"], c["s_i"])
@@ -26,7 +36,9 @@ def _turn_rate(work, c, u):
 
 
 @kernel
-def expect_angles(system, work, integration, h):
+def expect_angles(
+    system: System, work: Work, integration: "Integration | AlphaIntegration | RadauIntegration", h: float
+) -> float:
     """Angles at the end of a step, by the mean of their rates: they settle whole turns.
 
     Returns the largest turn between bodies of a flexible mechanism in the step, rad.
@@ -49,7 +61,7 @@ def expect_angles(system, work, integration, h):
 
 
 @kernel
-def _add_angles(system, work, u, h, angles):
+def _add_angles(system: System, work: Work, u: "np.ndarray", h: float, angles: "np.ndarray") -> None:
     """Add h times the rates of all angles."""
     for k in range(system.constraints.shape[0]):
         c = system.constraints[k]
@@ -63,7 +75,7 @@ def _add_angles(system, work, u, h, angles):
 
 
 @kernel
-def nearest_angles(system, work, expected, angles):
+def nearest_angles(system: System, work: Work, expected: "np.ndarray", angles: "np.ndarray") -> None:
     """Fill angles (angles,) with those nearest to `expected`, where A and the body vectors belong to the
     position.
     """
@@ -78,7 +90,7 @@ def nearest_angles(system, work, expected, angles):
 
 
 @kernel
-def unwrap_angles(system, work, integration):
+def unwrap_angles(system: System, work: Work, integration: "Integration | RadauIntegration") -> None:
     """Angles at the end of a step, where A and the body vectors belong to it."""
     for s in range(integration.angles.shape[1]):
         integration.angles[OLD, s] = integration.angles[NEW, s]
@@ -86,7 +98,9 @@ def unwrap_angles(system, work, integration):
 
 
 @kernel
-def fill_angles(system, work, q, expected, angles):
+def fill_angles(
+    system: System, work: Work, q: "np.ndarray", expected: "np.ndarray", angles: "np.ndarray"
+) -> None:
     """Fill angles (angles,) with those at q that are nearest to `expected`, rad."""
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)

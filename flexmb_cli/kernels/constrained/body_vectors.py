@@ -11,10 +11,15 @@ that of another.
 """
 
 from collections import namedtuple
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..linalg.rotation import rotate
-from .system import A
+from .system import A, System, Work
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 BODY_VECTOR, RATE, REST = 0, 1, 2
 
@@ -27,7 +32,7 @@ Work.body_vectors.
 
 
 @kernel
-def geometry_of(system, work):
+def geometry_of(system: System, work: Work) -> Geometry:
     """The geometry of a mechanism: views, which follow the work."""
     return Geometry(
         system.body_vectors,
@@ -40,7 +45,9 @@ def geometry_of(system, work):
 
 
 @kernel
-def _deformed(body_vector, shapes, x, first):
+def _deformed(
+    body_vector: "np.void", shapes: "np.ndarray", x: "np.ndarray", first: int
+) -> tuple[float, float, float]:
     """S x (3,) of one body vector for the modal coordinates or rates that begin at x[first]."""
     N, at = body_vector["modes"], body_vector["shape"]
     s0 = s1 = s2 = 0.0
@@ -53,7 +60,7 @@ def _deformed(body_vector, shapes, x, first):
 
 
 @kernel
-def place_vectors(geometry, q):
+def place_vectors(geometry: Geometry, q: "np.ndarray") -> None:
     """Fill body vectors and relative vectors at q, where the rotation matrices belong to q."""
     first = 7 * geometry.axes.shape[0]
     for p in range(geometry.body_vectors.shape[0]):
@@ -67,7 +74,7 @@ def place_vectors(geometry, q):
 
 
 @kernel
-def move_vectors(geometry, u):
+def move_vectors(geometry: Geometry, u: "np.ndarray") -> None:
     """Fill rates and remainders at the speeds u, where the body vectors have been placed."""
     first = 6 * geometry.axes.shape[0]
     for p in range(geometry.body_vectors.shape[0]):
@@ -88,19 +95,19 @@ def move_vectors(geometry, u):
 
 
 @kernel
-def vector(rows, k):
+def vector(rows: "np.ndarray", k: int) -> Any:
     """Row k of rows (k, 3) as a triple."""
     return rows[k, 0], rows[k, 1], rows[k, 2]
 
 
 @kernel
-def cross(a, b):
+def cross(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
     """a × b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel
-def _fill_relative_vectors(geometry, layer, origins, stride):
+def _fill_relative_vectors(geometry: Geometry, layer: int, origins: "np.ndarray", stride: int) -> None:
     """Fill one layer of the relative vectors; origins: q or u, of which a body has `stride` numbers, 0:
     none.
     """
@@ -126,7 +133,14 @@ def _fill_relative_vectors(geometry, layer, origins, stride):
 
 
 @kernel
-def add_vector_row(geometry, p, w, factor, of_point, row):
+def add_vector_row(
+    geometry: Geometry,
+    p: int,
+    w: tuple[float, float, float],
+    factor: float,
+    of_point: bool,
+    row: "np.ndarray",
+) -> None:
     """Add to row (n,) the derivative of factor w · x by the speeds; x: the body vector p, or the point at its
     end.
     """

@@ -10,16 +10,23 @@ this form; the first primitives are equations, Φ = μ - f(t).  The second deriv
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
-from .body_vectors import BODY_VECTOR, RATE, REST, add_vector_row, geometry_of, vector
+from .body_vectors import BODY_VECTOR, RATE, REST, Geometry, add_vector_row, geometry_of, vector
 from .time_functions import function_values
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .system import System, Work
+
 
 TURN = 2.0 * math.pi
 
 
 @kernel
-def primitive_value(geometry, k, expected):
+def primitive_value(geometry: Geometry, k: int, expected: float) -> float:
     """μ of primitive k at placed body vectors; expected: the angle expected, rad."""
     m, value = geometry.primitives[k], -geometry.primitives[k]["constant"]
     if m["alpha"] != 0.0:
@@ -30,7 +37,7 @@ def primitive_value(geometry, k, expected):
 
 
 @kernel
-def _relative_product(relative_vectors, k, layer, layer_of_w):
+def _relative_product(relative_vectors: "np.ndarray", k: int, layer: int, layer_of_w: int) -> float:
     """V · W of primitive k, each of one layer."""
     total = 0.0
     for i in range(3):
@@ -39,7 +46,7 @@ def _relative_product(relative_vectors, k, layer, layer_of_w):
 
 
 @kernel
-def primitive_angle(placed, m, expected):
+def primitive_angle(placed: "np.ndarray", m: "np.void", expected: float) -> float:
     """θ, rad: the value nearest to `expected`."""
     x, y = _products(placed, m, BODY_VECTOR, BODY_VECTOR)
     theta = math.atan2(y, x)
@@ -47,7 +54,7 @@ def primitive_angle(placed, m, expected):
 
 
 @kernel
-def _products(placed, m, layer, layer_of_h):
+def _products(placed: "np.ndarray", m: "np.void", layer: int, layer_of_h: int) -> tuple[float, float]:
     """F · H and G · H, F and G of one layer of the body vectors `placed`, H of another."""
     f, g, h = m["f"], m["g"], m["h"]
     x = y = 0.0
@@ -58,7 +65,7 @@ def _products(placed, m, layer, layer_of_h):
 
 
 @kernel
-def angle_rates(placed, m):
+def angle_rates(placed: "np.ndarray", m: "np.void") -> tuple[float, float]:
     """Rate of θ, rad/s, and its second derivative without those of the coordinates, at moved body vectors."""
     x, y = _products(placed, m, BODY_VECTOR, BODY_VECTOR)
     xd = yd = xr = yr = 0.0
@@ -76,7 +83,7 @@ def angle_rates(placed, m):
 
 
 @kernel
-def primitive_rates(geometry, k):
+def primitive_rates(geometry: Geometry, k: int) -> tuple[float, float]:
     """Rate of primitive k, and its second derivative without those of the coordinates, at moved body
     vectors.
     """
@@ -99,7 +106,7 @@ def primitive_rates(geometry, k):
 
 
 @kernel
-def add_primitive_row(geometry, k, factor, row):
+def add_primitive_row(geometry: Geometry, k: int, factor: float, row: "np.ndarray") -> None:
     """Add factor times the derivative of primitive k by the speeds to row (n,)."""
     m, body_vectors = geometry.primitives[k], geometry.body_vectors
     if m["alpha"] != 0.0:
@@ -125,7 +132,9 @@ def add_primitive_row(geometry, k, factor, row):
 
 
 @kernel
-def equation_residuals(system, work, t, expected, phi):
+def equation_residuals(
+    system: "System", work: "Work", t: float, expected: "np.ndarray", phi: "np.ndarray"
+) -> None:
     """Fill the last rows of phi (m,), those of the primitives that are equations."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for row in range(first, phi.shape[0]):
@@ -140,7 +149,7 @@ def equation_residuals(system, work, t, expected, phi):
 
 
 @kernel
-def equation_rows(system, work, jacobian):
+def equation_rows(system: "System", work: "Work", jacobian: "np.ndarray") -> None:
     """Fill the last rows of jacobian (m, n), not scaled."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for row in range(first, jacobian.shape[0]):
@@ -153,7 +162,7 @@ def equation_rows(system, work, jacobian):
 
 
 @kernel
-def equation_velocities(system, t, nu):
+def equation_velocities(system: "System", t: float, nu: "np.ndarray") -> None:
     """Fill the last rows of nu (m,), the rates that the functions ask for."""
     first = system.bodies.shape[0]
     for k in range(nu.shape[0] - first):
@@ -164,7 +173,7 @@ def equation_velocities(system, t, nu):
 
 
 @kernel
-def equation_accelerations(system, work, t, gamma):
+def equation_accelerations(system: "System", work: "Work", t: float, gamma: "np.ndarray") -> None:
     """Fill the last rows of gamma (m,), at moved body vectors."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for row in range(first, gamma.shape[0]):

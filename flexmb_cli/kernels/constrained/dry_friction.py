@@ -5,6 +5,7 @@ converges as a geometric series whose ratio is about the coefficient of friction
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -19,13 +20,13 @@ FRICTION_CONVERGED = 1e-13  # of the largest force
 
 
 @kernel
-def has_friction(loads):
+def has_friction(loads: np.ndarray) -> bool:
     """Whether there is any friction; it stands behind all other loads."""
     return loads.shape[0] > 0 and loads[loads.shape[0] - 1]["kind"] == FRICTION
 
 
 @kernel
-def normal_changes(system, work, ud):
+def normal_changes(system: Any, work, ud: np.ndarray):
     """Fill the normal forces of the friction elements for the accelerations ud, whose FORCES are at hand.
 
     Returns the largest change, of the largest force.

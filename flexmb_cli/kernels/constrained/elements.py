@@ -8,12 +8,19 @@ tanh.
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from ..linalg.rotation import dot
-from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, vector
+from .body_vectors import BODY_VECTOR, RATE, Geometry, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
 from .time_functions import function_values
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .system import System, Work
+
 
 # The codes of model.arrays.records; a test compares them.
 ELEMENT, FRICTION = 5, 6
@@ -26,7 +33,7 @@ SMALL = 1e-6  # of the creep speed: tanh(x)/x is 1 there
 
 
 @kernel
-def add_element(system, work, k, f):
+def add_element(system: "System", work: "Work", k: int, f: "np.ndarray") -> float:
     """Add element k to f (n,); returns the power of what stores no energy."""
     load, answer = system.loads[k], work.responses[k]
     if load["kind"] == FRICTION:
@@ -44,7 +51,7 @@ def add_element(system, work, k, f):
 
 
 @kernel
-def add_along_line(geometry, k, share, f):
+def add_along_line(geometry: Any, k: int, share, f) -> None:
     """Add to f the force `share` times V of primitive k that drives its ends apart."""
     d, ends = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), geometry.primitives[k]["ends"]
     add_vector_row(geometry, ends[0, 1], d, -share, True, f)
@@ -52,7 +59,7 @@ def add_along_line(geometry, k, share, f):
 
 
 @kernel
-def _fill_coordinate(geometry, work, load, answer):
+def _fill_coordinate(geometry: Geometry, work: "Work", load: "np.void", answer: "np.ndarray") -> bool:
     """Coordinate and rate of an element; whether it has a direction: ends that coincide have none."""
     k = load["primitive"]
     if load["in_line"]:
@@ -72,7 +79,7 @@ def _fill_coordinate(geometry, work, load, answer):
 
 
 @kernel
-def _effort(system, load, answer):
+def _effort(system: "System", load: "np.void", answer: "np.ndarray") -> tuple[float, float]:
     """Effort along the coordinate, and the part of it that has a potential; fills slopes and energy."""
     x, v = answer[COORDINATE], answer[SPEED]
     if load["shape"] == STOP:
@@ -100,7 +107,7 @@ def _effort(system, load, answer):
 
 
 @kernel
-def _pushed_back(load, depth, approach, sign, answer):
+def _pushed_back(load, depth, approach, sign, answer: "np.ndarray"):
     """A stop at a depth that grows at `approach`: effort, its part with a potential; fills slopes."""
     k, b = load["stiffness"], load["damping"]
     share = max(0.0, 1.0 + b * approach)
@@ -111,7 +118,7 @@ def _pushed_back(load, depth, approach, sign, answer):
 
 
 @kernel
-def _add_friction(system, work, load, answer, f):
+def _add_friction(system: Any, work, load, answer: "np.ndarray", f):
     """Friction of a joint by the force NORMAL between its parts; returns its power."""
     geometry, r = geometry_of(system, work), load["radius"]
     turning = primitive_rates(geometry, load["primitive"])[0] * r if load["primitive"] >= 0 else 0.0
@@ -129,7 +136,7 @@ def _add_friction(system, work, load, answer, f):
 
 
 @kernel
-def friction_share(load, v):
+def friction_share(load, v: tuple[float, float, float]):
     """μ(v)/v and dμ/dv at the sliding speed v >= 0."""
     x, fade = v / load["creep"], math.exp(-((v / load["stribeck"]) ** 2))
     mu = load["dynamic"] + (load["static"] - load["dynamic"]) * fade
@@ -140,7 +147,9 @@ def friction_share(load, v):
 
 
 @kernel
-def add_element_slope(geometry, work, load, k, by_position, by_speed, y):
+def add_element_slope(
+    geometry: Any, work, load, k: int, by_position: float, by_speed: float, y: "np.ndarray"
+) -> None:
     """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
     answer, r = work.responses[k], load["radius"]
     amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]

@@ -6,11 +6,26 @@ with the plus that is printed, energy and angular momentum are not conserved.  N
 length of the finite-element model.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @kernel
-def moving_inertia(eta, J0, J1, J2, C0, C1, T, S_tt, S_tf):
+def moving_inertia(
+    eta: "np.ndarray",
+    J0: "np.ndarray",
+    J1: "np.ndarray",
+    J2: "np.ndarray",
+    C0: "np.ndarray",
+    C1: "np.ndarray",
+    T: "np.ndarray",
+    S_tt: "np.ndarray",
+    S_tf: "np.ndarray",
+) -> None:
     """Fill T (N, 3, 3), S_tt (3, 3) and S_tf (3, N) at the modal coordinates eta (N,).
 
     T_k = sum_l eta_l J2_kl is all that the rates and forces need of J2.
@@ -31,7 +46,7 @@ def moving_inertia(eta, J0, J1, J2, C0, C1, T, S_tt, S_tf):
 
 
 @kernel
-def _turned_inertia(eta, J2, T):
+def _turned_inertia(eta: "np.ndarray", J2: "np.ndarray", T: "np.ndarray") -> None:
     """T = sum_l eta_l J2_l (3, 3), in the order in which J2 (N, 3, 3) lies in memory."""
     t00 = t01 = t02 = t10 = t11 = t12 = t20 = t21 = t22 = 0.0
     for l in range(eta.shape[0]):
@@ -51,7 +66,7 @@ def _turned_inertia(eta, J2, T):
 
 
 @kernel
-def first_moment(eta, s0, S1, s):
+def first_moment(eta: "np.ndarray", s0: "np.ndarray", S1: "np.ndarray", s: "np.ndarray") -> None:
     """s = s0 + S1 eta (3,)."""
     for a in range(3):
         total = s0[a]
@@ -61,7 +76,16 @@ def first_moment(eta, s0, S1, s):
 
 
 @kernel
-def mass_matrix(A, m, s, S1, S_tt, S_tf, Mff, M):
+def mass_matrix(
+    A: "np.ndarray",
+    m: float,
+    s: "np.ndarray",
+    S1: "np.ndarray",
+    S_tt: "np.ndarray",
+    S_tf: "np.ndarray",
+    Mff: "np.ndarray",
+    M: "np.ndarray",
+) -> None:
     """Fill M (6 + N, 6 + N), symmetric; A (3, 3) turns body axes into global ones."""
     N = Mff.shape[0]
     for a in range(3):
@@ -84,7 +108,19 @@ def mass_matrix(A, m, s, S1, S_tt, S_tf, Mff, M):
 
 
 @kernel
-def velocity_forces(A, w, etad, s, S1, S_tt, S_tf, J1, T, C1, f):
+def velocity_forces(
+    A: "np.ndarray",
+    w: "np.ndarray",
+    etad: "np.ndarray",
+    s: "np.ndarray",
+    S1: "np.ndarray",
+    S_tt: "np.ndarray",
+    S_tf: "np.ndarray",
+    J1: "np.ndarray",
+    T: "np.ndarray",
+    C1: "np.ndarray",
+    f: "np.ndarray",
+) -> None:
     """Fill f (6 + N,) with the quadratic velocity forces at the angular velocity w (3,), body axes."""
     N = etad.shape[0]
     v0, v1, v2 = 0.0, 0.0, 0.0
@@ -111,7 +147,15 @@ def velocity_forces(A, w, etad, s, S1, S_tt, S_tf, J1, T, C1, f):
 
 
 @kernel
-def _turning_forces(w, etad, S_tt, S_tf, J1, T, f):
+def _turning_forces(
+    w: "np.ndarray",
+    etad: "np.ndarray",
+    S_tt: "np.ndarray",
+    S_tf: "np.ndarray",
+    J1: "np.ndarray",
+    T: "np.ndarray",
+    f: "np.ndarray",
+) -> None:
     """Rows 3 to 5: -w × (S_tt w - S_tf η̇) - Ṡ_tt w, with Ṡ_tt = sum_k η̇_k (J1_k + T_k + T_kᵀ)."""
     h = (0.0, 0.0, 0.0)
     for b in range(3):
@@ -128,7 +172,9 @@ def _turning_forces(w, etad, S_tt, S_tf, J1, T, f):
 
 
 @kernel
-def add_gravity(A, m, s, S1, g, f):
+def add_gravity(
+    A: "np.ndarray", m: float, s: "np.ndarray", S1: "np.ndarray", g: "np.ndarray", f: "np.ndarray"
+) -> None:
     """Add gravity g (3,), global axes, m/s²: (66)-(69), M times a uniform acceleration."""
     b0 = A[0, 0] * g[0] + A[1, 0] * g[1] + A[2, 0] * g[2]
     b1 = A[0, 1] * g[0] + A[1, 1] * g[1] + A[2, 1] * g[2]
@@ -143,7 +189,15 @@ def add_gravity(A, m, s, S1, g, f):
 
 
 @kernel
-def add_elastic_forces(w, eta, etad, Kr, Dr, KG, f):
+def add_elastic_forces(
+    w: "np.ndarray",
+    eta: "np.ndarray",
+    etad: "np.ndarray",
+    Kr: "np.ndarray",
+    Dr: "np.ndarray",
+    KG: "np.ndarray",
+    f: "np.ndarray",
+) -> float:
     """Add -(K η + D η̇) and the centrifugal stiffening, -sum (w~ w~)_ij KG_ij η; KG (3, 3, N, N) or empty.
 
     Returns the power of damping and stiffening, W: that of K η is stored.

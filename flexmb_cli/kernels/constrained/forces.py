@@ -6,14 +6,19 @@ moved.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..linalg.rotation import rotate
 from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, vector
 from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
 from .elements import COORDINATE, EFFORT, ELEMENT, ENERGY, POWER, SPEED, add_element
-from .system import A
+from .system import A, System, Work
 from .time_functions import function_values
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 # The codes of model.arrays.records; a test compares them.
 FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
@@ -21,7 +26,7 @@ AT_REST = 1e-300
 
 
 @kernel
-def add_applied_forces(system, work, u, t, f):
+def add_applied_forces(system: System, work: Work, u: "np.ndarray", t: float, f: "np.ndarray") -> float:
     """Add all applied forces to f (n,).
 
     Returns the power of those that store no energy: forces, torques and dampers.
@@ -44,7 +49,9 @@ def add_applied_forces(system, work, u, t, f):
 
 
 @kernel
-def _add_vector(system, work, load, factor, u, f):
+def _add_vector(
+    system: System, work: Work, load: "np.void", factor: float, u: "np.ndarray", f: "np.ndarray"
+) -> float:
     p, v = load["body_vector"], load["vector"]
     b = system.body_vectors[p]["body"]
     if b < 0:
@@ -66,12 +73,12 @@ def _add_vector(system, work, load, factor, u, f):
 
 
 @kernel
-def _length(d):
+def _length(d: tuple[float, float, float]) -> float:
     return math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
 
 
 @kernel
-def _add_line(system, work, load, answer, f):
+def _add_line(system: System, work: Work, load: "np.void", answer: "np.ndarray", f: "np.ndarray") -> float:
     """Spring and damper along V of a primitive; returns the power of the damper.
 
     Ends that coincide leave the direction open: no force acts then.
@@ -92,7 +99,7 @@ def _add_line(system, work, load, answer, f):
 
 
 @kernel
-def _stretch(system, work, load):
+def _stretch(system: System, work: Work, load: "np.void") -> float:
     turn = system.primitives[load["primitive"]]["turn"]
     expected = work.angles[turn] if turn >= 0 else 0.0
     return primitive_value(geometry_of(system, work), load["primitive"], expected) - load["free_length"]
@@ -116,7 +123,7 @@ def _add_relative(system, work, load, answer, t, f):
 
 
 @kernel
-def spring_energy(system, work):
+def spring_energy(system: System, work: Work) -> float:
     """Energy of springs, J, at placed body vectors; that of elements is the one of the forces found last."""
     total = 0.0
     for k in range(system.loads.shape[0]):

@@ -10,10 +10,15 @@ whole blocks (6 + N, 6 + N) of the flexible ones in work.modal.
 """
 
 from collections import namedtuple
+from typing import TYPE_CHECKING
 
 from .._jit import kernel, part, plain
 from . import floating_frame
-from .system import PRODUCT, A
+from .system import PRODUCT, A, System, Work
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 Inertia = namedtuple("Inertia", "masses flexible mass modal")
 Inertia.__doc__ = """The mass matrix of a mechanism: what products with it need of a System and its Work.
@@ -23,13 +28,13 @@ masses, flexible: those of the System.  mass, modal: those of the Work.
 
 
 @plain
-def inertia_of(system, work):
+def inertia_of(system: System, work: Work) -> Inertia:
     """The mass matrix at hand: views, which follow the work."""
     return Inertia(system.masses, system.flexible, work.mass, work.modal)
 
 
 @kernel
-def constants_of(flat, f):
+def constants_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
     """S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N), KG of a body."""
     N, at = f["modes"], f["constants"]
     S1 = flat[at : at + 3 * N].reshape(3, N)
@@ -52,7 +57,7 @@ def constants_of(flat, f):
 
 
 @kernel
-def places_of(flat, f):
+def places_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
     """s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work."""
     N, at = f["modes"], f["places"]
     width = 6 + N
@@ -65,7 +70,7 @@ def places_of(flat, f):
 
 
 @kernel
-def mass_matrices(system, work, q):
+def mass_matrices(system: System, work: Work, q: "np.ndarray") -> None:
     """Fill the mass matrices at q, where the rotation matrices belong to q."""
     masses, matrix = system.masses, work.mass
     for b in range(masses.shape[0]):
@@ -87,7 +92,7 @@ def mass_matrices(system, work, q):
 
 
 @part
-def _flexible_mass(system, work, f, q):
+def _flexible_mass(system: System, work: Work, f: "np.void", q: "np.ndarray") -> None:
     S1, J1, J2, C0, C1, Mff, _, _, _ = constants_of(system.modal, f)
     s, S_tt, S_tf, T, M, _ = places_of(work.modal, f)
     b, at = f["body"], 7 * system.masses.shape[0] + f["first"]
@@ -98,7 +103,7 @@ def _flexible_mass(system, work, f, q):
 
 
 @kernel
-def mass_times(inertia, x, y):
+def mass_times(inertia: Inertia, x: "np.ndarray", y: "np.ndarray") -> None:
     """y = M x for x, y (n,); zeros in x cost nothing."""
     masses = inertia.masses
     for k in range(x.shape[0]):
@@ -124,7 +129,9 @@ def mass_times(inertia, x, y):
 
 
 @part
-def inertia_and_elastic_forces(system, work, q, u, f):
+def inertia_and_elastic_forces(
+    system: System, work: Work, q: "np.ndarray", u: "np.ndarray", f: "np.ndarray"
+) -> float:
     """Fill f (n,) with quadratic velocity forces, gravity, elastic forces; the mass matrices belong to q.
 
     Returns the power of those that store no energy: damping and centrifugal stiffening.
@@ -141,7 +148,7 @@ def inertia_and_elastic_forces(system, work, q, u, f):
 
 
 @part
-def _gyroscopic_forces(mass, axes, u, f):
+def _gyroscopic_forces(mass: "np.void", axes: "np.ndarray", u: "np.ndarray", f: "np.ndarray") -> None:
     s, J = mass["moment"], mass["inertia"]
     w0, w1, w2 = u[3], u[4], u[5]
     along = w0 * s[0] + w1 * s[1] + w2 * s[2]
@@ -159,7 +166,7 @@ def _gyroscopic_forces(mass, axes, u, f):
 
 
 @part
-def _add_weight(mass, axes, g, f):
+def _add_weight(mass: "np.void", axes: "np.ndarray", g: "np.ndarray", f: "np.ndarray") -> None:
     s = mass["moment"]
     b0 = axes[0, 0] * g[0] + axes[1, 0] * g[1] + axes[2, 0] * g[2]
     b1 = axes[0, 1] * g[0] + axes[1, 1] * g[1] + axes[2, 1] * g[2]
@@ -172,7 +179,9 @@ def _add_weight(mass, axes, g, f):
 
 
 @part
-def _flexible_forces(system, work, flexible, q, u, f):
+def _flexible_forces(
+    system: System, work: Work, flexible: "np.void", q: "np.ndarray", u: "np.ndarray", f: "np.ndarray"
+) -> float:
     S1, J1, _, _, C1, _, Kr, Dr, KG = constants_of(system.modal, flexible)
     s, S_tt, S_tf, T, _, own = places_of(work.modal, flexible)
     b, N, bodies = flexible["body"], flexible["modes"], system.masses.shape[0]
@@ -190,7 +199,7 @@ def _flexible_forces(system, work, flexible, q, u, f):
 
 
 @kernel
-def kinetic_energy(system, work, u):
+def kinetic_energy(system: System, work: Work, u: "np.ndarray") -> float:
     """½ uᵀ M u, J."""
     product, total = work.vectors[PRODUCT], 0.0
     mass_times(inertia_of(system, work), u, product)
@@ -200,7 +209,7 @@ def kinetic_energy(system, work, u):
 
 
 @kernel
-def strain_energy(system, q):
+def strain_energy(system: System, q: "np.ndarray") -> float:
     """½ ηᵀ K η of all flexible bodies, J."""
     total = 0.0
     for k in range(system.flexible.shape[0]):
@@ -213,7 +222,7 @@ def strain_energy(system, q):
 
 
 @kernel
-def weight_energy(system, work, q):
+def weight_energy(system: System, work: Work, q: "np.ndarray") -> float:
     """Energy of gravity, J, where rotation matrices and mass matrices belong to q."""
     total, g = 0.0, system.gravity
     for b in range(system.masses.shape[0]):

@@ -14,11 +14,11 @@ import numpy as np
 from .._jit import part
 from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, transposed_solution
 from .mass_matrix import inertia_of, mass_times
-from .system import FORCES, FREE, PRODUCT
+from .system import FORCES, FREE, PRODUCT, System, Work
 
 
 @part
-def fill_multipliers(system, work, ud, lam):
+def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray) -> None:
     """Fill lam (m,) from the rates ud of the speeds, by the factors and forces at hand."""
     rank, m = work.rank[0], lam.shape[0]
     forces, product, borne = work.vectors[FORCES], work.vectors[PRODUCT], work.vectors[FREE]
@@ -37,7 +37,7 @@ def fill_multipliers(system, work, ud, lam):
 
 
 @part
-def _share(work, borne, lam):
+def _share(work: Work, borne: np.ndarray, lam: np.ndarray) -> None:
     """Spread what the independent rows bear over all rows, to least norm."""
     rank, order, m = work.rank[0], work.order, lam.shape[0]
     count = m - rank
@@ -67,7 +67,7 @@ def _share(work, borne, lam):
 
 
 @part
-def fill_wrenches(system, work, lam, wrenches):
+def fill_wrenches(system: System, work: Work, lam: np.ndarray, wrenches: np.ndarray) -> None:
     """Fill wrenches (groups, 2, 6): on the bodies i and j of every group its force, global
     axes, N, and its torque about the body's origin, body axes, N m; 0 on the ground."""
     for c in range(system.groups.shape[0]):

@@ -13,14 +13,14 @@ from .accelerations import factorise_at, solve
 from .body_vectors import geometry_of, place_vectors
 from .constraint_primitives import equation_residuals, equation_velocities
 from .speeds import move
-from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, A
+from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, A, System, Work
 
 MOST_CORRECTIONS = 12
 ROUND_OFF = 4e-16
 
 
 @kernel
-def largest_gap(system, work):
+def largest_gap(system: System, work: Work) -> tuple[float, int]:
     """Largest scaled equation in PHI, and its row; NaN counts as infinite."""
     found, worst = 0.0, 0
     for row in range(work.rows.shape[1]):
@@ -31,7 +31,7 @@ def largest_gap(system, work):
 
 
 @kernel
-def evaluate_residual(system, work, q, t, expected):
+def evaluate_residual(system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray) -> float:
     """Fill PHI at q; returns the largest scaled equation of the independent ones."""
     rotation_matrices(q, work.rotations[A])
     place_vectors(geometry_of(system, work), q)
@@ -47,7 +47,7 @@ def evaluate_residual(system, work, q, t, expected):
 
 
 @kernel
-def project_position(system, work, q, t, expected):
+def project_position(system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray) -> int:
     """Improve q until the independent equations are met to round-off: a code.
 
     The factors of the first position serve all corrections: q comes from an accurate step.
@@ -70,14 +70,14 @@ def project_position(system, work, q, t, expected):
 
 
 @kernel
-def fill_nu(system, t, nu):
+def fill_nu(system: System, t: float, nu: np.ndarray) -> None:
     """Fill nu (m,), the right-hand side of J u = ν."""
     equations.velocity(system.constraints, t, nu)
     equation_velocities(system, t, nu)
 
 
 @kernel
-def rate_gap(system, work, u, t):
+def rate_gap(system: System, work: Work, u: np.ndarray, t: float) -> float:
     """Fill GAMMA with ν - J u, where the Jacobian belongs to the position; returns the largest scaled."""
     gamma = work.rows[GAMMA]
     fill_nu(system, t, gamma)
@@ -90,7 +90,7 @@ def rate_gap(system, work, u, t):
 
 
 @kernel
-def project_speeds(system, work, q, u, t):
+def project_speeds(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) -> tuple[int, float]:
     """Correct u to meet the rates of the equations at q; returns (code, largest scaled rate left)."""
     code = factorise_at(system, work, q)
     if code != SOLVED:

@@ -1,6 +1,7 @@
 """What is reported of a mechanism at one time: accelerations, constraint forces, energies, residuals."""
 
 from collections import namedtuple
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from .accelerations import accelerations
@@ -8,7 +9,11 @@ from .forces import spring_energy
 from .mass_matrix import kinetic_energy, strain_energy, weight_energy
 from .multipliers import fill_multipliers, fill_wrenches
 from .projection import evaluate_residual, largest_gap, rate_gap
-from .system import SOLVED
+from .system import SOLVED, System, Work
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 Report = namedtuple("Report", "times states rates wrenches multipliers powers audit responses")
 Report.__doc__ = """T rows of a mechanism of b bodies with n speeds and m equations.
@@ -21,7 +26,7 @@ scaled gap and its rate.  responses (T, loads, 8): of springs and elements, see 
 
 
 @kernel
-def coordinates_and_speeds(system, z):
+def coordinates_and_speeds(system: System, z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray]":
     """The parts q and u of a state."""
     n = system.speed_scale.shape[0]
     end = n + system.masses.shape[0]
@@ -29,7 +34,9 @@ def coordinates_and_speeds(system, z):
 
 
 @kernel
-def observe(system, work, z, t, expected, report, row):
+def observe(
+    system: System, work: Work, z: "np.ndarray", t: float, expected: "np.ndarray", report: Report, row: int
+) -> int:
     """Fill one row of `report` for the state z at t; a code."""
     q, u = coordinates_and_speeds(system, z)
     code, power = accelerations(system, work, q, u, t, report.rates[row])
@@ -39,7 +46,16 @@ def observe(system, work, z, t, expected, report, row):
 
 
 @kernel
-def complete(system, work, z, t, expected, power, report, row):
+def complete(
+    system: System,
+    work: Work,
+    z: "np.ndarray",
+    t: float,
+    expected: "np.ndarray",
+    power: float,
+    report: Report,
+    row: int,
+) -> None:
     """Fill a row of `report` whose rates have just been found, by the factors at hand."""
     q, u = coordinates_and_speeds(system, z)
     report.powers[row] = power
@@ -58,13 +74,13 @@ def complete(system, work, z, t, expected, power, report, row):
 
 
 @kernel
-def _expect(angles, expected):
+def _expect(angles: "np.ndarray", expected: "np.ndarray") -> None:
     for k in range(angles.shape[0]):
         angles[k] = expected[k]
 
 
 @kernel
-def observe_rows(system, work, expected, report):
+def observe_rows(system: System, work: Work, expected: "np.ndarray", report: Report) -> int:
     """Fill all rows for states that are already there; expected (T, screws).  Returns the rows filled."""
     for row in range(report.times.shape[0]):
         _expect(work.angles, expected[row])

@@ -4,11 +4,18 @@ Young (1996), chapter 3: ω = 2 L ṗ in body axes as 2 G ṗ (3.35) in global o
 p̈ = ½ Lᵀ ω̇ - ¼ ω² p for |p| = 1.  A constraint row Φ_r, Φ_p on coordinate rates is Φ_r, ½ Φ_p Lᵀ on speeds.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @kernel
-def parameter_rates(p, at, w, out, to):
+def parameter_rates(
+    p: "np.ndarray", at: int, w: tuple[float, float, float], out: "np.ndarray", to: int
+) -> None:
     """out[to:to+4] = ½ Lᵀ w for the Euler parameters p[at:at+4] and w = (w0, w1, w2), body axes."""
     e0, e1, e2, e3 = p[at], p[at + 1], p[at + 2], p[at + 3]
     out[to] = -0.5 * (e1 * w[0] + e2 * w[1] + e3 * w[2])
@@ -18,7 +25,7 @@ def parameter_rates(p, at, w, out, to):
 
 
 @kernel
-def coordinate_rates(bodies, q, u, qd):
+def coordinate_rates(bodies: int, q: "np.ndarray", u: "np.ndarray", qd: "np.ndarray") -> None:
     """Fill qd (7 bodies + modes,) from coordinates q and speeds u (6 bodies + modes,)."""
     for mode in range(q.shape[0] - 7 * bodies):
         qd[7 * bodies + mode] = u[6 * bodies + mode]
@@ -30,7 +37,9 @@ def coordinate_rates(bodies, q, u, qd):
 
 
 @kernel
-def coordinate_accelerations(bodies, q, u, ud, qdd):
+def coordinate_accelerations(
+    bodies: int, q: "np.ndarray", u: "np.ndarray", ud: "np.ndarray", qdd: "np.ndarray"
+) -> None:
     """Fill qdd (7 bodies + modes,) from coordinates, speeds and the rates of the speeds."""
     coordinate_rates(bodies, q, ud, qdd)
     for body in range(bodies):
@@ -41,7 +50,7 @@ def coordinate_accelerations(bodies, q, u, ud, qdd):
 
 
 @kernel
-def speeds_of_rates(bodies, q, qd, u):
+def speeds_of_rates(bodies: int, q: "np.ndarray", qd: "np.ndarray", u: "np.ndarray") -> None:
     """Give p the length 1 and fill u from qd, ω with 2 L ṗ: the inverse of `coordinate_rates`."""
     normalise(bodies, q)
     for mode in range(q.shape[0] - 7 * bodies):
@@ -58,7 +67,9 @@ def speeds_of_rates(bodies, q, qd, u):
 
 
 @kernel
-def speed_jacobian(bodies, q, phi_q, jacobian):
+def speed_jacobian(
+    bodies: "np.ndarray", q: "np.ndarray", phi_q: "np.ndarray", jacobian: "np.ndarray"
+) -> None:
     """Fill the first rows of jacobian (m, n) with phi_q (r, 14) turned from coordinates to speeds.
 
     bodies (r, 2): bodies of the two halves of each row; only their columns are written.
@@ -80,7 +91,9 @@ def speed_jacobian(bodies, q, phi_q, jacobian):
 
 
 @kernel
-def add_turning(bodies, q, u, phi_q, gamma):
+def add_turning(
+    bodies: "np.ndarray", q: "np.ndarray", u: "np.ndarray", phi_q: "np.ndarray", gamma: "np.ndarray"
+) -> None:
     """Add ¼ ω² Φ_p p to gamma (m,): what ½ Lᵀ ω̇ leaves of p̈."""
     for row in range(phi_q.shape[0]):
         for half in range(2):
@@ -93,7 +106,7 @@ def add_turning(bodies, q, u, phi_q, gamma):
 
 
 @kernel
-def move(bodies, q, step):
+def move(bodies: int, q: "np.ndarray", step: "np.ndarray") -> None:
     """Move q by small displacements and turns `step` (6 bodies + modes,), and give every p length 1."""
     for mode in range(q.shape[0] - 7 * bodies):
         q[7 * bodies + mode] += step[6 * bodies + mode]
@@ -111,7 +124,7 @@ def move(bodies, q, step):
 
 
 @kernel
-def normalise(bodies, q):
+def normalise(bodies: int, q: "np.ndarray") -> None:
     """Give the Euler parameters of every body length 1."""
     for body in range(bodies):
         k = 7 * body + 3

@@ -5,6 +5,7 @@ body, then all η̇; its coordinates q (n + b,) are r and p of every body, then 
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +50,7 @@ SOLVED, SINGULAR, NO_INERTIA = 0, 1, 2
 
 
 @plain
-def make_work(system, angles):
+def make_work(system: System, angles: int) -> Work:
     """Work for a mechanism with `angles` angles."""
     bodies, m, n = system.masses.shape[0], system.row_scale.shape[0], system.speed_scale.shape[0]
     modal = 0
@@ -83,12 +84,12 @@ def make_work(system, angles):
 
 
 @plain
-def columns_of(system):
+def columns_of(system: Any):
     """Columns (m, 1 + c) of each equation's Jacobian that may be other than zero, behind their number."""
     first, bodies = system.bodies.shape[0], system.masses.shape[0]
     found = [_speeds_of({(int(body), 0, 0) for body in pair}, bodies) for pair in system.bodies]
     for row in range(first, system.row_scale.shape[0]):
-        body_vectors, k = set(), row - first
+        body_vectors, k = set(), row - first  # type: ignore[var-annotated]
         while k >= 0:
             primitive = system.primitives[k]
             body_vectors.update(map(int, primitive["ends"].ravel() if primitive["alpha"] else ()))
@@ -112,11 +113,11 @@ def columns_of(system):
 
 
 @plain
-def _speeds_of(parts, bodies):
+def _speeds_of(parts, bodies: int):
     """Sorted speeds that (body, first modal coordinate, number of modes) of some body vectors have; none at
     -1.
     """
-    speeds = set()
+    speeds: set[Any] = set()
     for body, first, modes in parts:
         if body >= 0:
             speeds.update(range(6 * body, 6 * body + 6))

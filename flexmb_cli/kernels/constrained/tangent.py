@@ -4,17 +4,26 @@ Modes contribute their K and D.  A spring along a line or in a joint, whose leng
 gᵀ u, contributes k g gᵀ and c g gᵀ; what turns its force is left to the iteration.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel, part
 from ..linalg.rotation import dot
-from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, move_vectors, vector
+from .body_vectors import BODY_VECTOR, RATE, Geometry, add_vector_row, geometry_of, move_vectors, vector
 from .constraint_primitives import add_primitive_row, primitive_rates
 from .elements import ELEMENT, add_element_slope
 from .forces import AT_REST, LINE, RELATIVE
 from .mass_matrix import constants_of, inertia_of, mass_times
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .system import System, Work
+
 
 @part
-def tangent_times(system, work, by_position, by_speed, x, y):
+def tangent_times(
+    system: "System", work: "Work", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
+) -> None:
     """y = (M + by_position K + by_speed D) x for x, y (n,) where the body vectors are placed; moves the body
     vectors by x.
     """
@@ -23,7 +32,9 @@ def tangent_times(system, work, by_position, by_speed, x, y):
 
 
 @kernel
-def add_stiff(system, work, by_position, by_speed, x, y):
+def add_stiff(
+    system: "System", work: "Work", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
+) -> None:
     """y += (by_position K + by_speed D) x, as `tangent_times`."""
     for k in range(system.flexible.shape[0]):
         _add_flexible(system, system.flexible[k], by_position, by_speed, x, y)
@@ -43,7 +54,9 @@ def add_stiff(system, work, by_position, by_speed, x, y):
 
 
 @part
-def _add_flexible(system, f, by_position, by_speed, x, y):
+def _add_flexible(
+    system: "System", f: "np.void", by_position: float, by_speed: float, x: "np.ndarray", y: "np.ndarray"
+) -> None:
     constants, N, modal = constants_of(system.modal, f), f["modes"], 6 * system.masses.shape[0] + f["first"]
     K, D = constants[6], constants[7]
     for j in range(N):
@@ -54,7 +67,7 @@ def _add_flexible(system, f, by_position, by_speed, x, y):
 
 
 @part
-def _add_line(geometry, k, amount, y):
+def _add_line(geometry: Geometry, k: int, amount: float, y: "np.ndarray") -> None:
     d, v = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), vector(geometry.relative_vectors[RATE, k], 0)
     square = dot(d, d)
     if square > AT_REST:

@@ -1,15 +1,22 @@
 """Functions of time with their first two derivatives; formulas and kinds as in `model.time_functions`."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 # The codes of model.time_functions and model.arrays.records; a test compares them.
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
 
 @kernel
-def function_values(functions, knots, number, t):
+def function_values(
+    functions: "np.ndarray", knots: "np.ndarray", number: int, t: float
+) -> tuple[float, float, float]:
     """Value, rate and second rate of function `number` at t.  knots (k, 3): time, value, second
     derivative.
     """
@@ -19,7 +26,9 @@ def function_values(functions, knots, number, t):
 
 
 @kernel
-def _simple(functions, knots, number, t):
+def _simple(
+    functions: "np.ndarray", knots: "np.ndarray", number: int, t: float
+) -> tuple[float, float, float]:
     function = functions[number]
     kind, c = function["kind"], function["c"]
     if kind == POLYNOMIAL:
@@ -37,7 +46,7 @@ def _simple(functions, knots, number, t):
 
 
 @kernel
-def _spin_up(w, T, t):
+def _spin_up(w: float, T: float, t: float) -> tuple[float, float, float]:
     if t >= T:
         return w * (t - 0.5 * T), w, 0.0
     lap = T / (2.0 * math.pi)
@@ -46,7 +55,7 @@ def _spin_up(w, T, t):
 
 
 @kernel
-def _table(knots, first, last, t, held):
+def _table(knots: "np.ndarray", first: int, last: int, t: float, held: bool) -> tuple[float, float, float]:
     """Cubic through the knots first to last; outside it goes on straight, or keeps its value where `held`."""
     inside = min(max(t, knots[first, 0]), knots[last, 0])
     while last - first > 1:
@@ -68,7 +77,7 @@ def _table(knots, first, last, t, held):
 
 
 @kernel
-def _piecewise(knots, first, c, t):
+def _piecewise(knots: "np.ndarray", first: int, c: "np.ndarray", t: float) -> tuple[float, float, float]:
     """The polynomial of the piece at t; c: number of pieces, of coefficients, of rows of knots a piece."""
     pieces, count, rows = int(c[0]), int(c[1]), int(c[2])
     low, high = 0, pieces
@@ -88,7 +97,7 @@ def _piecewise(knots, first, c, t):
 
 
 @kernel
-def _compound(functions, knots, number, t):
+def _compound(functions: Any, knots: "np.ndarray", number: int, t: float) -> tuple[float, float, float]:
     """A sum of products; its rows of knots: number of the term, of the function that is a factor."""
     value = rate = bend = 0.0
     f, fd, fdd = 1.0, 0.0, 0.0

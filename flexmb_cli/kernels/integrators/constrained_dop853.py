@@ -9,13 +9,14 @@ II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
 from .._jit import kernel
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, expect_angles, unwrap_angles
-from ..constrained.report import coordinates_and_speeds
-from ..constrained.system import SOLVED
+from ..constrained.report import Report, coordinates_and_speeds
+from ..constrained.system import SOLVED, System, Work
 from ..linalg.copying import copy
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import (
@@ -43,7 +44,7 @@ slopes (16, N).  dense (7, N).  units (N,): a state's unit.  angles (3, angles):
 """
 
 
-def new_integration(work, angles):
+def new_integration(work, angles: int) -> Integration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = 2 * work.jacobian.shape[1] + work.mass.shape[0] + 1
     return Integration(
@@ -59,12 +60,12 @@ def new_integration(work, angles):
 
 
 @kernel
-def _normalise(integration, system, work):
+def _normalise(integration, system: Any, work) -> None:
     """Leave the Euler parameters as they are: the projection brings them to length one."""
 
 
 @kernel
-def _finish(integration, h, system, work):
+def _finish(integration, h: float, system: Any, work):
     """Project the end of a step and fill its slope; the factor on the step length, or minus that of a try."""
     clock = integration.clock[0]
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
@@ -83,7 +84,7 @@ def _finish(integration, h, system, work):
 
 
 @kernel
-def _holds(system, work, integration, h, moved):
+def _holds(system: System, work: Work, integration: Integration, h: float, moved) -> bool:
     """Return whether a step may be made, whose projected end is in trial and was `moved` by so much."""
     clock = integration.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
@@ -94,7 +95,7 @@ def _holds(system, work, integration, h, moved):
 
 
 @kernel
-def _watch(integration, system, work):
+def _watch(integration, system: Any, work):
     """Look for short steps, gaps and singular positions ahead; PHI belongs to the state."""
     clock = integration.clock[0]
     clock["longest"] = max(clock["longest"], clock["step_length"])
@@ -113,14 +114,14 @@ def _watch(integration, system, work):
 
 
 @kernel
-def _close(integration, system, work):
+def _close(integration, system: Any, work):
     """The projected end of a step is the start of the next."""
     copy(integration.slopes[STAGES], integration.slopes[0])
     return READY
 
 
 @kernel
-def _fill_row(integration, t, report, system, work):
+def _fill_row(integration, t: float, report, system: Any, work):
     """Fill a report row at a time up to the present one; a code."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
@@ -134,7 +135,9 @@ _advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_ro
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: System, work: Work, integration: Integration, report: Report, budget: int
+) -> int:
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -145,7 +148,7 @@ def integrate_rows(task, system, work, integration, report, budget):
 
 
 @kernel
-def _begin(integration, system, work):
+def _begin(integration: Integration, system: Any, work) -> int:
     clock = integration.clock[0]
     copy(integration.z, integration.old)
     copy(integration.z, integration.trial)

@@ -6,6 +6,8 @@ holds coordinates, speeds and the work of drivers and loads since the start.
 Projection: Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section VII.2.
 """
 
+from typing import Any
+
 import numpy as np
 
 from .._jit import kernel
@@ -24,7 +26,7 @@ REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 
 
 @kernel
-def slope(integration, stage, t, system, work):
+def slope(integration, stage: int, t: float, system: Any, work):
     """Fill the slope at `trial`; return whether there is one."""
     clock = integration.clock[0]
     clock["evaluations"] += 1
@@ -36,7 +38,7 @@ def slope(integration, stage, t, system, work):
 
 
 @kernel
-def differentiate(integration, stage, t, system, work):
+def differentiate(integration, stage: int, t: float, system: Any, work) -> None:
     """Fill the slope at `trial`, whose factors are at hand."""
     out = integration.slopes[stage]
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -47,7 +49,7 @@ def differentiate(integration, stage, t, system, work):
 
 
 @kernel
-def project(integration, t, system, work):
+def project(integration, t: float, system: Any, work):
     """Bring `trial` onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
@@ -67,7 +69,7 @@ def project(integration, t, system, work):
 
 
 @kernel
-def note_gap(integration, system, work):
+def note_gap(integration, system: Any, work) -> None:
     """Note the largest gap, whose equations belong to the state."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
@@ -80,7 +82,7 @@ def code_of_gap(integration):
 
 
 @kernel
-def interpolate_angles(integration, x):
+def interpolate_angles(integration, x) -> None:
     """Fill the angles expected at the fraction x of the last step."""
     angles = integration.angles
     for s in range(angles.shape[1]):
@@ -88,7 +90,7 @@ def interpolate_angles(integration, x):
 
 
 @kernel
-def report_trial(integration, t, x, report, system, work):
+def report_trial(integration, t: float, x, report, system: Any, work):
     """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code."""
     clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
     interpolate_angles(integration, x)

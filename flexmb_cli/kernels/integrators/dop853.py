@@ -4,7 +4,7 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .._jit import kernel
 from .clock import READY
@@ -13,6 +13,12 @@ from .error_norm import scaled_norm
 from .explicit_error import step_error
 from .singular_ahead import laid_out, leads_over
 from .time_loop import Method, time_loop
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
 
 SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
 # Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
@@ -48,7 +54,7 @@ def dop853(equations: Equations) -> Callable:
 
 def _attempts(slope, normalise, finish):
     @kernel
-    def attempt(integration, h, *arrays):
+    def attempt(integration, h: float, *arrays: "Any"):
         clock, trial = integration.clock[0], integration.trial
         for stage in range(1, STAGES):
             set_stage(integration.z, integration.slopes, stage, h, trial)
@@ -68,7 +74,7 @@ def _attempts(slope, normalise, finish):
 
 def _acceptance(slope, watch, close):
     @kernel
-    def fill_dense(integration, *arrays):
+    def fill_dense(integration, *arrays: "Any") -> None:
         clock, old, slopes = integration.clock[0], integration.old, integration.slopes
         start, h = clock["step_start"], clock["step_length"]
         for stage in range(STAGES + 1, ALL_STAGES):
@@ -80,7 +86,7 @@ def _acceptance(slope, watch, close):
         set_dense(old, integration.z, slopes, h, integration.dense)
 
     @kernel
-    def accept(integration, factor, *arrays):
+    def accept(integration, factor: float, *arrays: "Any"):
         clock = integration.clock[0]
         _end_step(integration, factor)
         code = watch(integration, *arrays)
@@ -92,19 +98,19 @@ def _acceptance(slope, watch, close):
 
 
 @kernel
-def _length(integration, *arrays):
+def _length(integration, *arrays: "Any"):
     clock = integration.clock[0]
     return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
 
 @kernel
-def _largest_error(clock, h):
+def _largest_error(clock: Any, h: float):
     """Error of a step of length h, in tolerances, that its projection may take away."""
     return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if leads_over(clock, h) else 1.0
 
 
 @kernel
-def _end_step(integration, factor):
+def _end_step(integration, factor: float) -> None:
     """Make the end of a step, which is in `trial`, the state."""
     clock, h = integration.clock[0], integration.clock[0]["length"]
     for i in range(integration.z.shape[0]):
@@ -119,7 +125,7 @@ def _end_step(integration, factor):
 
 
 @kernel
-def _reject(integration, h, factor, *arrays):
+def _reject(integration, h: float, factor: float, *arrays: "Any") -> None:
     clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -135,7 +141,7 @@ def first_step(integration, slope):
 
 
 @kernel
-def set_stage(z, slopes, stage, h, out):
+def set_stage(z: "np.ndarray", slopes: "np.ndarray", stage: int, h: float, out: "np.ndarray") -> None:
     """out = z + h (weights of `stage`) . slopes; slopes (16, n)."""
     for i in range(z.shape[0]):
         out[i] = z[i]
@@ -157,7 +163,7 @@ def next_factor(error, rejected):
 
 
 @kernel
-def set_dense(z, new, slopes, h, dense):
+def set_dense(z: "np.ndarray", new: "np.ndarray", slopes: "np.ndarray", h: float, dense) -> None:
     """Fill dense (7, n), the terms of the interpolating polynomial of the step from z to new."""
     for i in range(z.shape[0]):
         change = new[i] - z[i]
@@ -172,7 +178,7 @@ def set_dense(z, new, slopes, h, dense):
 
 
 @kernel
-def interpolate(z, dense, x, out):
+def interpolate(z: "np.ndarray", dense, x, out: "np.ndarray") -> None:
     """State at the fraction x of the step that began at z."""
     for i in range(z.shape[0]):
         total = 0.0

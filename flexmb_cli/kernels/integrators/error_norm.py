@@ -3,26 +3,32 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), eq. (II.4.11).
 """
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 MOST_MOVED = 10.0  # tolerances by which closing the loops may move the end of a step
 CLOSING = 1e-10  # share of a state that closing may move whatever the tolerance: gaps of 1e-13 m, and more
 
 
 @kernel
-def tolerance(clock, unit, size):
+def tolerance(clock: Any, unit, size: int):
     """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
     return clock["atol"] * unit + clock["rtol"] * size
 
 
 @kernel
-def displacement_tolerance(clock, unit):
+def displacement_tolerance(clock: Any, unit):
     """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
     return (clock["atol"] + clock["rtol"]) * unit
 
 
 @kernel
-def scaled_norm(integration, state, change):
+def scaled_norm(integration, state: "np.ndarray", change):
     """Root mean square of a change (N,), the work left out, against the tolerances at a state (N,)."""
     clock, total, counted = integration.clock[0], 0.0, change.shape[0] - 1
     for i in range(counted):
@@ -31,7 +37,7 @@ def scaled_norm(integration, state, change):
 
 
 @kernel
-def strayed(open_end, closed_end, clock):
+def strayed(open_end, closed_end, clock: Any):
     """Place in the state that closing the loops moved too far at the end of a step, or -1.
 
     A step that was good left the loops but for its error.  One across a singular position may land on

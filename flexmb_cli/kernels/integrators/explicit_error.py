@@ -3,20 +3,25 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import kernel
 from ..constrained.accelerations import solve
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
-from ..constrained.system import CORRECTION, GAMMA, QD
+from ..constrained.system import CORRECTION, GAMMA, QD, System, Work
 from ..linalg.rank_revealing_lu import row_times
 from .dop853_table import ERROR_3, ERROR_5, STAGES
 from .error_norm import displacement_tolerance, tolerance
 
+if TYPE_CHECKING:
+    from .constrained_dop853 import Integration
+
 
 @kernel
-def step_error(integration, h):
+def step_error(integration: "Integration", h: float) -> float:
     """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
     counted, worst, largest = z.shape[0] - 1, 0, 0.0
@@ -29,11 +34,11 @@ def step_error(integration, h):
         # `not <=` lets a nan through as the worst place.
         if not abs(error_5) <= largest:
             worst, largest = i, abs(error_5)
-    return _combined(h, square_5, square_3, counted), worst
+    return _combined(h, square_5, square_3, counted), worst  # type: ignore[return-value]
 
 
 @kernel
-def error_on_constraints(system, work, integration, h):
+def error_on_constraints(system: System, work: Work, integration: "Integration", h: float) -> float:
     """Error of the step from z to trial, which has been projected, whose factors are at hand.
 
     Only what the projection leaves of it counts: across a singular position, where the stages tell one
@@ -64,7 +69,7 @@ def error_on_constraints(system, work, integration, h):
 
 
 @kernel
-def _keep_allowed(system, work, change):
+def _keep_allowed(system: System, work: Work, change: np.ndarray) -> None:
     """Leave of a change (n,) of speeds what the constraints allow."""
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for row in range(gamma.shape[0]):
@@ -78,7 +83,7 @@ def _keep_allowed(system, work, change):
 
 
 @kernel
-def _weighted(weights, slopes, i):
+def _weighted(weights: np.ndarray, slopes: np.ndarray, i: int) -> float:
     total = 0.0
     for j in range(STAGES):
         total += weights[j] * slopes[j, i]
@@ -86,7 +91,7 @@ def _weighted(weights, slopes, i):
 
 
 @kernel
-def _combined(h, square_5, square_3, counted):
+def _combined(h: float, square_5: float, square_3: float, counted: int) -> float:
     if square_5 == 0.0:
         return 0.0
     return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5

@@ -7,14 +7,15 @@ those of the equations of motion there.
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
 from .._jit import kernel
 from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
-from ..constrained.report import complete, coordinates_and_speeds
-from ..constrained.system import A
+from ..constrained.report import Report, complete, coordinates_and_speeds
+from ..constrained.system import A, System, Work
 from ..linalg.copying import copy
 from ..linalg.rotation import rotation_matrices
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
@@ -58,12 +59,12 @@ of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
 
 
-def new_integration(work, angles):
+def new_integration(work: Any, angles: Any) -> AlphaIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return AlphaIntegration(
+    return AlphaIntegration(  # type: ignore[call-arg]
         new_clock(),
         np.zeros(1, MEMORY),
         *states,
@@ -77,7 +78,7 @@ def new_integration(work, angles):
 
 
 @kernel
-def _begin(integration, system, work):
+def _begin(integration: AlphaIntegration, system: System, work: Work) -> int:
     clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
     memory["start"] = clock["step_start"] = clock["t"]
     memory["left"], memory["span"] = 1.0, clock["stop"] - clock["t"]
@@ -95,19 +96,19 @@ def _begin(integration, system, work):
 
 
 @kernel
-def _first_step(system, integration):
+def _first_step(system: System, integration: AlphaIntegration) -> float:
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, fastest = integration.clock[0], fastest_change(system, integration)
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
 @kernel
-def _length(integration, system, work):
+def _length(integration, system: Any, work):
     return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _attempt(integration, h, system, work):
+def _attempt(integration, h: float, system: Any, work):
     """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
     clock, memory = integration.clock[0], integration.memory[0]
     if not solve_step(system, work, integration, h):
@@ -118,12 +119,12 @@ def _attempt(integration, h, system, work):
 
 
 @kernel
-def _reject(integration, h, factor, system, work):
+def _reject(integration, h: float, factor: float, system: Any, work) -> None:
     retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 
 @kernel
-def _holds(system, integration, h):
+def _holds(system: System, integration: AlphaIntegration, h: float) -> bool:
     """Return whether a step of length h is within the tolerance, and turns no body too far."""
     bodies, first = system.masses.shape[0], integration.z.shape[0] - 1 - integration.rates.shape[1]
     clock, memory = integration.clock[0], integration.memory[0]
@@ -135,7 +136,7 @@ def _holds(system, integration, h):
 
 
 @kernel
-def _accept(integration, factor, system, work):
+def _accept(integration: AlphaIntegration, factor: float, system: System, work: Work):
     """Make the end of a step the state; a code."""
     clock, memory, rates, z = integration.clock[0], integration.memory[0], integration.rates, integration.z
     last, h = z.shape[0] - 1, clock["length"]
@@ -159,7 +160,7 @@ def _accept(integration, factor, system, work):
 
 
 @kernel
-def _fill_row(integration, t, report, system, work):
+def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: System, work: Work) -> bool:
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)
@@ -169,21 +170,23 @@ def _fill_row(integration, t, report, system, work):
     interpolate_angles(integration, x)
     copy(angles[EXPECTED], work.angles)
     if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
-        return STEP_VANISHED
+        return STEP_VANISHED  # type: ignore[return-value]
     copy(integration.trial, report.states[row])
     copy(integration.rates[NEW], report.rates[row])
     complete(
         system, work, integration.trial, t, angles[EXPECTED], integration.memory[0]["new_power"], report, row
     )
     clock["row"] += 1
-    return READY
+    return READY  # type: ignore[return-value]
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME)
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: System, work: Work, integration: AlphaIntegration, report: Report, budget: int
+) -> int:
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -194,7 +197,7 @@ def integrate_rows(task, system, work, integration, report, budget):
 
 
 @kernel
-def _between(system, integration, x, point):
+def _between(system: Any, integration: AlphaIntegration, x: float, point: np.ndarray) -> Any:
     """Fill point with the state at the fraction x of the last step."""
     clock, memory, old, z, n = (
         integration.clock[0],

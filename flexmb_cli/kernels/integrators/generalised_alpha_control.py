@@ -6,9 +6,16 @@ to it: the longest step that is exact enough leads over the position, and no oth
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
 from .singular_ahead import LOOK, NOISE, ROUND_OFF, blur, leads_over, round_off
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..constrained.system import Work
+
 
 SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
 SHARE = 0.5  # of the step over a singular position that lies in front of it
@@ -23,7 +30,7 @@ PASSING = 0.005  # of the tolerance: error of a step over a singular position, o
 
 
 @kernel
-def share_of(clock, memory, work, h, fastest):
+def share_of(clock: "np.void", memory, work: "Work", h: float, fastest: float) -> float:
     """The share of the tolerance that a step of length h may err by, all of it where lengths are given.
 
     The few steps over singular positions have a share of their own.  No share is below what the round-off
@@ -41,7 +48,7 @@ def share_of(clock, memory, work, h, fastest):
 
 
 @kernel
-def left_over(clock, memory, work, share):
+def left_over(clock: "np.void", memory, work: "Work", share: float) -> float:
     """What iterations may leave of a step's share: steps of given length have their own error."""
     if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
@@ -50,7 +57,7 @@ def left_over(clock, memory, work, share):
 
 
 @kernel
-def next_length(clock, memory):
+def next_length(clock: "np.void", memory) -> float:
     """Length of the next step: steps of given length end at whole multiples."""
     left, step = clock["stop"] - clock["t"], _laid_out(clock, memory)
     if memory["fixed"] > 0.0:
@@ -59,7 +66,7 @@ def next_length(clock, memory):
 
 
 @kernel
-def _laid_out(clock, memory):
+def _laid_out(clock: "np.void", memory) -> float:
     """Length of a step so that one of the length `passing` leads over the singular position ahead.
 
     Round-off of speeds grows towards that position, so that the longest step that is exact enough leads
@@ -75,7 +82,7 @@ def _laid_out(clock, memory):
 
 
 @kernel
-def retreat(clock, memory, tried, h):
+def retreat(clock: Any, memory, tried, h: float) -> None:
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     if leads_over(clock, tried):
         memory["passing"] = h
@@ -86,7 +93,7 @@ def retreat(clock, memory, tried, h):
 
 
 @kernel
-def factor_of(clock, memory):
+def factor_of(clock: "np.void", memory) -> float:
     """Length of the next step by that of the one behind, whose error is known."""
     factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
     if memory["turned"] > 0.0:
@@ -95,7 +102,7 @@ def factor_of(clock, memory):
 
 
 @kernel
-def advance(clock, memory, h):
+def advance(clock: "np.void", memory, h: float) -> None:
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
     t, same = clock["t"] + h, SAME * h
@@ -114,7 +121,7 @@ def advance(clock, memory, h):
 
 
 @kernel
-def _passing_step(clock, memory, h):
+def _passing_step(clock: "np.void", memory, h: float) -> float:
     """Length of a step whose error is what one over a singular position may have, after one of length h."""
     error = clock["error"] * memory["share"]
     longest = MOST_PASSING * clock["step"]

@@ -1,7 +1,13 @@
 """Errors of a step of the generalised-α method, in tolerances, by the growth of the accelerations."""
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import kernel, part
 from .error_norm import displacement_tolerance, tolerance
+
+if TYPE_CHECKING:
+    pass
+
 
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
 # before; the means at both ends.
@@ -9,7 +15,7 @@ NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
 
 
 @part
-def step_error(system, integration, h):
+def step_error(system: Any, integration, h: float):
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
@@ -32,7 +38,7 @@ def step_error(system, integration, h):
 
 
 @part
-def correction_size(system, integration, by_speed):
+def correction_size(system: Any, integration, by_speed: float):
     """The change of the speeds by `step` in tolerances."""
     clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
     first = integration.z.shape[0] - 1 - n
@@ -43,7 +49,7 @@ def correction_size(system, integration, by_speed):
 
 
 @kernel
-def fastest_change(system, integration):
+def fastest_change(system: Any, integration):
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
     first = integration.z.shape[0] - 1 - n

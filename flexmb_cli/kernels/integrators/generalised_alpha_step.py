@@ -15,6 +15,7 @@ free motions is that of the first.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,7 +26,18 @@ from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import move
-from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
+from ..constrained.system import (
+    CORRECTION,
+    FORCES,
+    GAMMA,
+    NO_INERTIA,
+    PHI,
+    PRODUCT,
+    SOLVED,
+    UNKNOWN,
+    System,
+    Work,
+)
 from ..constrained.tangent import tangent_times
 from ..linalg.rank_revealing_lu import cholesky, row_times
 from .generalised_alpha_control import left_over, share_of
@@ -40,6 +52,10 @@ from .generalised_alpha_error import (
     step_error,
 )
 
+if TYPE_CHECKING:
+    from .generalised_alpha import AlphaIntegration
+
+
 # Rows of what is missing in the equations (3, m).
 POSITION, SPEED, ACCELERATION = 0, 1, 2
 
@@ -53,7 +69,7 @@ CLOSED = 1e-10  # scaled gap that one more correction brings to round-off
 
 
 @kernel
-def parameters(rho):
+def parameters(rho: float) -> tuple[float, float, float, float]:
     """α_m, α_f, β, γ for the spectral radius rho at infinity."""
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
@@ -61,7 +77,7 @@ def parameters(rho):
 
 
 @part
-def solve_step(system, work, integration, h):
+def solve_step(system: System, work: Work, integration: "AlphaIntegration", h: float) -> bool:
     """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
     clock = integration.clock[0]
     alpha_m, alpha_f, beta, gamma = parameters(integration.memory[0]["rho"])
@@ -74,7 +90,15 @@ def solve_step(system, work, integration, h):
 
 
 @kernel
-def iterate(system, work, integration, t, by_position, by_speed, h):
+def iterate(
+    system: System,
+    work: Work,
+    integration: "AlphaIntegration",
+    t: float,
+    by_position: float,
+    by_speed: float,
+    h: float,
+) -> bool:
     """Bring `trial` and the accelerations NEW to the equations at t; returns whether they came there.
 
     An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
@@ -116,7 +140,7 @@ def iterate(system, work, integration, t, by_position, by_speed, h):
 
 
 @part
-def _predict(system, work, integration, h):
+def _predict(system: System, work: Work, integration: "AlphaIntegration", h: float) -> None:
     """The end of the step by accelerations that go on as before."""
     memory, n = integration.memory[0], system.speed_scale.shape[0]
     rates, length = integration.rates, integration.clock[0]["step_length"]
@@ -149,7 +173,7 @@ def _predict(system, work, integration, h):
 
 
 @part
-def turn_exactly(bodies, q, step):
+def turn_exactly(bodies: int, q: np.ndarray, step: np.ndarray) -> None:
     """Move q by the displacements and rotation vectors (body axes) `step` (n,), of any size."""
     for body in range(bodies):
         k, s = 7 * body, 6 * body
@@ -170,7 +194,7 @@ def turn_exactly(bodies, q, step):
 
 
 @part
-def _evaluate(system, work, integration, t):
+def _evaluate(system: System, work: Work, integration: "AlphaIntegration", t: float) -> int:
     """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
     n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -200,7 +224,9 @@ def _evaluate(system, work, integration, t):
 
 
 @part
-def _set_matrix(system, work, integration, by_position, by_speed):
+def _set_matrix(
+    system: System, work: Work, integration: "AlphaIntegration", by_position: float, by_speed: float
+) -> int:
     """Zᵀ (M + by_speed D + by_position K) Z where everything stands, and its Cholesky factor; a code."""
     n = system.speed_scale.shape[0]
     rank, matrix, Z = work.rank[0], integration.newton.reduced, work.motions
@@ -214,7 +240,9 @@ def _set_matrix(system, work, integration, by_position, by_speed):
 
 
 @part
-def _correct(system, work, integration, by_position, by_speed):
+def _correct(
+    system: System, work: Work, integration: "AlphaIntegration", by_position: float, by_speed: float
+) -> tuple[float, float]:
     """Newton's correction; returns its size in tolerances and the largest scaled gap before it."""
     n = system.speed_scale.shape[0]
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -243,7 +271,7 @@ def _correct(system, work, integration, by_position, by_speed):
 
 
 @part
-def _largest(system, gaps):
+def _largest(system: System, gaps: np.ndarray) -> float:
     """The largest scaled gap of positions and speeds."""
     found = 0.0
     for kind in range(2):
@@ -253,7 +281,7 @@ def _largest(system, gaps):
 
 
 @part
-def _finish(integration, alpha_m, alpha_f):
+def _finish(integration: "AlphaIntegration", alpha_m: float, alpha_f: float) -> None:
     """The means that belong to the accelerations found."""
     rates = integration.rates
     for k in range(rates.shape[1]):

@@ -7,6 +7,7 @@ quintic through coordinates, their rates and accelerations at both ends, and are
 """
 
 from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -14,8 +15,8 @@ from .._jit import kernel
 from ..constrained.accelerations import factorise_constraints
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
 from ..constrained.mass_matrix import mass_matrices
-from ..constrained.report import complete, coordinates_and_speeds
-from ..constrained.system import NO_INERTIA, SOLVED
+from ..constrained.report import Report, complete, coordinates_and_speeds
+from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
 from .clock import BEGIN, READY, STEP_VANISHED, new_clock
@@ -61,12 +62,12 @@ complex (n, n): factors.  real_part, complex_part (n,).  newton: the Work whose 
 """
 
 
-def new_integration(work, angles):
+def new_integration(work: Any, angles: Any) -> RadauIntegration:
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = work.jacobian.shape[1]
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return RadauIntegration(
+    return RadauIntegration(  # type: ignore[call-arg]
         new_clock(),
         np.zeros(1, MEMORY),
         *states,
@@ -87,7 +88,7 @@ def new_integration(work, angles):
 
 
 @kernel
-def _begin(integration, system, work):
+def _begin(integration: RadauIntegration, system: System, work: Work) -> int:
     clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
     clock["step_start"], memory["left"] = clock["t"], 1.0
     copy(integration.z, integration.trial)
@@ -110,7 +111,7 @@ def _begin(integration, system, work):
 
 
 @kernel
-def _first_step(system, integration):
+def _first_step(system: System, integration: RadauIntegration) -> float:
     """A hundredth of the time in which the accelerations make the speeds."""
     clock, n = integration.clock[0], system.speed_scale.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -121,7 +122,7 @@ def _first_step(system, integration):
 
 
 @kernel
-def _renew(system, work, integration):
+def _renew(system: System, work: Work, integration: RadauIntegration) -> int:
     """The matrices of the state z anew; a code."""
     q = coordinates_and_speeds(system, integration.z)[0]
     code = factorise_constraints(system, work, q)
@@ -133,7 +134,7 @@ def _renew(system, work, integration):
 
 
 @kernel
-def _length(integration, system, work):
+def _length(integration, system: Any, work):
     """Return the length of the step to try, whose matrices are renewed where they are of another position."""
     clock = integration.clock[0]
     copy(integration.angles[NEW], work.angles)
@@ -143,7 +144,7 @@ def _length(integration, system, work):
 
 
 @kernel
-def _is_current(integration, system, work):
+def _is_current(integration, system: Any, work):
     """Renew the matrices where another order of elimination holds; return whether they are those of z."""
     if work.quality[0] != integration.memory[0]["quality"]:
         integration.clock[0]["fault"] = _renew(system, work, integration)
@@ -152,7 +153,7 @@ def _is_current(integration, system, work):
 
 
 @kernel
-def _attempt(integration, h, system, work):
+def _attempt(integration, h: float, system: Any, work):
     """`_try_step` or, in front of a singular position, a step over it; 0 where it begins at one."""
     clock, memory, factor = integration.clock[0], integration.memory[0], 0.0
     way, left = clock["singular"] - clock["t"], clock["stop"] - clock["t"]
@@ -171,7 +172,7 @@ def _attempt(integration, h, system, work):
 
 
 @kernel
-def _reject(integration, h, factor, system, work):
+def _reject(integration, h: float, factor: float, system: Any, work) -> None:
     clock, memory = integration.clock[0], integration.memory[0]
     clock["step"] = h * factor
     clock["rejections"] += 1
@@ -180,7 +181,7 @@ def _reject(integration, h, factor, system, work):
 
 
 @kernel
-def _try_step(system, work, integration, h):
+def _try_step(system: System, work: Work, integration: RadauIntegration, h: float) -> float:
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
     clock = integration.clock[0]
     if not solve_step(system, work, integration, h):
@@ -206,7 +207,7 @@ def _try_step(system, work, integration, h):
 
 
 @kernel
-def _accept(integration, factor, system, work):
+def _accept(integration: RadauIntegration, factor: float, system: System, work: Work):
     """Make the end of a step the state; a code."""
     clock, memory, rates, z, end = (
         integration.clock[0],
@@ -241,7 +242,7 @@ def _accept(integration, factor, system, work):
 
 
 @kernel
-def _is_singular(work, clock, memory):
+def _is_singular(work, clock: Any, memory):
     """Return whether a pivot at the end of the last step was as good as zero."""
     for k in range(work.rank[0] if clock["steps"] > 0 else 0):
         if abs(work.pivots[k]) < 10.0 * memory["branching"]:
@@ -250,7 +251,7 @@ def _is_singular(work, clock, memory):
 
 
 @kernel
-def _fill_row(integration, t, report, system, work):
+def _fill_row(integration: RadauIntegration, t: float, report: Report, system: System, work: Work) -> bool:
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)
@@ -261,18 +262,20 @@ def _fill_row(integration, t, report, system, work):
     clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
     blind = BLIND * integration.memory[0]["branching"]
     if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
-        return STEP_VANISHED
+        return STEP_VANISHED  # type: ignore[return-value]
     copy(integration.trial, report.states[row])
     complete(system, work, integration.trial, t, angles[EXPECTED], power, report, row)
     clock["row"] += 1
-    return READY
+    return READY  # type: ignore[return-value]
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
+def integrate_rows(
+    task: int, system: System, work: Work, integration: RadauIntegration, report: Report, budget: int
+) -> int:
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.

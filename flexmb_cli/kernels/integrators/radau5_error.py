@@ -3,6 +3,8 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section IV.8.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from .._jit import kernel
@@ -14,13 +16,17 @@ from .radau5_step import MASS, START, STIFFNESS
 from .radau5_table import ERROR, REAL, STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
 
+if TYPE_CHECKING:
+    pass
+
+
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown
 STEEPEST = 3.0 / (25.0 * 5.0**0.5)  # slope of x³ (1 - x)³
 
 
 @kernel
-def step_error(system, work, integration, h):
+def step_error(system: Any, work, integration, h: float):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
     clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
     u = coordinates_and_speeds(system, integration.z)[1]
@@ -58,7 +64,7 @@ def step_error(system, work, integration, h):
 
 
 @kernel
-def work_error(integration, h):
+def work_error(integration, h: float):
     """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
     error = REAL * h * integration.memory[0]["power"]
     for stage in range(STAGES):
@@ -80,7 +86,7 @@ def work_scale(integration):
 
 
 @kernel
-def next_factor(clock, memory, h, error):
+def next_factor(clock: Any, memory, h: float, error):
     """Factor on the step length: by the error of this step, and by its growth since the last."""
     if not error > 0.0:
         return FASTEST
@@ -92,7 +98,7 @@ def next_factor(clock, memory, h, error):
 
 
 @kernel
-def turns_left(system, integration):
+def turns_left(system: Any, integration):
     """Return how many steps like this one a body may turn in one, for rows between its ends.
 
     A turn θ leaves (θ/2)⁵ max |d/dx x³ (1 - x)³| / 720 of its rate in Hermite's quintic.

@@ -3,6 +3,8 @@
 The shortest way in the metric of the matrix of the step: stiff motions stay at rest.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from .._jit import kernel
@@ -12,14 +14,17 @@ from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
-from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED
+from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED, System, Work
 from .error_norm import scaled_norm
 from .hermite import cubic, quintic
 from .radau5_step import LAST, START
 
+if TYPE_CHECKING:
+    from .radau5 import RadauIntegration
+
 
 @kernel
-def close_gaps(system, work, integration, t):
+def close_gaps(system: System, work: Work, integration: "RadauIntegration", t: float) -> int:
     """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
 
     They then are those of the end.
@@ -53,7 +58,7 @@ def close_gaps(system, work, integration, t):
 
 
 @kernel
-def moved(integration, found):
+def moved(integration: "RadauIntegration", found: np.ndarray) -> float:
     """By how many tolerances `trial` was moved from the state found, which becomes the difference."""
     for i in range(found.shape[0]):
         found[i] = integration.trial[i] - found[i]
@@ -61,7 +66,9 @@ def moved(integration, found):
 
 
 @kernel
-def project_state(system, work, integration, t, ud):
+def project_state(
+    system: System, work: Work, integration: "RadauIntegration", t: float, ud: np.ndarray
+) -> tuple[int, float]:
     """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
 
     The matrix of the last step serves: where other speeds have become free it is one more metric.
@@ -77,7 +84,7 @@ def project_state(system, work, integration, t, ud):
 
 
 @kernel
-def between(system, integration, x, point):
+def between(system: Any, integration, x, point) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     bodies, h = system.masses.shape[0], clock["step_length"]

@@ -7,15 +7,23 @@ they do, the equations say at its end, where they are as firm as at its beginnin
 or one that would come onto another branch, has other accelerations there.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles
-from ..constrained.system import SOLVED
+from ..constrained.system import SOLVED, System, Work
 from .error_norm import tolerance
 from .radau5_error import work_scale
 from .radau5_projection import moved, project_state
 from .radau5_step import START, place_stages, place_trial, predict, prepare
 from .radau5_table import STAGES, TIMES
 from .singular_ahead import blur, most_declined
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .radau5 import RadauIntegration
+
 
 UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
 # How much of what is not as expected remains an error of the step: of the accelerations at its end in its
@@ -24,7 +32,7 @@ BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
 
 
 @kernel
-def singular_step(system, work, integration, h):
+def singular_step(system: System, work: Work, integration: "RadauIntegration", h: float) -> bool:
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
     clock, rates = integration.clock[0], integration.rates
     if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
@@ -63,7 +71,7 @@ def singular_step(system, work, integration, h):
 
 
 @kernel
-def _bend(integration, expected, h):
+def _bend(integration: "RadauIntegration", expected: "np.ndarray", h: float) -> None:
     """Let the accelerations of the stages go through those found at the end."""
     rates, ratio = integration.rates, h / integration.clock[0]["step_length"]
     for stage in range(STAGES):
@@ -77,7 +85,7 @@ def _bend(integration, expected, h):
 
 
 @kernel
-def _unexpected(integration, expected):
+def _unexpected(integration: "RadauIntegration", expected: "np.ndarray") -> float:
     """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
     clock, n, total = integration.clock[0], expected.shape[0], 0.0
     first = integration.z.shape[0] - 1 - n
@@ -88,7 +96,7 @@ def _unexpected(integration, expected):
 
 
 @kernel
-def _spread_power(integration, power):
+def _spread_power(integration: "RadauIntegration", power: float) -> float:
     """Powers of the stages between that at the start and that at the end; returns the change."""
     before = integration.memory[0]["power"]
     for stage in range(STAGES):

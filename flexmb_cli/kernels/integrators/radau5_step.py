@@ -14,6 +14,8 @@ which the eigenvectors of A part into a real matrix and a complex one.  What els
 is left to the iteration.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
 from ..constrained.accelerations import (
     add_free,
@@ -25,7 +27,7 @@ from ..constrained.accelerations import (
 )
 from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ..constrained.report import coordinates_and_speeds
-from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN
+from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN, System, Work
 from ..constrained.tangent import add_stiff
 from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
 from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, row_times
@@ -45,6 +47,12 @@ from .radau5_table import (
 from .rotation_increments import set_slope
 from .singular_ahead import blur
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .radau5 import RadauIntegration
+
+
 # Rows of the accelerations kept (8, n): of the start and the stages of a step, the one that is tried and
 # that before.
 START, LAST = 0, 4
@@ -60,7 +68,7 @@ SMALLEST_INERTIA = 1e-13  # pivot of the matrix, of its diagonal entry
 
 
 @kernel
-def renew_matrices(system, work, matrices):
+def renew_matrices(system: System, work: Work, matrices: "np.ndarray") -> None:
     """Fill M, D and K of the free motions where everything stands."""
     free = work.jacobian.shape[1] - work.rank[0]
     inertia, column, product = inertia_of(system, work), work.vectors[UNKNOWN], work.vectors[PRODUCT]
@@ -77,7 +85,7 @@ def renew_matrices(system, work, matrices):
 
 
 @kernel
-def prepare(integration, free, h):
+def prepare(integration: "RadauIntegration", free: int, h: float) -> bool:
     """Factors of the real and the complex matrix for steps of length h; returns whether there are any."""
     matrices, real, rest = integration.matrices, integration.newton.reduced, integration.complex
     a, c = h * REAL, h * COMPLEX
@@ -93,7 +101,7 @@ def prepare(integration, free, h):
 
 
 @kernel
-def solve_step(system, work, integration, h):
+def solve_step(system: System, work: Work, integration: "RadauIntegration", h: float) -> bool:
     """Find the stages of a step of length h from z, the last of which is its end; whether they were found.
 
     The matrices belong to z.
@@ -126,7 +134,7 @@ def solve_step(system, work, integration, h):
 
 
 @kernel
-def predict(system, integration, h):
+def predict(system: System, integration: "RadauIntegration", h: float) -> None:
     """Accelerations that go on as before: the cubic through those of the last step."""
     rates, ratio = integration.rates, 0.0
     if integration.clock[0]["step_length"] > 0.0:
@@ -150,7 +158,7 @@ def predict(system, integration, h):
 
 
 @kernel
-def place_stages(system, integration, h):
+def place_stages(system: System, integration: "RadauIntegration", h: float) -> float:
     """Speeds and shifts (displacements, rotation vectors) of the stages from their accelerations.
 
     Returns by how many tolerances they change.
@@ -187,7 +195,7 @@ def place_stages(system, integration, h):
 
 
 @kernel
-def place_trial(system, integration, stage):
+def place_trial(system: System, integration: "RadauIntegration", stage: int) -> None:
     """The state of a stage in `trial`."""
     for i in range(integration.z.shape[0]):
         integration.trial[i] = integration.z[i]
@@ -198,7 +206,7 @@ def place_trial(system, integration, stage):
 
 
 @kernel
-def _evaluate(system, work, integration, stage, t):
+def _evaluate(system: System, work: Work, integration: "RadauIntegration", stage: int, t: float) -> int:
     """Evaluate the residual of the equations of motion at a stage, by independent speeds; return a code."""
     place_trial(system, integration, stage)
     q, u = coordinates_and_speeds(system, integration.trial)
@@ -228,7 +236,7 @@ def _evaluate(system, work, integration, stage, t):
 
 
 @kernel
-def _correct(system, work, integration):
+def _correct(system: System, work: Work, integration: "RadauIntegration") -> None:
     """Newton's correction of the accelerations of all stages."""
     free = work.jacobian.shape[1] - work.rank[0]
     rest, y, w = integration.rest, integration.real_part, integration.complex_part

@@ -23,7 +23,7 @@ REAL = (6.0 + _C * (_C - 1.0)) / 30.0
 COMPLEX = complex(12.0 - _C * (_C - 1.0), _C * (_C + 1.0) * 3.0**0.5) / 60.0
 
 
-def _eigenvectors(value):
+def _eigenvectors(value: complex) -> tuple[np.ndarray, np.ndarray]:
     """Right and left eigenvector of WEIGHTS (3,) each, their product 1."""
     left = WEIGHTS - value * np.eye(STAGES)
     right, transposed = np.cross(left[0], left[1]), np.cross(left[:, 0], left[:, 1])

@@ -5,9 +5,14 @@ of which report rows between the ends know nothing.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..constrained.body_vectors import cross
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 SMALL_TURN = 1e-2  # rad, below which the series is exact
 LONGEST_TURN = 1.0  # rad, of a body in a step whose length is chosen
@@ -15,7 +20,7 @@ FAR_TURN = 3.0  # rad, beyond which the rate of a rotation vector, singular at 2
 
 
 @kernel
-def set_slope(bodies, shift, u, slope):
+def set_slope(bodies: int, shift: "np.ndarray", u: "np.ndarray", slope: "np.ndarray") -> None:
     """The rates of a shift (n,), displacements and rotation vectors, where the speeds are u."""
     for k in range(u.shape[0]):
         slope[k] = u[k]
@@ -34,7 +39,7 @@ def set_slope(bodies, shift, u, slope):
 
 
 @kernel
-def largest_turn(bodies, turn):
+def largest_turn(bodies: int, turn: "np.ndarray") -> float:
     """Length of the largest rotation vector in turn (n,): a shift in rad, or speeds in rad/s."""
     largest = 0.0
     for body in range(bodies):
@@ -44,7 +49,9 @@ def largest_turn(bodies, turn):
 
 
 @kernel
-def shift_between(bodies, old, new, mean, shift):
+def shift_between(
+    bodies: int, old: "np.ndarray", new: "np.ndarray", mean: "np.ndarray", shift: "np.ndarray"
+) -> None:
     """Fill shift (n,) with what brings the position old to new, turns near to the given mean (n,)."""
     for body in range(bodies):
         k, s = 7 * body, 6 * body

@@ -7,11 +7,21 @@ stages at a distance.
 """
 
 import math
+from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_rates, normalise
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..constrained.system import System, Work
+    from .constrained_dop853 import Integration
+    from .generalised_alpha import AlphaIntegration
+    from .radau5 import RadauIntegration
+
 
 LOOK = 3.5  # steps
 CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
@@ -23,7 +33,13 @@ OVER = 4.0  # of the way to a position that is foreseen worse
 
 
 @kernel
-def look_ahead(system, work, integration, ud, h):
+def look_ahead(
+    system: "System",
+    work: "Work",
+    integration: "Integration | AlphaIntegration | RadauIntegration",
+    ud: "np.ndarray",
+    h: float,
+) -> None:
     """Note in the clock when a pivot of the elimination vanishes, s, infinity: not in a few steps of h.
 
     ud (n,) are the accelerations at z, whose factors are at hand; jacobian and factors are not those of z
@@ -42,7 +58,7 @@ def look_ahead(system, work, integration, ud, h):
 
 
 @kernel
-def _expected(clock, work):
+def _expected(clock: "np.void", work: "Work") -> float:
     """Time until a pivot vanishes as it has declined since it was looked at; 0 where that is not known."""
     since, least = clock["t"] - clock["pivot_time"], 1.0
     if clock["pivot_order"] != work.quality[0] or not since > 0.0:
@@ -53,7 +69,14 @@ def _expected(clock, work):
 
 
 @kernel
-def _way(system, work, integration, ud, first, longest):
+def _way(
+    system: "System",
+    work: "Work",
+    integration: "Integration | AlphaIntegration | RadauIntegration",
+    ud: "np.ndarray",
+    first: float,
+    longest: float,
+) -> float:
     """Time from t until the pivot that declines most vanishes, by secants; infinity where none is found."""
     before, at_before, way, pivot = 0.0, 1.0, first, -1
     for _ in range(MOST_SECANTS):
@@ -73,7 +96,7 @@ def _way(system, work, integration, ud, first, longest):
 
 
 @kernel
-def most_declined(work):
+def most_declined(work: "Work") -> int:
     """The pivot that is least of what it was."""
     found, least = 0, math.inf
     for k in range(work.rank[0]):
@@ -84,7 +107,13 @@ def most_declined(work):
 
 
 @kernel
-def _factorise_ahead(system, work, integration, ud, way):
+def _factorise_ahead(
+    system: "System",
+    work: "Work",
+    integration: "Integration | AlphaIntegration | RadauIntegration",
+    ud: "np.ndarray",
+    way: float,
+) -> None:
     """Factors where the motion leads in the time `way` with accelerations that stay."""
     z, bodies = integration.z, system.masses.shape[0]
     q, u = coordinates_and_speeds(system, z)
@@ -100,13 +129,13 @@ def _factorise_ahead(system, work, integration, ud, way):
 
 
 @kernel
-def blur(work, tolerance):
+def blur(work: "Work", tolerance: float) -> float:
     """Return how many times a tolerance round-off may be near the state, at least 1."""
     return max(1.0, round_off(work) / tolerance)
 
 
 @kernel
-def round_off(work):
+def round_off(work: "Work") -> float:
     """Return the round-off of speeds at the state, of their size; 0 where there are no constraints."""
     least = math.inf
     for k in range(work.rank[0]):
@@ -115,7 +144,7 @@ def round_off(work):
 
 
 @kernel
-def laid_out(clock, h, share):
+def laid_out(clock: "np.void", h: float, share: float) -> float:
     """Length of the next step, at most a little longer than h, for a step over the position ahead that has
     it at this share of its length."""
     way = clock["singular"] - clock["t"]
@@ -129,6 +158,6 @@ def laid_out(clock, h, share):
 
 
 @kernel
-def leads_over(clock, h):
+def leads_over(clock: "np.void", h: float) -> bool:
     """Return whether a step of length h leads over the singular position ahead."""
     return 0.0 < clock["singular"] - clock["t"] < h

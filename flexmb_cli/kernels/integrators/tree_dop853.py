@@ -3,7 +3,7 @@
 A resumed run goes on from the start of the last step and makes the same steps as an uninterrupted one.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from .clock import NO_INERTIA, READY, new_clock
 from .dop853 import Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import scaled_norm, strayed
+
+if TYPE_CHECKING:
+    pass
+
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
 CLOSE, GO_ON = 2, 3
@@ -41,11 +45,11 @@ def new_integration(n: int) -> Integration:
     clock = new_clock()
     clock["fault"] = SOLVED
     states = [np.zeros(n) for _ in range(3)]
-    return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))
+    return Integration(clock, *states, np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n)), np.ones(n))  # type: ignore[call-arg]
 
 
 @kernel
-def evaluate(integration, slope, t, tree, work, coordinates):
+def evaluate(integration, slope, t: float, tree: Any, work, coordinates: np.ndarray):
     """Fill the slope (n,) of `trial`; return whether there is one."""
     clock = integration.clock[0]
     clock["evaluations"] += 1
@@ -54,17 +58,17 @@ def evaluate(integration, slope, t, tree, work, coordinates):
 
 
 @kernel
-def _slope(integration, stage, t, tree, work, coordinates):
+def _slope(integration, stage: int, t: float, tree: Any, work, coordinates: np.ndarray):
     return evaluate(integration, integration.slopes[stage], t, tree, work, coordinates)
 
 
 @kernel
-def _normalise(integration, tree, work, coordinates):
+def _normalise(integration, tree: Any, work, coordinates: np.ndarray) -> None:
     normalise_attitudes(tree, integration.trial)
 
 
 @kernel
-def _finish(integration, h, tree, work, coordinates):
+def _finish(integration, h: float, tree: Any, work, coordinates: np.ndarray):
     clock = integration.clock[0]
     if not _slope(integration, STAGES, clock["t"] + h, tree, work, coordinates):
         return -0.2
@@ -72,13 +76,13 @@ def _finish(integration, h, tree, work, coordinates):
 
 
 @kernel
-def _watch(integration, tree, work, coordinates):
+def _watch(integration, tree: Any, work, coordinates: np.ndarray):
     """Tables of loads end the steps by `stop`: there are no other events."""
     return READY
 
 
 @kernel
-def _close(integration, tree, work, coordinates):
+def _close(integration, tree: Any, work, coordinates: np.ndarray):
     """Close the loops at the end of a step, whose slope then is that at the start of the next; a code."""
     clock = integration.clock[0]
     if tree.closures.shape[0] == 0:
@@ -99,7 +103,7 @@ def _close(integration, tree, work, coordinates):
 
 
 @kernel
-def _take_back(integration, place):
+def _take_back(integration, place: tuple[float, float, float]) -> None:
     """Go back to the start of the last step, for closing the loops moved its end too far."""
     clock = integration.clock[0]
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
@@ -112,7 +116,7 @@ def _take_back(integration, place):
 
 
 @kernel
-def _fill_row(integration, t, report, tree, work, coordinates):
+def _fill_row(integration, t: float, report, tree: Any, work, coordinates: np.ndarray):
     """Fill a report row at a time up to the present one; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -128,7 +132,7 @@ def _fill_row(integration, t, report, tree, work, coordinates):
 
 
 @kernel
-def observe_trial(integration, slope, t, report, tree, work, coordinates):
+def observe_trial(integration, slope, t: float, report, tree: Any, work, coordinates: np.ndarray):
     """Fill a report row from `trial`, its loops closed first; a code."""
     fault = integration.clock[0]["fault"]
     found = evaluate(integration, slope, t, tree, work, coordinates)
@@ -148,13 +152,13 @@ _advance = dop853(Equations(_slope, _normalise, _finish, _watch, _close, _fill_r
 
 
 @kernel
-def integrate_rows(tree, work, coordinates, integration, report, budget):
+def integrate_rows(tree: Any, work, coordinates: np.ndarray, integration, report, budget: int):
     """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code."""
     return _advance(integration, report, budget, tree, work, coordinates)
 
 
 @kernel
-def begin(task, tree, work, coordinates, integration):
+def begin(task: int, tree: Any, work, coordinates: np.ndarray, integration):
     """Do a task that makes no steps; a code."""
     clock = integration.clock[0]
     copy(integration.z, integration.trial)
@@ -170,7 +174,7 @@ def begin(task, tree, work, coordinates, integration):
 
 
 @kernel
-def _choose_first_step(integration, tree, work, coordinates):
+def _choose_first_step(integration, tree: Any, work, coordinates: np.ndarray):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
     clock, counted = integration.clock[0], integration.z.shape[0] - 1
     first = first_step(integration, integration.slopes[0])

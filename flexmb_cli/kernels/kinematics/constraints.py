@@ -5,6 +5,8 @@ Young (1996), section 5.3 (procedure FUNCT).  `constraints` is a structured arra
 with respect to the seven coordinates of the row's body i, then those of its body j.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
 from .joints import (
     cylindrical,
@@ -19,13 +21,24 @@ from .joints import (
     universal,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+
+
 # The codes of model.joint_types; a test compares them.
 SPHERICAL, UNIVERSAL, REVOLUTE, CYLINDRICAL, TRANSLATIONAL, SCREW = 1, 2, 3, 4, 5, 6
 SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
 
 
 @kernel
-def residual(constraints, q, t, expected, A, phi):
+def residual(
+    constraints: "np.ndarray",
+    q: "np.ndarray",
+    t: float,
+    expected: "np.ndarray",
+    A: "np.ndarray",
+    phi: "np.ndarray",
+) -> None:
     """Fill phi (equations,).  expected (screws,): the angles expected, rad; A: matrices at q."""
     for k in range(constraints.size):
         c = constraints[k]
@@ -53,7 +66,7 @@ def residual(constraints, q, t, expected, A, phi):
 
 
 @kernel
-def jacobian(constraints, q, A, phi_q):
+def jacobian(constraints: "np.ndarray", q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
     """Fill phi_q (equations, 14)."""
     for row in range(phi_q.shape[0]):
         for k in range(14):
@@ -84,7 +97,7 @@ def jacobian(constraints, q, A, phi_q):
 
 
 @kernel
-def velocity(constraints, t, nu):
+def velocity(constraints: "np.ndarray", t: float, nu: "np.ndarray") -> None:
     """Fill nu = -∂Φ/∂t: only drivers depend on time."""
     for row in range(nu.size):
         nu[row] = 0.0
@@ -94,7 +107,14 @@ def velocity(constraints, t, nu):
 
 
 @kernel
-def acceleration(constraints, q, qd, t, rotations, gamma):
+def acceleration(
+    constraints: "np.ndarray",
+    q: "np.ndarray",
+    qd: "np.ndarray",
+    t: float,
+    rotations: "np.ndarray",
+    gamma: "np.ndarray",
+) -> None:
     """Fill gamma, the right-hand side of Φ_q q̈ = γ.
 
     rotations (3, bodies, 3, 3): A, dA/dt, and the remainder of d²A/dt².
@@ -124,7 +144,13 @@ def acceleration(constraints, q, qd, t, rotations, gamma):
 
 
 @kernel
-def screw_motion(constraints, states, rotations, expected, motion):
+def screw_motion(
+    constraints: "np.ndarray",
+    states: "np.ndarray",
+    rotations: "np.ndarray",
+    expected: "np.ndarray",
+    motion: "np.ndarray",
+) -> None:
     """Fill motion (screws, 3) with θ, dθ/dt, d²θ/dt², rad.
 
     states (3, n): q and its derivatives; expected (screws,) picks the whole turns.

@@ -5,12 +5,14 @@ needs: a step counts only if the positions, velocities and accelerations at its 
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
 """
 
+from typing import Any
+
 import numpy as np
 
 from .._jit import kernel
 from . import constraints as equations
 from .joints import driver
-from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, largest, make_work, newton, rates
+from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, System, Work, largest, make_work, newton, rates
 
 # Position defect allowed between the ends of a step, in the length scale or of Euler parameters, and
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
@@ -38,14 +40,14 @@ CLOCK_SIZE = 6
 
 
 @kernel
-def screws_expected(motion, h, expected):
+def screws_expected(motion: np.ndarray, h: float, expected: np.ndarray) -> None:
     """Angles of the screws a time h later, by their rates: they settle the whole turns."""
     for s in range(expected.size):
         expected[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
 
 
 @kernel
-def angle_too_far(constraints, t, t_new):
+def angle_too_far(constraints: np.ndarray, t: float, t_new: float) -> bool:
     """Return whether a rotational driver would turn so far that the predictor is blind."""
     for k in range(constraints.size):
         c = constraints[k]
@@ -59,7 +61,7 @@ def angle_too_far(constraints, t, t_new):
 
 
 @kernel
-def defect(system, state, new, h):
+def defect(system: System, state: np.ndarray, new: np.ndarray, h: float) -> tuple[float, float]:
     """Return how far the new position is from the smooth curve through both ends, 1 where it is just allowed,
     and the way moved in the step.
 
@@ -78,14 +80,25 @@ def defect(system, state, new, h):
 
 
 @kernel
-def predict(state, h, q):
+def predict(state: np.ndarray, h: float, q: np.ndarray) -> None:
     """q at a time h after `state`, by velocity and acceleration."""
     for k in range(q.size):
         q[k] = state[POSITION, k] + h * (state[VELOCITY, k] + 0.5 * h * state[ACCELERATION, k])
 
 
 @kernel
-def attempt(system, work, state, motion, t, t_new, limit, most, new, expected):
+def attempt(
+    system: System,
+    work: Work,
+    state: np.ndarray,
+    motion: np.ndarray,
+    t: float,
+    t_new: float,
+    limit: float,
+    most: int,
+    new: np.ndarray,
+    expected: np.ndarray,
+) -> tuple[float, float, int, int, float]:
     """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
     iterations, largest |dΦ/dt|); the defect is infinite where it failed.
 
@@ -103,14 +116,16 @@ def attempt(system, work, state, motion, t, t_new, limit, most, new, expected):
 
 
 @kernel
-def accept(system, work, new, expected, state, motion):
+def accept(
+    system: System, work: Work, new: np.ndarray, expected: np.ndarray, state: np.ndarray, motion: np.ndarray
+) -> None:
     """Make the new row the state, and note where the screws are."""
     copy(new, state)
     equations.screw_motion(system.constraints, new, work.rotations, expected, motion)
 
 
 @kernel
-def copy(source, target):
+def copy(source: np.ndarray, target: np.ndarray) -> Any:
     """Copy one state (3, n) over another."""
     for row in range(3):
         for k in range(source.shape[1]):
@@ -118,14 +133,14 @@ def copy(source, target):
 
 
 @kernel
-def step_to(clock, target):
+def step_to(clock: np.ndarray, target: float) -> float:
     """End of the step to try next: the target, or a part of the way that leaves no sliver."""
     left = target - clock[TIME]
     return target if clock[STEP] >= left else clock[TIME] + min(clock[STEP], 0.5 * left)
 
 
 @kernel
-def acceptable(clock, off, moved, sign):
+def acceptable(clock: np.ndarray, off: float, moved: float, sign: int) -> bool:
     """Return whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
 
     The ways of assembling a mechanism are separated by positions at which det Φ_q is zero.  Where two
@@ -140,7 +155,7 @@ def acceptable(clock, off, moved, sign):
 
 
 @kernel
-def after_success(clock, t_new, off, sign):
+def after_success(clock: np.ndarray, t_new: float, off: float, sign: int) -> None:
     """Move the clock; a step taken whole and with room to spare may be doubled, the first one is free."""
     h = t_new - clock[TIME]
     if clock[STEP] == 0.0:
@@ -154,14 +169,23 @@ def after_success(clock, t_new, off, sign):
 
 
 @kernel
-def is_barred(clock, target):
+def is_barred(clock: np.ndarray, target: float) -> bool:
     """Return whether the next step is too short to be worth a try."""
     tick = CLOCK_ROUND_OFF * max(abs(clock[TIME]), abs(target))
     return clock[STEP] <= max(SMALLEST_PART * clock[LAST], tick)
 
 
 @kernel
-def advance(system, work, state, motion, clock, target, new, expected):
+def advance(
+    system: System,
+    work: Work,
+    state: np.ndarray,
+    motion: np.ndarray,
+    clock: np.ndarray,
+    target: float,
+    new: np.ndarray,
+    expected: np.ndarray,
+) -> tuple[bool, float]:
     """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
 
     Not arrived with clock[BUDGET] left: the way is barred.  A clock[STEP] of 0 says that `state`
@@ -194,7 +218,15 @@ def advance(system, work, state, motion, clock, target, new, expected):
 
 
 @kernel
-def follow(system, state, motion, clock, times, out, audit):
+def follow(
+    system: System,
+    state: np.ndarray,
+    motion: np.ndarray,
+    clock: np.ndarray,
+    times: np.ndarray,
+    out: np.ndarray,
+    audit: np.ndarray,
+) -> int:
     """Report rows at `times` (rows,), from `state` (3, n) at clock[TIME] on; state and clock move along.
 
     motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,

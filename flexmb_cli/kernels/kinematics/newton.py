@@ -46,7 +46,7 @@ PHI, RIGHT_SIDE, SCALED, UNKNOWN, CORRECTION, REST = 0, 1, 2, 3, 4, 5
 
 
 @kernel
-def make_work(coordinates):
+def make_work(coordinates: int) -> Work:
     """Work for a system of as many equations as coordinates."""
     return Work(
         np.zeros((3, coordinates // 7, 3, 3)),
@@ -59,7 +59,7 @@ def make_work(coordinates):
 
 
 @kernel
-def fill_matrix(system, work):
+def fill_matrix(system: System, work: Work) -> None:
     """Spread the rows of phi_q over the scaled matrix, columns in order of elimination."""
     n = work.matrix.shape[0]
     for row in range(n):
@@ -75,7 +75,7 @@ def fill_matrix(system, work):
 
 
 @kernel
-def solve_linear(system, work, right_side, solution):
+def solve_linear(system: System, work: Work, right_side: np.ndarray, solution: np.ndarray) -> float:
     """Solve Φ_q solution = right_side by the factors at hand; returns the largest scaled component."""
     scaled, unknown = work.vectors[SCALED], work.vectors[UNKNOWN]
     for row in range(scaled.size):
@@ -90,7 +90,7 @@ def solve_linear(system, work, right_side, solution):
 
 
 @kernel
-def largest_scaled(system, values):
+def largest_scaled(system: System, values: np.ndarray) -> float:
     """Largest |value| of the equations, each in its unit; NaN counts as infinite."""
     found = 0.0
     for row in range(values.size):
@@ -101,7 +101,7 @@ def largest_scaled(system, values):
 
 
 @kernel
-def largest(values):
+def largest(values: np.ndarray) -> float:
     """Largest magnitude."""
     found = 0.0
     for k in range(values.size):
@@ -110,7 +110,7 @@ def largest(values):
 
 
 @kernel
-def evaluate_position(system, work, q, t, expected):
+def evaluate_position(system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray) -> float:
     """Fill A and Φ of `work` at q; returns the largest scaled residual."""
     rotation_matrices(q, work.rotations[A])
     equations.residual(system.constraints, q, t, expected, work.rotations[A], work.vectors[PHI])
@@ -118,7 +118,7 @@ def evaluate_position(system, work, q, t, expected):
 
 
 @kernel
-def factorise_at(system, work, q):
+def factorise_at(system: System, work: Work, q: np.ndarray) -> int:
     """Factors of Φ_q at q, where A belongs to q; returns the sign of det Φ_q, 0 where it is singular."""
     equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
     fill_matrix(system, work)
@@ -128,7 +128,9 @@ def factorise_at(system, work, q):
 
 
 @kernel
-def newton(system, work, q, t, expected, limit, most):
+def newton(
+    system: System, work: Work, q: np.ndarray, t: float, expected: np.ndarray, limit: float, most: int
+) -> tuple[int, int, int]:
     """Improve q until only round-off is left; the factors of the last iteration stay in work.
 
     `limit` bounds the scaled correction of one iteration, `most` their number.  Returns (code,
@@ -161,7 +163,7 @@ def newton(system, work, q, t, expected, limit, most):
 
 
 @kernel
-def reach_of(system, q):
+def reach_of(system: System, q: np.ndarray) -> float:
     """Largest scaled coordinate, at least 1: round-off grows with it when a mechanism travels far."""
     found = 1.0
     for k in range(q.size):
@@ -170,7 +172,7 @@ def reach_of(system, q):
 
 
 @kernel
-def row_times(system, work, row, values):
+def row_times(system: System, work: Work, row: int, values: np.ndarray) -> float:
     """One row of Φ_q times values (n,)."""
     total = 0.0
     for half in range(2):
@@ -181,7 +183,7 @@ def row_times(system, work, row, values):
 
 
 @kernel
-def solve_refined(system, work, solution):
+def solve_refined(system: System, work: Work, solution: np.ndarray) -> None:
     """Solve Φ_q solution = RIGHT_SIDE by the factors at hand and the true phi_q; REST is what is left.
 
     The factors are those of Newton's last iteration, which is nearly, but not quite, here: each
@@ -200,7 +202,7 @@ def solve_refined(system, work, solution):
 
 
 @kernel
-def rates(system, work, q, t, qd, qdd):
+def rates(system: System, work: Work, q: np.ndarray, t: float, qd: np.ndarray, qdd: np.ndarray) -> float:
     """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
     rotations, right_side = work.rotations, work.vectors[RIGHT_SIDE]
     equations.jacobian(system.constraints, q, rotations[A], work.phi_q)

@@ -4,11 +4,16 @@ For c right of the imaginary axis no pivot vanishes and no search for pivots is 
 c² x* K x lie in one half of the plane for every x, so no leading block is singular.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @kernel
-def factorise_symmetric(matrix, size):
+def factorise_symmetric(matrix: "np.ndarray", size: int) -> None:
     """Overwrite the lower part of matrix (size, size) with L and D of L D Lᵀ, L with unit diagonal."""
     for j in range(size):
         for k in range(j):
@@ -21,7 +26,7 @@ def factorise_symmetric(matrix, size):
 
 
 @kernel
-def solve_symmetric(matrix, size, y):
+def solve_symmetric(matrix: "np.ndarray", size: int, y: "np.ndarray") -> None:
     """Solve in place with the factors of `factorise_symmetric`."""
     for i in range(size):
         for k in range(i):

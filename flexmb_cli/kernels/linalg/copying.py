@@ -4,7 +4,7 @@ from .._jit import kernel
 
 
 @kernel
-def copy(a, b):
+def copy(a, b) -> None:
     """Copy a to b."""
     for i in range(a.shape[0]):
         b[i] = a[i]

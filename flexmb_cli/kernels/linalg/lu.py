@@ -6,13 +6,19 @@ most zeros standing when simple equations come first, and elimination and substi
 nonzeros only.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 GOOD_ENOUGH = 0.1  # of the largest entry in the column: bounds the growth, spares the zeros
 
 
 @kernel
-def pivot_row(matrix, order, k):
+def pivot_row(matrix: "np.ndarray", order: "np.ndarray", k: int) -> int:
     """Place in `order` of the first row whose entry in column k is good enough."""
     n = matrix.shape[0]
     largest = 0.0
@@ -25,7 +31,9 @@ def pivot_row(matrix, order, k):
 
 
 @kernel
-def factorise(matrix, order, pattern, smallest, rank):
+def factorise(
+    matrix: "np.ndarray", order: "np.ndarray", pattern: "np.ndarray", smallest: float, rank: int
+) -> int:
     """Overwrite matrix (n, n) with its factors, pivots by their reciprocals.
 
     Rows are exchanged in `order` (n,) only.  pattern (n, n + 1) receives the nonzero places of every
@@ -60,7 +68,7 @@ def factorise(matrix, order, pattern, smallest, rank):
 
 
 @kernel
-def note_right(matrix, pattern, row, k):
+def note_right(matrix: "np.ndarray", pattern: "np.ndarray", row: int, k: int) -> None:
     """Note the nonzero places of a pivot row right of its pivot in column k."""
     end = pattern[row, 0]
     for j in range(k + 1, matrix.shape[0]):
@@ -71,7 +79,7 @@ def note_right(matrix, pattern, row, k):
 
 
 @kernel
-def eliminate(matrix, pattern, row, below, k):
+def eliminate(matrix: "np.ndarray", pattern: "np.ndarray", row: int, below: int, k: int) -> None:
     """Take a multiple of the pivot row from the row `below`; the multiple stays in column k."""
     factor = matrix[below, k] * matrix[row, k]
     matrix[below, k] = factor
@@ -83,7 +91,9 @@ def eliminate(matrix, pattern, row, below, k):
 
 
 @kernel
-def substitute(matrix, order, pattern, b, x):
+def substitute(
+    matrix: "np.ndarray", order: "np.ndarray", pattern: "np.ndarray", b: "np.ndarray", x: "np.ndarray"
+) -> None:
     """Solve with the factors of `factorise`: x (n,) for the right-hand side b (n,)."""
     n = matrix.shape[0]
     for i in range(n):

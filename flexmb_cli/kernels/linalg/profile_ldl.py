@@ -7,12 +7,17 @@ bandwidth, here from the other corner, so that coordinates of the whole tree com
 reach far.  No rows are exchanged: for positive definite matrices that is stable.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
 from .row_products import product, subtract_multiple
 
+if TYPE_CHECKING:
+    import numpy as np
+
 
 @kernel
-def factorise_profile(A, ends):
+def factorise_profile(A: "np.ndarray", ends: "np.ndarray") -> bool:
     """Overwrite A (n, n) with U and D; returns whether all pivots are above zero."""
     for i in range(A.shape[0] - 1, -1, -1):
         for j in range(ends[i] - 1, i, -1):
@@ -28,7 +33,7 @@ def factorise_profile(A, ends):
 
 
 @kernel
-def substitute_profile(A, ends, x):
+def substitute_profile(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray") -> None:
     """Replace a right-hand side x (n,) by the solution, A holding the factors."""
     n = x.shape[0]
     for i in range(n - 1, -1, -1):
@@ -40,7 +45,7 @@ def substitute_profile(A, ends, x):
 
 
 @kernel
-def set_profile_times(A, ends, x, out):
+def set_profile_times(A: "np.ndarray", ends: "np.ndarray", x: "np.ndarray", out: "np.ndarray") -> None:
     """out = A x."""
     n = x.shape[0]
     for i in range(n):

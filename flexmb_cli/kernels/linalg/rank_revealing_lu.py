@@ -27,7 +27,7 @@ FIRST_ENTRY = 3  # column of `entries` where the places begin
 
 
 @kernel
-def choose(jacobian, left, order, most):
+def choose(jacobian: np.ndarray, left: np.ndarray, order: np.ndarray, most: int) -> int:
     """Find the order of pivots, at most `most` of them; returns the rank.
 
     left (m, n) is overwritten.
@@ -52,14 +52,14 @@ def choose(jacobian, left, order, most):
 
 
 @kernel
-def _swap(order, a, b):
+def _swap(order: np.ndarray, a: int, b: int) -> None:
     kept = order[a]
     order[a] = order[b]
     order[b] = kept
 
 
 @kernel
-def _best_pivot(left, order, k, smallest):
+def _best_pivot(left: np.ndarray, order: np.ndarray, k: int, smallest: float) -> tuple[int, int]:
     """Places in the order of the row and column of the next pivot; -1, -1 when only zeros are left.
 
     Among the good entries that one whose row and column hold fewest others (Markowitz).
@@ -92,7 +92,7 @@ def _best_pivot(left, order, k, smallest):
 
 
 @kernel
-def _clear_below(left, order, k):
+def _clear_below(left: np.ndarray, order: np.ndarray, k: int) -> None:
     m, n = left.shape
     pivot_row, pivot_column = order[k], order[m + k]
     for i in range(k + 1, m):
@@ -107,7 +107,9 @@ def _clear_below(left, order, k):
 
 
 @kernel
-def factorise(jacobian, columns, order, rank, factors, entries):
+def factorise(
+    jacobian: np.ndarray, columns, order: np.ndarray, rank: int, factors: np.ndarray, entries
+) -> float:
     """Factors of the first `rank` rows in the order at hand: factors (m, n), columns in pivot order.
 
     The leading block (rank, rank) becomes L with unit diagonal below, U above; the columns behind it
@@ -133,7 +135,7 @@ def factorise(jacobian, columns, order, rank, factors, entries):
 
 
 @kernel
-def _take_row(jacobian, columns, row, places, factors, entries, i, following):
+def _take_row(jacobian: np.ndarray, columns, row, places, factors: np.ndarray, entries, i, following) -> None:
     """Put a row of the Jacobian in row i of the factors.
 
     following (n + 1,) becomes the chain of its places in order: that after place j, n behind the last; the
@@ -156,7 +158,7 @@ def _take_row(jacobian, columns, row, places, factors, entries, i, following):
 
 
 @kernel
-def _eliminate(factors, entries, i, end, rank, following):
+def _eliminate(factors: np.ndarray, entries, i, end, rank: int, following):
     """Take multiples of the rows before `end` from row i; they stay. Returns the largest."""
     n, largest, count = factors.shape[1], 0.0, FIRST_ENTRY
     k = following[n]
@@ -190,7 +192,7 @@ def _eliminate(factors, entries, i, end, rank, following):
 
 
 @kernel
-def smallest_pivot(factors, rank):
+def smallest_pivot(factors: np.ndarray, rank: int) -> float:
     """The smallest pivot of `factorise`, infinite where there are no equations."""
     smallest = math.inf
     for k in range(rank):
@@ -199,7 +201,9 @@ def smallest_pivot(factors, rank):
 
 
 @kernel
-def free_motions(factors, entries, order, rank, m, motions):
+def free_motions(
+    factors: np.ndarray, entries, order: np.ndarray, rank: int, m: int, motions: np.ndarray
+) -> None:
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
     n = factors.shape[1]
     for f in range(n - rank):
@@ -215,7 +219,9 @@ def free_motions(factors, entries, order, rank, m, motions):
 
 
 @kernel
-def dependent_speeds(factors, entries, order, rank, m, right_side, x):
+def dependent_speeds(
+    factors: np.ndarray, entries, order: np.ndarray, rank: int, m: int, right_side: np.ndarray, x: np.ndarray
+) -> None:
     """Fill x (n,) with a solution of the independent equations whose free speeds are zero.
 
     right_side (m,) in the order of the equations.
@@ -238,7 +244,7 @@ def dependent_speeds(factors, entries, order, rank, m, right_side, x):
 
 
 @kernel
-def transposed_solution(factors, entries, rank, y):
+def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
     for j in range(rank):
         y[j] /= factors[j, j]
@@ -252,7 +258,7 @@ def transposed_solution(factors, entries, rank, y):
 
 
 @kernel
-def _rows_below(entries, rank):
+def _rows_below(entries, rank: int):
     """The rows with an entry below the diagonal, column by column, and where each column begins and ends."""
     starts = np.zeros(rank + 2, np.int64)
     for i in range(rank):
@@ -270,7 +276,7 @@ def _rows_below(entries, rank):
 
 
 @kernel
-def row_times(jacobian, columns, row, x, scale):
+def row_times(jacobian: np.ndarray, columns, row, x, scale):
     """Product of a row of the Jacobian and x / scale, both (n,)."""
     total = 0.0
     for p in range(1, 1 + columns[row, 0]):
@@ -280,7 +286,7 @@ def row_times(jacobian, columns, row, x, scale):
 
 
 @kernel
-def cholesky(matrix, size, smallest):
+def cholesky(matrix: np.ndarray, size: int, smallest: float) -> int:
     """Overwrite the lower part of matrix (size, size) with its factor; 0 or the 1-based failing row.
 
     A pivot must exceed `smallest` of its diagonal entry.
@@ -300,7 +306,7 @@ def cholesky(matrix, size, smallest):
 
 
 @kernel
-def cholesky_solve(matrix, size, y):
+def cholesky_solve(matrix: np.ndarray, size: int, y: np.ndarray) -> None:
     """Solve in place with the factor of `cholesky`."""
     for i in range(size):
         for k in range(i):

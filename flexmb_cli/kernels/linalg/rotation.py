@@ -8,17 +8,24 @@ q holds seven coordinates a body: x, y, z (m), e0, e1, e2, e3.  Vectors in globa
 triples (x, y, z), vectors in body axes as arrays of three.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @kernel
-def dot(a, b):
+def dot(a: Any, b: tuple[float, float, float]) -> Any:
     """Scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
-def rotate(A, body, s):
+def rotate(
+    A: "np.ndarray", body: int, s: "np.ndarray | tuple[float, float, float]"
+) -> tuple[float, float, float]:
     """A s for one of the matrices A (bodies, 3, 3)."""
     return (
         A[body, 0, 0] * s[0] + A[body, 0, 1] * s[1] + A[body, 0, 2] * s[2],
@@ -28,7 +35,7 @@ def rotate(A, body, s):
 
 
 @kernel
-def _quadratic(e0, e1, e2, e3, factor, out):
+def _quadratic(e0: float, e1: float, e2: float, e3: float, factor: float, out: "np.ndarray") -> None:
     """Fill out (3, 3) with factor · G(p) L(p)ᵀ, eq. (3.26)."""
     f2 = 2.0 * factor
     out[0, 0] = factor * (e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3)
@@ -43,7 +50,7 @@ def _quadratic(e0, e1, e2, e3, factor, out):
 
 
 @kernel
-def rotation_matrices(q, A):
+def rotation_matrices(q: "np.ndarray", A: "np.ndarray") -> None:
     """Fill A (bodies, 3, 3), body to global axes, eq. (3.26)."""
     for body in range(A.shape[0]):
         k = 7 * body + 3
@@ -51,7 +58,7 @@ def rotation_matrices(q, A):
 
 
 @kernel
-def rotation_rates(q, qd, Ad, Add):
+def rotation_rates(q: "np.ndarray", qd: "np.ndarray", Ad: "np.ndarray", Add: "np.ndarray") -> None:
     """Fill Ad with dA/dt = 2 Ġ Lᵀ (3.27) and Add with 2 Ġ L̇ᵀ, the part of (3.28) without p̈."""
     for body in range(Ad.shape[0]):
         k = 7 * body + 3
@@ -71,7 +78,14 @@ def rotation_rates(q, qd, Ad, Add):
 
 
 @kernel
-def add_rotation_row(q, body, s, w, row, first):
+def add_rotation_row(
+    q: "np.ndarray",
+    body: int,
+    s: "np.ndarray | tuple[float, float, float]",
+    w: tuple[float, float, float],
+    row: "np.ndarray",
+    first: int,
+) -> None:
     """Add wᵀ · 2 G s̄' (4.9), the derivative of w · A s with respect to p, to row[first:first+4].
 
     s in body axes, w in global axes, held fixed.

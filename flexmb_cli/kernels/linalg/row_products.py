@@ -1,10 +1,15 @@
 """Products of long rows of numbers, which come as slices: indices from 0 on need no test for a sign."""
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @kernel
-def product(a, b):
+def product(a: "np.ndarray", b: Any) -> Any:
     """Scalar product of two rows (n,)."""
     # Four sums side by side: one alone waits for each addition to end.
     s0 = s1 = s2 = s3 = 0.0
@@ -21,7 +26,7 @@ def product(a, b):
 
 
 @kernel
-def subtract_multiple(factor, a, out):
+def subtract_multiple(factor: float, a: "np.ndarray", out: "np.ndarray") -> None:
     """out -= factor a, both (n,)."""
     for j in range(a.shape[0]):
         out[j] -= factor * a[j]

@@ -4,17 +4,22 @@ Axes of a frame are nine numbers A, row by row: A[3 i + j]; A v turns a vector f
 to inertial ones.  Symmetric matrices are six numbers xx xy xz yy yz zz.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import part
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @part
-def triple(a, first):
+def triple(a: "np.ndarray", first: int) -> tuple[float, float, float]:
     """Three places of a row of numbers."""
     return (a[first], a[first + 1], a[first + 2])
 
 
 @part
-def store(v, a, first):
+def store(v: tuple[float, float, float], a: Any, first: int) -> Any:
     """Set three places of a row of numbers."""
     a[first] = v[0]
     a[first + 1] = v[1]
@@ -22,7 +27,7 @@ def store(v, a, first):
 
 
 @part
-def accumulate(v, a, first):
+def accumulate(v: tuple[float, float, float], a: "np.ndarray", first: int) -> None:
     """Add to three places of a row of numbers."""
     a[first] += v[0]
     a[first + 1] += v[1]
@@ -30,37 +35,37 @@ def accumulate(v, a, first):
 
 
 @part
-def plus(a, b):
+def plus(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
     """a + b."""
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @part
-def minus(a, b):
+def minus(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
     """a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 @part
-def scaled(c, a):
+def scaled(c: float, a: tuple[float, float, float]) -> tuple[float, float, float]:
     """c a."""
     return (c * a[0], c * a[1], c * a[2])
 
 
 @part
-def dot(a, b):
+def dot(a: Any, b: tuple[float, float, float]) -> Any:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @part
-def cross(a, b):
+def cross(a: tuple[float, float, float], b: tuple[float, float, float]) -> tuple[float, float, float]:
     """Vector product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @part
-def centripetal(w, r):
+def centripetal(w: tuple[float, float, float], r: tuple[float, float, float]) -> tuple[float, float, float]:
     """w x (w x r)."""
     along = dot(w, r)
     square = dot(w, w)
@@ -68,7 +73,7 @@ def centripetal(w, r):
 
 
 @part
-def outward(A, v):
+def outward(A: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
     """A v: from the frame's axes to inertial ones."""
     return (
         A[0] * v[0] + A[1] * v[1] + A[2] * v[2],
@@ -78,7 +83,7 @@ def outward(A, v):
 
 
 @part
-def inward(A, v):
+def inward(A: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
     """Aᵀ v: from inertial axes to the frame's."""
     return (
         A[0] * v[0] + A[3] * v[1] + A[6] * v[2],
@@ -88,19 +93,24 @@ def inward(A, v):
 
 
 @part
-def column(A, axis):
+def column(A: "np.ndarray", axis: int) -> tuple[float, float, float]:
     """A unit vector of the frame in inertial axes."""
     return (A[axis], A[3 + axis], A[6 + axis])
 
 
 @part
-def symmetric_times(J, v):
+def symmetric_times(
+    J: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
+    v: tuple[float, float, float],
+) -> tuple[float, float, float]:
     """J v for a triple of rows, see `symmetric`."""
     return (dot(J[0], v), dot(J[1], v), dot(J[2], v))
 
 
 @part
-def symmetric(a, first):
+def symmetric(
+    a: "np.ndarray", first: int
+) -> tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]:
     """The three rows of a symmetric matrix whose six numbers begin at `first`."""
     xy, xz, yz = a[first + 1], a[first + 2], a[first + 4]
     return ((a[first], xy, xz), (xy, a[first + 3], yz), (xz, yz, a[first + 5]))

@@ -6,15 +6,25 @@ coordinate asks for one wrench there, which every coordinate on the way to the r
 is that of the entries which are not zero.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel, part
 from ..linalg.vec3 import column, cross, dot, outward, plus, scaled, triple
 from .kane import solve_tree
 from .kinematics import node_place, place_frames
 from .motion import parts
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.node_frames import NodeFrames
+    from ...model.arrays.tree import TreeArrays
+
 
 @kernel
-def set_mass(tree, work, coordinates, z, mass):
+def set_mass(
+    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", z: "np.ndarray", mass: "np.ndarray"
+) -> None:
     """Fill the upper triangle of mass (NS, NS) with b at the state z.
 
     Prescribed coordinates get rows and columns of the unit matrix.
@@ -40,7 +50,9 @@ def set_mass(tree, work, coordinates, z, mass):
 
 
 @part
-def _set_hinge_rows(tree, work, coordinates, k, mass):
+def _set_hinge_rows(
+    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", k: int, mass: "np.ndarray"
+) -> None:
     """Rows of the hinge coordinates of frame k, from the couplings that the solution left."""
     frame = tree.frames[k]
     for i in range(frame["rotations"] + frame["translations"]):
@@ -52,7 +64,15 @@ def _set_hinge_rows(tree, work, coordinates, k, mass):
 
 
 @part
-def _set_node_rows(tree, work, coordinates, k, nodal_mass, q, mass):
+def _set_node_rows(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: "np.ndarray",
+    k: int,
+    nodal_mass: "np.void",
+    q: "np.ndarray",
+    mass: "np.ndarray",
+) -> None:
     place = outward(work[k]["axes"], node_place(nodal_mass, q))
     for axis in range(3):
         m = nodal_mass["coordinate"][axis]
@@ -63,7 +83,9 @@ def _set_node_rows(tree, work, coordinates, k, nodal_mass, q, mass):
 
 
 @part
-def _add_node_frame_rows(tree, work, coordinates, body, mass):
+def _add_node_frame_rows(
+    tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", body: "np.void", mass: "np.ndarray"
+) -> None:
     """Return what the node frames of a body carry resists its elastic coordinates."""
     node_frames, first = tree.node_frames, body["first"]
     for r in range(body["first_node_frame"], body["first_node_frame"] + body["node_frames"]):
@@ -74,7 +96,7 @@ def _add_node_frame_rows(tree, work, coordinates, body, mass):
 
 
 @kernel
-def _node_frame_rows(node_frames, r, m, part):
+def _node_frame_rows(node_frames: "NodeFrames", r: int, m: int, part: int) -> tuple[float, float, float]:
     """Three rows of (inertia of what hangs on node frame r) times (its motion by coordinate m)."""
     return (
         _node_frame_row(node_frames, 6 * r, 6 * r + part, m),
@@ -84,7 +106,7 @@ def _node_frame_rows(node_frames, r, m, part):
 
 
 @kernel
-def _node_frame_row(node_frames, start, row, m):
+def _node_frame_row(node_frames: "NodeFrames", start: int, row: int, m: int) -> float:
     total = 0.0
     for i in range(6):
         total += node_frames.own[row, i] * node_frames.motion[start + i, m]
@@ -92,7 +114,15 @@ def _node_frame_row(node_frames, start, row, m):
 
 
 @kernel
-def add_generalised_forces(tree, work, coordinates, k, n, f, forces):
+def add_generalised_forces(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: "np.ndarray",
+    k: int,
+    n: tuple[float, float, float],
+    f: tuple[float, float, float],
+    forces: "np.ndarray",
+) -> None:
     """Add to forces (NS,) what all coordinates feel of the moment n and force f at the origin of frame k."""
     while k > 0:
         frame, s = tree.frames[k], work[k]
@@ -109,7 +139,13 @@ def add_generalised_forces(tree, work, coordinates, k, n, f, forces):
 
 
 @part
-def _add_generalised_forces_by_nodes(node_frames, r, n, f, forces):
+def _add_generalised_forces_by_nodes(
+    node_frames: "NodeFrames",
+    r: int,
+    n: tuple[float, float, float],
+    f: tuple[float, float, float],
+    forces: "np.ndarray",
+) -> None:
     """The elastic coordinates of its body move a node frame by D."""
     D, first = node_frames.motion, node_frames.records[r]["first"]
     for m in range(node_frames.records[r]["count"]):
@@ -118,7 +154,7 @@ def _add_generalised_forces_by_nodes(node_frames, r, n, f, forces):
 
 
 @part
-def _complete(tree, mass):
+def _complete(tree: "TreeArrays", mass: "np.ndarray") -> None:
     """Bring entries below the diagonal above it; a coordinate further out may have the smaller number."""
     n = mass.shape[0]
     for i in range(n):

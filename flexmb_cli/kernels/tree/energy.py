@@ -1,13 +1,22 @@
 """Energy of a tree, and the power of everything that is not gravity, elasticity or a spring."""
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
 from ..linalg.vec3 import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
 from .kinematics import node_place, node_vector
 from .loads import axial_prestress, elastic_row_times
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.tree import TreeArrays
+
 
 @kernel
-def energies(tree, work, q, y):
+def energies(
+    tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray"
+) -> tuple[float, float, float]:
     """Kinetic, potential (gravity and springs) and strain energy, J, of placed frames."""
     g = triple(tree.gravity, 0)
     kinetic = potential = 0.0
@@ -27,12 +36,12 @@ def energies(tree, work, q, y):
 
 
 @kernel
-def _moment(frame, s):
+def _moment(frame: "np.void", s: "np.void") -> tuple[float, float, float]:
     return outward(s["axes"], triple(frame["moment"], 0))
 
 
 @kernel
-def _frame_kinetic(frame, s):
+def _frame_kinetic(frame: "np.void", s: "np.void") -> float:
     v, w = triple(s["velocity"], 0), triple(s["angular"], 0)
     spin = inward(s["axes"], w)
     turning = dot(spin, symmetric_times(symmetric(frame["inertia"], 0), spin))
@@ -40,7 +49,9 @@ def _frame_kinetic(frame, s):
 
 
 @kernel
-def node_state(nodal_mass, s, q, y):
+def node_state(
+    nodal_mass: "np.void", s: "np.void", q: "np.ndarray", y: "np.ndarray"
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Position and velocity of a nodal mass of the body with frame record s, inertial axes."""
     r = outward(s["axes"], node_place(nodal_mass, q))
     du = outward(s["axes"], node_vector(nodal_mass, y))
@@ -49,7 +60,7 @@ def node_state(nodal_mass, s, q, y):
 
 
 @kernel
-def _strain(tree, q):
+def _strain(tree: "TreeArrays", q: "np.ndarray") -> float:
     """u . K u / 2 over all bodies."""
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):
@@ -59,7 +70,9 @@ def _strain(tree, q):
 
 
 @kernel
-def _bilinear(tree, matrices, start, body, x, z):
+def _bilinear(
+    tree: "TreeArrays", matrices: "np.ndarray", start: int, body: "np.void", x: "np.ndarray", z: "np.ndarray"
+) -> float:
     """x . A z over one body's coordinates, A beginning at `start`."""
     total = 0.0
     for i in range(body["count"]):
@@ -68,7 +81,14 @@ def _bilinear(tree, matrices, start, body, x, z):
 
 
 @kernel
-def applied_power(tree, work, coordinates, t, q, y):
+def applied_power(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: "np.ndarray",
+    t: float,
+    q: "np.ndarray",
+    y: "np.ndarray",
+) -> float:
     """Power of external forces and torques, motors, dampers, stiffening and prescribed motion, W."""
     power = 0.0
     for k in range(1, tree.frames.shape[0]):
@@ -95,7 +115,7 @@ def applied_power(tree, work, coordinates, t, q, y):
 
 
 @kernel
-def _dissipated(tree, y):
+def _dissipated(tree: "TreeArrays", y: "np.ndarray") -> float:
     """Power that dampers take."""
     total = 0.0
     for i in range(tree.springs.shape[0]):
@@ -108,7 +128,7 @@ def _dissipated(tree, y):
 
 
 @kernel
-def _stiffening_power(tree, work, q, y):
+def _stiffening_power(tree: "TreeArrays", work: "np.ndarray", q: "np.ndarray", y: "np.ndarray") -> float:
     """Power of geometric stiffening, which counts as a load: nothing answers it on the rigid motion."""
     total = 0.0
     for b in range(tree.elastic_bodies.shape[0]):

@@ -8,7 +8,7 @@ that for slender bodies factors and products cost as much as there are nodes.
 Closed loops add J x = J r to such a system, and unknown forces along the rows of J.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from ..linalg.vec3 import cross, minus, scaled, triple
 from .composite_mass import add_generalised_forces, set_mass
 from .loads import axial_prestress
 from .loop_closures import eliminate_rows, solve_rows
+
+if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
 
 
 class Stiff(NamedTuple):
@@ -40,7 +43,7 @@ class Stiff(NamedTuple):
 def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
     """Blank work space."""
     rows = closures.size
-    return Stiff(
+    return Stiff(  # type: ignore[call-arg]
         *(np.zeros((speeds, speeds)) for _ in range(3)),
         *(np.zeros(speeds, np.int64) for _ in range(3)),
         np.zeros(speeds),
@@ -52,7 +55,7 @@ def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
 
 
 @kernel
-def renew(tree, work, coordinates, z, s):
+def renew(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray, s: Stiff) -> None:
     """Fill b, K and J at the state z."""
     set_mass(tree, work, coordinates, z, s.mass)
     _set_ends(s.mass, s.mass_ends)
@@ -61,7 +64,7 @@ def renew(tree, work, coordinates, z, s):
 
 
 @kernel
-def set_jacobian(tree, work, coordinates, s):
+def set_jacobian(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, s: Stiff) -> None:
     """Fill J for placed frames and measured closures."""
     for i in range(s.rows.shape[0]):
         s.rows[i] = tree.closures[i]
@@ -75,14 +78,22 @@ def set_jacobian(tree, work, coordinates, s):
 
 
 @kernel
-def _add_force_row(tree, work, coordinates, row, k, force, jacobian):
+def _add_force_row(
+    tree: "TreeArrays",
+    work: np.ndarray,
+    coordinates: np.ndarray,
+    row: np.void,
+    k: int,
+    force: tuple[float, float, float],
+    jacobian: np.ndarray,
+) -> None:
     """Add what the coordinates feel of a force on frame k at the place of a closure."""
     arm = minus(triple(row["place"], 0), triple(work[k]["position"], 0))
     add_generalised_forces(tree, work, coordinates, k, cross(arm, force), force, jacobian)
 
 
 @kernel
-def _set_ends(A, ends):
+def _set_ends(A: np.ndarray, ends: np.ndarray) -> None:
     n = A.shape[0]
     for i in range(n):
         end = n
@@ -92,7 +103,7 @@ def _set_ends(A, ends):
 
 
 @kernel
-def factorise(tree, f, s):
+def factorise(tree: "TreeArrays", f: float, s: Stiff) -> bool:
     """Factors of b + f D + f² K, and of J (b + f D + f² K)^-1 Jᵀ; False when it is not positive definite."""
     A, n = s.matrix, s.matrix.shape[0]
     for i in range(n):
@@ -109,7 +120,7 @@ def factorise(tree, f, s):
 
 
 @kernel
-def factor_schur_complement(s):
+def factor_schur_complement(s: Stiff) -> None:
     """Fill (b + f D + f² K)^-1 Jᵀ and J times that, and eliminate the latter."""
     rows = s.rows.shape[0]
     for i in range(rows):
@@ -122,7 +133,7 @@ def factor_schur_complement(s):
 
 
 @kernel
-def set_mass_times(tree, x, s, out):
+def set_mass_times(tree: "TreeArrays", x: np.ndarray, s: Stiff, out: np.ndarray) -> None:
     """out = b x, the one-way assumption respected."""
     set_profile_times(s.mass, s.mass_ends, x, out)
     if tree.one_way:
@@ -132,7 +143,7 @@ def set_mass_times(tree, x, s, out):
 
 
 @kernel
-def _leave_rigid_rows(tree, s, out):
+def _leave_rigid_rows(tree: "TreeArrays", s: Stiff, out: np.ndarray) -> None:
     """Take b rest off the rigid rows of out."""
     for i in range(out.shape[0]):
         if not tree.elastic[i]:
@@ -141,7 +152,7 @@ def _leave_rigid_rows(tree, s, out):
 
 
 @kernel
-def solve_stiff(tree, residual, x, s):
+def solve_stiff(tree: "TreeArrays", residual: np.ndarray, x: np.ndarray, s: Stiff) -> None:
     """Replace a right-hand side x (NS,) by the solution; with closed loops, by that with J x = J residual."""
     substitute_profile(s.matrix, s.matrix_ends, x)
     if tree.one_way:
@@ -152,7 +163,7 @@ def solve_stiff(tree, residual, x, s):
 
 
 @kernel
-def apply_multipliers(x, s):
+def apply_multipliers(x: np.ndarray, s: Stiff) -> None:
     """Take off x (NS,) the motion that changes the gaps by what the rows hold as forces."""
     solve_rows(s.rows, s.schur)
     for i in range(s.rows.shape[0]):
@@ -160,7 +171,7 @@ def apply_multipliers(x, s):
 
 
 @kernel
-def _answer_rigid_motion(tree, x, s):
+def _answer_rigid_motion(tree: "TreeArrays", x: np.ndarray, s: Stiff) -> None:
     """The elastic part of x without the coupling, less what the rigid part does to it."""
     for j in range(x.shape[0]):
         s.rest[j] = 0.0
@@ -175,7 +186,7 @@ def _answer_rigid_motion(tree, x, s):
 
 
 @kernel
-def _set_stiffness(tree, work, K, ends):
+def _set_stiffness(tree: "TreeArrays", work: np.ndarray, K: np.ndarray, ends: np.ndarray) -> None:
     """Fill the upper triangle of K (NS, NS) and the ends of its rows for placed frames."""
     K.fill(0.0)
     for i in range(ends.shape[0]):
@@ -197,7 +208,7 @@ def _set_stiffness(tree, work, K, ends):
 
 
 @kernel
-def _add_damping(tree, factor, A):
+def _add_damping(tree: "TreeArrays", factor: float, A: np.ndarray) -> None:
     """A += factor D."""
     for b in range(tree.elastic_bodies.shape[0]):
         body = tree.elastic_bodies[b]
@@ -210,7 +221,9 @@ def _add_damping(tree, factor, A):
 
 
 @kernel
-def _add_block(factor, matrices, start, body, reach, A):
+def _add_block(
+    factor: float, matrices: np.ndarray, start: int, body: np.void, reach: np.ndarray, A: np.ndarray
+) -> None:
     first, count = body["first"], body["count"]
     for i in range(count):
         for j in range(i, reach[first + i, 1]):

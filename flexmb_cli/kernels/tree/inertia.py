@@ -6,6 +6,8 @@ coordinates of that subtree stay free.  A nodal mass that is free along axis d s
 only the elastic force; along the other axes it is carried with the body.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import part
 from ..linalg.vec3 import (
     accumulate,
@@ -26,9 +28,20 @@ from ..linalg.vec3 import (
 from .kinematics import node_place, node_vector
 from .work import H_, J_, M_
 
+if TYPE_CHECKING:
+    import numpy as np
+
 
 @part
-def own_inertia(frame, s, nodal_masses, gravity, coordinates, q, y):
+def own_inertia(
+    frame: "np.void",
+    s: "np.void",
+    nodal_masses: "np.ndarray",
+    gravity: "np.ndarray",
+    coordinates: "np.ndarray",
+    q: "np.ndarray",
+    y: "np.ndarray",
+) -> None:
     """Start inertia and bias of a frame with its own mass, loads and nodal masses."""
     if frame["nodal_masses"] == 0:
         _rigid_inertia(frame, s)
@@ -39,7 +52,7 @@ def own_inertia(frame, s, nodal_masses, gravity, coordinates, q, y):
 
 
 @part
-def _rigid_inertia(frame, s):
+def _rigid_inertia(frame: "np.void", s: "np.void") -> None:
     """J = S J S', H = [s x], M = m U; no bias yet."""
     out = s["inertia"]
     first, second = _rotated(s["axes"], symmetric(frame["inertia"], 0))
@@ -57,7 +70,10 @@ def _rigid_inertia(frame, s):
 
 
 @part
-def _rotated(A, J):
+def _rotated(
+    A: "np.ndarray",
+    J: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """The six numbers of S J S', in two triples, for the rows of a symmetric J."""
     a, b, c = triple(A, 0), triple(A, 3), triple(A, 6)
     x, y, z = symmetric_times(J, a), symmetric_times(J, b), symmetric_times(J, c)
@@ -65,7 +81,7 @@ def _rotated(A, J):
 
 
 @part
-def _add_rigid_bias(frame, s, gravity):
+def _add_rigid_bias(frame: "np.void", s: "np.void", gravity: "np.ndarray") -> None:
     """p_n = w x J w - s x g - M_k, p_f = w x (w x s) - m g - F_k of the frame without nodal masses."""
     w = triple(s["angular"], 0)
     g = triple(gravity, 0)
@@ -78,7 +94,15 @@ def _add_rigid_bias(frame, s, gravity):
 
 
 @part
-def _sum_nodal_masses(frame, s, nodal_masses, gravity, coordinates, q, y):
+def _sum_nodal_masses(
+    frame: "np.void",
+    s: "np.void",
+    nodal_masses: "np.ndarray",
+    gravity: "np.ndarray",
+    coordinates: "np.ndarray",
+    q: "np.ndarray",
+    y: "np.ndarray",
+) -> None:
     """Sum the nodal masses in the body's axes."""
     w = inward(s["axes"], triple(s["angular"], 0))
     g = inward(s["axes"], triple(gravity, 0))
@@ -92,7 +116,7 @@ def _sum_nodal_masses(frame, s, nodal_masses, gravity, coordinates, q, y):
 
 
 @part
-def _start_sums(frame, s):
+def _start_sums(frame: "np.void", s: "np.void") -> None:
     """J and M of the frame without nodal masses, in its own axes; a flexible body has no first moment."""
     out = s["inertia"]
     for i in range(6):
@@ -106,7 +130,15 @@ def _start_sums(frame, s):
 
 
 @part
-def _sum_nodal_mass(nodal_mass, r, c, load, inertia, bias, coordinates):
+def _sum_nodal_mass(
+    nodal_mass: "np.void",
+    r: tuple[float, float, float],
+    c: tuple[float, float, float],
+    load: tuple[float, float, float],
+    inertia: "np.ndarray",
+    bias: "np.ndarray",
+    coordinates: "np.ndarray",
+) -> None:
     """Add a nodal mass at r with acceleration remainder c under an external load."""
     m = nodal_mass["coordinate"]
     mass = nodal_mass["mass"]
@@ -120,7 +152,7 @@ def _sum_nodal_mass(nodal_mass, r, c, load, inertia, bias, coordinates):
 
 
 @part
-def _carried(mass, c, load, m, coordinates):
+def _carried(mass: float, c: float, load: float, m: int, coordinates: "np.ndarray") -> tuple[float, float]:
     """Mass that the body carries along one axis, and the force it has to pass on to the nodal mass."""
     if m < 0:
         return mass, mass * c - load
@@ -134,7 +166,7 @@ def _carried(mass, c, load, m, coordinates):
 
 
 @part
-def _add_carried(out, r, b0, b1, b2):
+def _add_carried(out: "np.ndarray", r: tuple[float, float, float], b0: float, b1: float, b2: float) -> None:
     """J += [r x] B [r x]ᵀ, H += [r x] B, M += B with B = diag(b0, b1, b2)."""
     x, y, z = r
     out[J_] += z * z * b1 + y * y * b2
@@ -152,7 +184,7 @@ def _add_carried(out, r, b0, b1, b2):
 
 
 @part
-def _turn_sums(s):
+def _turn_sums(s: "np.void") -> None:
     """Turn the sums over nodal masses from the body's axes to inertial ones."""
     out, A = s["inertia"], s["axes"]
     for block in range(J_, M_ + 1, M_ - J_):

@@ -8,6 +8,8 @@ inverse dynamics.  The one-way motion of thesis 4.3 is two solutions: the rigid 
 elastic ones locked at rest, then the elastic ones with the rigid ones locked.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import part
 from ..linalg.vec3 import (
     accumulate,
@@ -29,6 +31,12 @@ from .loop_closures import add_closure_forces, clear_loop_forces, find_loop_forc
 from .node_frames import absorb_node_frames, release_node_frames
 from .work import H_, J_, M_
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.tree import TreeArrays
+
+
 SOLVED = -1
 
 # A pivot below this part of the body's own inertia is round-off: nothing moves with the coordinate.
@@ -36,7 +44,15 @@ NO_INERTIA = 1e-13
 
 
 @part
-def accelerations(tree, work, coordinates, t, q, y, attitudes):
+def accelerations(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: "np.ndarray",
+    t: float,
+    q: "np.ndarray",
+    y: "np.ndarray",
+    attitudes: "np.ndarray",
+) -> int:
     """Set coordinates["rate"], the y' of the state; returns SOLVED or the coordinate without inertia.
 
     q, y (NS,), attitudes (balls, 4).  The rate of a "held" coordinate is input.
@@ -57,7 +73,7 @@ def accelerations(tree, work, coordinates, t, q, y, attitudes):
 
 
 @part
-def _prepare_turn(tree, work, coordinates, turn):
+def _prepare_turn(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray", turn: int) -> bool:
     """Lock and load the tree for the first or second solution; False when no second one is needed."""
     if turn == 1 and not tree.one_way:
         if tree.closures.shape[0] > 0:
@@ -74,7 +90,14 @@ def _prepare_turn(tree, work, coordinates, turn):
 
 
 @part
-def solve_tree(tree, work, coordinates, t, q, y):
+def solve_tree(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: "np.ndarray",
+    t: float,
+    q: "np.ndarray",
+    y: "np.ndarray",
+) -> int:
     """Rates of the free coordinates, and in "drive" the efforts that hold the locked ones to theirs.
 
     Expects frames just placed and the efforts along the coordinates; returns as `accelerations`.
@@ -108,7 +131,7 @@ def solve_tree(tree, work, coordinates, t, q, y):
 
 
 @part
-def _eliminate_hinge(frame, s, coordinates, scale):
+def _eliminate_hinge(frame: "np.void", s: "np.void", coordinates: "np.ndarray", scale: "np.ndarray") -> int:
     """Free the inertia of a frame from its hinge coordinates, one by one."""
     for i in range(frame["rotations"]):
         m = frame["first_rotation"] + i
@@ -124,31 +147,31 @@ def _eliminate_hinge(frame, s, coordinates, scale):
 
 
 @part
-def _couple_rotation(I, c):
+def _couple_rotation(I: "np.ndarray", c: "np.void") -> None:
     axis = triple(c["direction"], 0)
     store(symmetric_times(symmetric(I, J_), axis), c["coupling"], 0)
     store(_transposed_H(I, axis), c["coupling"], 3)
 
 
 @part
-def _couple_translation(I, c):
+def _couple_translation(I: "np.ndarray", c: "np.void") -> None:
     axis = triple(c["direction"], 0)
     store(_times_H(I, axis), c["coupling"], 0)
     store(symmetric_times(symmetric(I, M_), axis), c["coupling"], 3)
 
 
 @part
-def _times_H(I, v):
+def _times_H(I: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
     return (dot(triple(I, H_), v), dot(triple(I, H_ + 3), v), dot(triple(I, H_ + 6), v))
 
 
 @part
-def _transposed_H(I, v):
+def _transposed_H(I: "np.ndarray", v: tuple[float, float, float]) -> tuple[float, float, float]:
     return (dot(column(I, H_), v), dot(column(I, H_ + 1), v), dot(column(I, H_ + 2), v))
 
 
 @part
-def _eliminate(s, c, part, scale):
+def _eliminate(s: "np.void", c: "np.void", part: int, scale: float) -> bool:
     """Take a coordinate out of inertia and bias; False when it has no positive inertia.
 
     `part` is 0 for a rotation, 3 for a translation.  A locked coordinate stays in the inertia, and
@@ -173,7 +196,9 @@ def _eliminate(s, c, part, scale):
 
 
 @part
-def _subtract_outer(I, n, f, c):
+def _subtract_outer(
+    I: "np.ndarray", n: tuple[float, float, float], f: tuple[float, float, float], c: float
+) -> None:
     """I -= c U Uᵀ with U = (n, f)."""
     a = scaled(-c, n)
     b = scaled(-c, f)
@@ -187,7 +212,7 @@ def _subtract_outer(I, n, f, c):
 
 
 @part
-def _hand_over(s, parent):
+def _hand_over(s: "np.void", parent: "np.void") -> None:
     """Add what is left of a frame to its parent, seen from the parent's origin."""
     I = s["inertia"]
     r = triple(s["offset"], 0)
@@ -201,7 +226,7 @@ def _hand_over(s, parent):
 
 
 @part
-def _add_shifted(I, r, out):
+def _add_shifted(I: "np.ndarray", r: tuple[float, float, float], out: "np.ndarray") -> None:
     """Add to `out` the inertia I seen from a point that lies -r away: with R = [r x],
 
     M' = M, H' = H + R M, J' = J + R H'ᵀ + H Rᵀ.
@@ -227,7 +252,7 @@ def _add_shifted(I, r, out):
 
 
 @part
-def _accelerate_frame(frame, parent, s, coordinates):
+def _accelerate_frame(frame: "np.void", parent: "np.void", s: "np.void", coordinates: "np.ndarray") -> None:
     """Accelerations of the hinge coordinates and of the origin, from those of the parent."""
     turn = triple(parent["acceleration"], 0)
     al = plus(triple(s["remainder"], 0), turn)
@@ -245,7 +270,7 @@ def _accelerate_frame(frame, parent, s, coordinates):
 
 
 @part
-def _solve_coordinate(c, al, a):
+def _solve_coordinate(c: "np.void", al: tuple[float, float, float], a: tuple[float, float, float]) -> float:
     """Return what a coordinate adds to the acceleration along its axis; the effort when it is locked."""
     carried = dot(triple(c["coupling"], 0), al) + dot(triple(c["coupling"], 3), a)
     if c["locked"] != 0:
@@ -256,7 +281,9 @@ def _solve_coordinate(c, al, a):
 
 
 @part
-def _accelerate_nodes(frame, s, nodal_masses, q, coordinates):
+def _accelerate_nodes(
+    frame: "np.void", s: "np.void", nodal_masses: "np.ndarray", q: "np.ndarray", coordinates: "np.ndarray"
+) -> None:
     """Accelerations of the nodal masses of a flexible body against it."""
     al = inward(s["axes"], triple(s["acceleration"], 0))
     a = inward(s["axes"], triple(s["acceleration"], 3))
@@ -270,7 +297,7 @@ def _accelerate_nodes(frame, s, nodal_masses, q, coordinates):
 
 
 @part
-def _accelerate_node(c, mass, carried):
+def _accelerate_node(c: "np.void", mass: float, carried: float) -> None:
     if c["locked"] != 0:
         c["drive"] = mass * carried - c["drive"]
     else:

@@ -6,13 +6,27 @@ order in the displacements and left out, as are pulls by the acceleration of the
 `tree` is a `model.arrays.tree.TreeArrays`.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import part
 from ..linalg.row_products import product
 from ..linalg.vec3 import dot, outward, triple
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.tree import TreeArrays
+
 
 @part
-def coordinate_efforts(tree, work, t, q, y, coordinates):
+def coordinate_efforts(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    t: float,
+    q: "np.ndarray",
+    y: "np.ndarray",
+    coordinates: "np.ndarray",
+) -> None:
     """Set the effort along each coordinate, frames being placed: -K u - D u', springs, dampers, motors."""
     for m in range(coordinates.shape[0]):
         coordinates[m]["effort"] = 0.0
@@ -39,7 +53,7 @@ def coordinate_efforts(tree, work, t, q, y, coordinates):
 
 
 @part
-def axial_prestress(tree, work, body):
+def axial_prestress(tree: "TreeArrays", work: "np.ndarray", body: "np.void") -> tuple[float, float]:
     """Return what pulls along a beam: square of the angular velocity across it, and gravity along it."""
     s = work[body["frame"]]
     along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
@@ -47,7 +61,15 @@ def axial_prestress(tree, work, body):
 
 
 @part
-def _subtract_product(factor, matrices, start, body, reach, x, coordinates):
+def _subtract_product(
+    factor: float,
+    matrices: "np.ndarray",
+    start: int,
+    body: "np.void",
+    reach: "np.ndarray",
+    x: "np.ndarray",
+    coordinates: "np.ndarray",
+) -> None:
     """effort -= factor A x over one body's coordinates, A beginning at `start`."""
     for i in range(body["count"]):
         product = elastic_row_times(matrices, start, body, reach, i, x)
@@ -55,7 +77,9 @@ def _subtract_product(factor, matrices, start, body, reach, x, coordinates):
 
 
 @part
-def elastic_row_times(matrices, start, body, reach, i, x):
+def elastic_row_times(
+    matrices: "np.ndarray", start: int, body: "np.void", reach: "np.ndarray", i: int, x: "np.ndarray"
+) -> float:
     """Row i of one body's matrix, which begins at `start`, times the body's part of x (NS,)."""
     first = body["first"]
     begin, end = reach[first + i, 0], reach[first + i, 1]
@@ -64,7 +88,9 @@ def elastic_row_times(matrices, start, body, reach, i, x):
 
 
 @part
-def set_prescribed(tree, t, q, y, coordinates):
+def set_prescribed(
+    tree: "TreeArrays", t: float, q: "np.ndarray", y: "np.ndarray", coordinates: "np.ndarray"
+) -> None:
     """Put the prescribed coordinates C + B t + A t²/2, their speeds and accelerations in place."""
     for i in range(tree.prescribed.shape[0]):
         p = tree.prescribed[i]
@@ -75,7 +101,7 @@ def set_prescribed(tree, t, q, y, coordinates):
 
 
 @part
-def add_body_torques(tree, t, work):
+def add_body_torques(tree: "TreeArrays", t: float, work: "np.ndarray") -> None:
     """Take the torque functions on bodies off p_n of their frames."""
     for i in range(tree.functions.shape[0]):
         function = tree.functions[i]

@@ -11,6 +11,8 @@ needed that could turn singular on the way, and the forces come with it.  The ma
 with diagonal pivots: rows that repeat others leave none and get no force.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel
 from ..linalg.vec3 import (
     accumulate,
@@ -27,20 +29,26 @@ from ..linalg.vec3 import (
 )
 from .unit_forces import clear_unit_forces, respond, unit_force
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.tree import TreeArrays
+
+
 # A pivot below this part of the row's own response means that other rows close this direction too;
 # a response below the second part of the largest one that nothing moves in this direction.
 REPEATED, IMMOBILE = 1e-9, 1e-12
 
 
 @kernel
-def clear_loop_forces(closures):
+def clear_loop_forces(closures: "np.ndarray") -> None:
     """Leave all loops open."""
     for i in range(closures.shape[0]):
         closures[i]["force"] = 0.0
 
 
 @kernel
-def evaluate_closures(closures, work):
+def evaluate_closures(closures: "np.ndarray", work: "np.ndarray") -> None:
     """Set direction, place, gap and rate of every row for placed frames."""
     for i in range(closures.shape[0]):
         row = closures[i]
@@ -55,26 +63,30 @@ def evaluate_closures(closures, work):
 
 
 @kernel
-def _relative_velocity(a, b, place):
+def _relative_velocity(
+    a: "np.void", b: "np.void", place: tuple[float, float, float]
+) -> tuple[float, float, float]:
     """Velocity of frame a at a place against that of frame b at the same place."""
     return minus(_velocity(a, place), _velocity(b, place))
 
 
 @kernel
-def _velocity(s, place):
+def _velocity(s: "np.void", place: tuple[float, float, float]) -> tuple[float, float, float]:
     arm = minus(place, triple(s["position"], 0))
     return plus(triple(s["velocity"], 0), cross(triple(s["angular"], 0), arm))
 
 
 @kernel
-def _carried(s, motion, place):
+def _carried(
+    s: "np.void", motion: "np.ndarray", place: tuple[float, float, float]
+) -> tuple[float, float, float]:
     """Linear part of `motion` (al, a) at a place of the frame."""
     arm = minus(place, triple(s["position"], 0))
     return plus(triple(motion, 3), cross(triple(motion, 0), arm))
 
 
 @kernel
-def _gap_acceleration(row, a, b):
+def _gap_acceleration(row: "np.void", a: "np.void", b: "np.void") -> float:
     """Second derivative of the gap at the present accelerations."""
     place = triple(row["place"], 0)
     wa, wb = triple(a["angular"], 0), triple(b["angular"], 0)
@@ -89,7 +101,7 @@ def _gap_acceleration(row, a, b):
 
 
 @kernel
-def add_closure_forces(closures, work):
+def add_closure_forces(closures: "np.ndarray", work: "np.ndarray") -> None:
     """Take the closing forces off the bias of the two frames of each row."""
     if closures.shape[0] == 0:
         return
@@ -104,14 +116,14 @@ def add_closure_forces(closures, work):
 
 
 @kernel
-def _load(s, place, force):
+def _load(s: "np.void", place: tuple[float, float, float], force: tuple[float, float, float]) -> None:
     arm = minus(place, triple(s["position"], 0))
     accumulate(scaled(-1.0, cross(arm, force)), s["bias"], 0)
     accumulate(scaled(-1.0, force), s["bias"], 3)
 
 
 @kernel
-def find_loop_forces(tree, work, coordinates):
+def find_loop_forces(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
     """Set the forces that take the closures' accelerations away, from the solution with open loops."""
     closures = tree.closures
     _set_response_matrix(tree, work, coordinates)
@@ -122,7 +134,7 @@ def find_loop_forces(tree, work, coordinates):
 
 
 @kernel
-def apply_row_forces(closures, work):
+def apply_row_forces(closures: "np.ndarray", work: "np.ndarray") -> None:
     """Push with the forces of all rows."""
     clear_unit_forces(work)
     for i in range(closures.shape[0]):
@@ -133,7 +145,7 @@ def apply_row_forces(closures, work):
 
 
 @kernel
-def _set_response_matrix(tree, work, coordinates):
+def _set_response_matrix(tree: "TreeArrays", work: "np.ndarray", coordinates: "np.ndarray") -> None:
     """Fill and eliminate closure_matrix = J b^-1 Jᵀ for the last solution of the tree, without forces."""
     closures, matrix = tree.closures, tree.closure_matrix
     for j in range(closures.shape[0]):
@@ -151,7 +163,7 @@ def _set_response_matrix(tree, work, coordinates):
 
 
 @kernel
-def eliminate_rows(closures, matrix):
+def eliminate_rows(closures: "np.ndarray", matrix: "np.ndarray") -> None:
     """L D Lᵀ of a symmetric matrix with diagonal pivots; dependent rows get the pivot 0."""
     n = matrix.shape[0]
     largest = 0.0
@@ -175,7 +187,7 @@ def eliminate_rows(closures, matrix):
 
 
 @kernel
-def _bring_best_pivot(closures, matrix, k):
+def _bring_best_pivot(closures: "np.ndarray", matrix: "np.ndarray", k: int) -> None:
     """Exchange places in the order so that the row with the largest share of its own pivot is next."""
     best, share = k, -1.0
     for i in range(k, matrix.shape[0]):
@@ -189,7 +201,7 @@ def _bring_best_pivot(closures, matrix, k):
 
 
 @kernel
-def solve_rows(closures, matrix):
+def solve_rows(closures: "np.ndarray", matrix: "np.ndarray") -> None:
     """Replace the forces, which hold a right-hand side, by the solution; 0 for dependent rows."""
     n = matrix.shape[0]
     for k in range(n):

@@ -4,15 +4,22 @@ z holds the NS speeds, the NS coordinates, four Euler parameters for each hinge 
 and last the work that has been applied, whose error does not count.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import kernel, plain
 from .energy import applied_power
 from .kane import SOLVED, accelerations
 from .kinematics import attitude_rates
 from .loads import set_prescribed
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.tree import TreeArrays
+
 
 @plain
-def parts(tree, z):
+def parts(tree: "TreeArrays", z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
     """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
     n = tree.given.shape[0]
     balls = (z.shape[0] - 2 * n) // 4
@@ -20,7 +27,14 @@ def parts(tree, z):
 
 
 @kernel
-def derivative(tree, work, coordinates, t, z, dz):
+def derivative(
+    tree: "TreeArrays",
+    work: "np.ndarray",
+    coordinates: "np.ndarray",
+    t: float,
+    z: "np.ndarray",
+    dz: "np.ndarray",
+) -> int:
     """Fill dz; puts prescribed coordinates in their place in z.  Returns as `accelerations`."""
     y, q, attitudes = parts(tree, z)
     yd, qd, rates = parts(tree, dz)
@@ -37,7 +51,7 @@ def derivative(tree, work, coordinates, t, z, dz):
 
 
 @kernel
-def turn_attitudes(tree, y, attitudes, rates):
+def turn_attitudes(tree: "TreeArrays", y: "np.ndarray", attitudes: "np.ndarray", rates: "np.ndarray") -> None:
     """Fill the rates (balls, 4) of Euler parameters for the speeds y."""
     for k in range(1, tree.frames.shape[0]):
         if tree.frames[k]["ball"] >= 0:
@@ -45,7 +59,7 @@ def turn_attitudes(tree, y, attitudes, rates):
 
 
 @kernel
-def normalise_attitudes(tree, z):
+def normalise_attitudes(tree: "TreeArrays", z: "np.ndarray") -> None:
     """Bring all Euler parameters back to length one."""
     _y, _q, attitudes = parts(tree, z)
     for b in range(attitudes.shape[0]):

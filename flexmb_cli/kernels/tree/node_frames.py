@@ -7,14 +7,24 @@ s = D w_0 + r, and the body feels Eᵀ F: six rows a node frame, at a cost linea
 names of the arrays are those of `model.arrays.node_frames.Riders`.
 """
 
+from typing import TYPE_CHECKING
+
 from .._jit import part
 from ..linalg.vec3 import column, cross, outward, triple
 from .kinematics import node_place
 from .work import H_, J_, M_
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...model.arrays.node_frames import NodeFrames
+    from ...model.arrays.tree import TreeArrays
+
 
 @part
-def absorb_node_frames(tree, body, work, coordinates, q):
+def absorb_node_frames(
+    tree: "TreeArrays", body: "np.void", work: "np.ndarray", coordinates: "np.ndarray", q: "np.ndarray"
+) -> None:
     """Add to inertia and bias of a flexible parent what its node frames carry, their subtrees being
     complete.
     """
@@ -30,7 +40,9 @@ def absorb_node_frames(tree, body, work, coordinates, q):
 
 
 @part
-def _start_node_frame(node_frames, r, rows, n, node_frame, s):
+def _start_node_frame(
+    node_frames: "NodeFrames", r: int, rows: int, n: int, node_frame: "np.void", s: "np.void"
+) -> None:
     """Columns of D; E = T, s = r, W = 0; the inertia of what hangs there as a full matrix."""
     record = node_frames.records[r]
     row = 6 * r
@@ -63,13 +75,15 @@ def _start_node_frame(node_frames, r, rows, n, node_frame, s):
 
 
 @part
-def _set_row(matrix, row, a, b):
+def _set_row(
+    matrix: "np.ndarray", row: int, a: tuple[float, float, float], b: tuple[float, float, float]
+) -> None:
     for i in range(3):
         matrix[row, i], matrix[row, 3 + i] = a[i], b[i]
 
 
 @part
-def _set_inertia(out, row, I):
+def _set_inertia(out: "np.ndarray", row: int, I: "np.ndarray") -> None:
     """(6, 6) block [[J, H], [Hᵀ, M]] of 21 numbers."""
     place = 0
     for i in range(3):
@@ -82,7 +96,15 @@ def _set_inertia(out, row, I):
 
 
 @part
-def _sum_nodes(tree, body, s, rows, n, coordinates, q):
+def _sum_nodes(
+    tree: "TreeArrays",
+    body: "np.void",
+    s: "np.void",
+    rows: int,
+    n: int,
+    coordinates: "np.ndarray",
+    q: "np.ndarray",
+) -> None:
     """Let the nodes' coordinates into W, E and s."""
     frame = tree.frames[body["frame"]]
     for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
@@ -105,7 +127,16 @@ def _sum_nodes(tree, body, s, rows, n, coordinates, q):
 
 
 @part
-def _sum_node(node_frames, rows, n, m, c, mass, turn, shift):
+def _sum_node(
+    node_frames: "NodeFrames",
+    rows: int,
+    n: int,
+    m: int,
+    c: "np.void",
+    mass: float,
+    turn: tuple[float, float, float],
+    shift: tuple[float, float, float],
+) -> None:
     """One coordinate: w is its rate when locked, else drive / mass - turn . al - shift . a - Dᵀ F / mass."""
     D = node_frames.motion
     free = 0.0 if c["locked"] != 0 else 1.0
@@ -121,7 +152,7 @@ def _sum_node(node_frames, rows, n, m, c, mass, turn, shift):
 
 
 @part
-def _set_transmission(node_frames, rows, n):
+def _set_transmission(node_frames: "NodeFrames", rows: int, n: int) -> None:
     """(1 + I W)^-1, and what it makes of I."""
     transmission, own = node_frames.transmission, node_frames.own
     for i in range(n):
@@ -142,7 +173,7 @@ def _set_transmission(node_frames, rows, n):
 
 
 @part
-def _invert(A, rows, n):
+def _invert(A: "np.ndarray", rows: int, n: int) -> None:
     """Invert n rows of A from `rows` on in place, without exchanges.
 
     The eigenvalues of 1 + I W, both I and W positive semidefinite, are 1 and more.
@@ -161,7 +192,7 @@ def _invert(A, rows, n):
 
 
 @part
-def _set_force_law(node_frames, body, rows, n, work):
+def _set_force_law(node_frames: "NodeFrames", body: "np.void", rows: int, n: int, work: "np.ndarray") -> None:
     """F = gain X + held."""
     for i in range(rows, rows + n):
         for k in range(6):
@@ -179,7 +210,7 @@ def _set_force_law(node_frames, body, rows, n, work):
 
 
 @part
-def _add_carried(node_frames, rows, n, s):
+def _add_carried(node_frames: "NodeFrames", rows: int, n: int, s: "np.void") -> None:
     """Inertia += Eᵀ gain, bias += Eᵀ held."""
     E, gain = node_frames.carry, node_frames.gain
     for row in range(rows, rows + n):
@@ -195,14 +226,16 @@ def _add_carried(node_frames, rows, n, s):
 
 
 @part
-def _add_held(node_frames, rows, n, bias):
+def _add_held(node_frames: "NodeFrames", rows: int, n: int, bias: "np.ndarray") -> None:
     for row in range(rows, rows + n):
         for i in range(6):
             bias[i] += node_frames.carry[row, i] * node_frames.held[row]
 
 
 @part
-def release_node_frames(tree, body, work, coordinates):
+def release_node_frames(
+    tree: "TreeArrays", body: "np.void", work: "np.ndarray", coordinates: "np.ndarray"
+) -> None:
     """Accelerate the node frames, and take off the drive of the nodes what they pass on, X being known."""
     node_frames = tree.node_frames
     rows, n = 6 * body["first_node_frame"], 6 * body["node_frames"]
@@ -217,7 +250,7 @@ def release_node_frames(tree, body, work, coordinates):
 
 
 @part
-def _set_forces(node_frames, rows, n, X):
+def _set_forces(node_frames: "NodeFrames", rows: int, n: int, X: "np.ndarray") -> None:
     for row in range(rows, rows + n):
         force = node_frames.held[row]
         for i in range(6):
@@ -226,7 +259,7 @@ def _set_forces(node_frames, rows, n, X):
 
 
 @part
-def _generalised_force(node_frames, rows, n, m):
+def _generalised_force(node_frames: "NodeFrames", rows: int, n: int, m: int) -> float:
     """(Dᵀ F) of one elastic coordinate."""
     total = 0.0
     for row in range(rows, rows + n):
@@ -235,7 +268,9 @@ def _generalised_force(node_frames, rows, n, m):
 
 
 @part
-def _move_node_frame(node_frames, r, rows, n, X, out):
+def _move_node_frame(
+    node_frames: "NodeFrames", r: int, rows: int, n: int, X: "np.ndarray", out: "np.ndarray"
+) -> None:
     """out = E X - W F."""
     for row in range(6 * r, 6 * r + 6):
         total = 0.0
@@ -247,7 +282,7 @@ def _move_node_frame(node_frames, r, rows, n, X, out):
 
 
 @part
-def absorb_unit_forces(tree, body, work):
+def absorb_unit_forces(tree: "TreeArrays", body: "np.void", work: "np.ndarray") -> None:
     """Add to the unit forces of a flexible parent what its node frames pass on of theirs."""
     node_frames = tree.node_frames
     rows, n = 6 * body["first_node_frame"], 6 * body["node_frames"]
@@ -263,7 +298,7 @@ def absorb_unit_forces(tree, body, work):
 
 
 @part
-def follow_node_frames(tree, body, work):
+def follow_node_frames(tree: "TreeArrays", body: "np.void", work: "np.ndarray") -> None:
     """Set the responses of the node frames, that of the body being known."""
     node_frames = tree.node_frames
     rows, n = 6 * body["first_node_frame"], 6 * body["node_frames"]
@@ -274,7 +309,7 @@ def follow_node_frames(tree, body, work):
 
 
 @part
-def node_frame_share(tree, frame, m):
+def node_frame_share(tree: "TreeArrays", frame: "np.void", m: int) -> float:
     """Return the effort of elastic coordinate m that goes to the carried bodies of a frame's body, if any."""
     if frame["flexible_parent"] < 0:
         return 0.0

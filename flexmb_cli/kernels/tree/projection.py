@@ -5,6 +5,8 @@ the gaps: the least one in the metric of the mass matrix, which leaves alone wha
 not involve.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .._jit import kernel
@@ -13,13 +15,17 @@ from .loop_closures import apply_row_forces, evaluate_closures, solve_rows
 from .motion import normalise_attitudes, parts
 from .unit_forces import respond, respond_nodes
 
+if TYPE_CHECKING:
+    from ...model.arrays.tree import TreeArrays
+
+
 CLOSED = 1e-13  # m and m/s: as good as closed
 MOST_CORRECTIONS = 5
 LONGEST = 0.5  # correction of one coordinate, rad or m
 
 
 @kernel
-def largest_gap(closures):
+def largest_gap(closures: np.ndarray) -> float:
     """Largest |gap|, m."""
     largest = 0.0
     for i in range(closures.shape[0]):
@@ -28,7 +34,7 @@ def largest_gap(closures):
 
 
 @kernel
-def largest_rate(closures):
+def largest_rate(closures: np.ndarray) -> float:
     """Largest |rate| of a gap, m/s."""
     largest = 0.0
     for i in range(closures.shape[0]):
@@ -37,7 +43,7 @@ def largest_rate(closures):
 
 
 @kernel
-def project(tree, work, coordinates, z):
+def project(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Close gaps and rates of z, near the state for which the equations have just been solved."""
     for _ in range(MOST_CORRECTIONS):
         evaluate_gaps(tree, work, coordinates, z)
@@ -49,7 +55,7 @@ def project(tree, work, coordinates, z):
 
 
 @kernel
-def evaluate_gaps(tree, work, coordinates, z):
+def evaluate_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Place the frames and measure the closures at the state z."""
     y, q, attitudes = parts(tree, z)
     place_frames(tree, work, coordinates, q, y, attitudes)
@@ -57,7 +63,7 @@ def evaluate_gaps(tree, work, coordinates, z):
 
 
 @kernel
-def _respond_to_rows(tree, work, coordinates, z):
+def _respond_to_rows(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Responses of all coordinates to forces that take away what the rows hold as forces."""
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
@@ -67,7 +73,7 @@ def _respond_to_rows(tree, work, coordinates, z):
 
 
 @kernel
-def _close_gaps(tree, work, coordinates, z):
+def _close_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Move the coordinates by one Newton correction."""
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["gap"]
@@ -76,7 +82,7 @@ def _close_gaps(tree, work, coordinates, z):
 
 
 @kernel
-def move_coordinates(tree, coordinates, z):
+def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
     """Move the coordinates by their responses, none further than LONGEST."""
     largest = 0.0
     for m in range(coordinates.shape[0]):
@@ -98,7 +104,7 @@ def move_coordinates(tree, coordinates, z):
 
 
 @kernel
-def _close_rates(tree, work, coordinates, z):
+def _close_rates(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z: np.ndarray) -> None:
     """Change the speeds by the correction that is exact but for round-off."""
     for i in range(tree.closures.shape[0]):
         tree.closures[i]["force"] = -tree.closures[i]["rate"]
@@ -107,7 +113,7 @@ def _close_rates(tree, work, coordinates, z):
 
 
 @kernel
-def change_speeds(tree, coordinates, z):
+def change_speeds(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
     """Change the speeds by their responses."""
     y, _q, _attitudes = parts(tree, z)
     for m in range(y.shape[0]):

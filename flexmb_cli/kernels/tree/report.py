@@ -1,6 +1,6 @@
 """Report rows of a tree: what is found at the states of the report times."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,9 @@ from ..linalg.copying import copy
 from .energy import energies
 from .motion import parts
 from .projection import largest_gap, largest_rate
+
+if TYPE_CHECKING:
+    pass
 
 
 class Report(NamedTuple):
@@ -23,7 +26,7 @@ class Report(NamedTuple):
 
 
 @kernel
-def observe(tree, work, coordinates, z, report, row):
+def observe(tree: Any, work, coordinates: np.ndarray, z: np.ndarray, report, row) -> None:
     """Fill a report row from the state z, which has just been evaluated."""
     copy(z, report.rows[row])
     for k in range(work.shape[0]):

@@ -4,15 +4,21 @@ As `projection`, but the least correction in the metric of the matrix of the ste
 move as if rigid.  In the measure of the mass matrix light nodes would move most, however stiff.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from .._jit import kernel
 from .implicit_matrix import apply_multipliers, factor_schur_complement, set_jacobian
 from .projection import CLOSED, MOST_CORRECTIONS, change_speeds, evaluate_gaps, largest_gap, move_coordinates
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 RATE_CORRECTIONS = 2  # J is that of the state before the gaps were closed
 
 
 @kernel
-def project_stiffly(tree, work, coordinates, z, s):
+def project_stiffly(tree: Any, work, coordinates: "np.ndarray", z: "np.ndarray", s) -> None:
     """Close gaps and rates of z; s is the `Stiff` of the step, whose J is renewed."""
     evaluate_gaps(tree, work, coordinates, z)
     set_jacobian(tree, work, coordinates, s)

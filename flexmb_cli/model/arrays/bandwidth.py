@@ -4,12 +4,19 @@ Condensing the rotations out of a beam leaves a stiffness between any two nodes,
 factor 2 - sqrt(3) from node to node: thirty nodes away it is below the round-off of the diagonal.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
 
 NEGLIGIBLE = 1e-17  # of the geometric mean of the two diagonal places: a tenth of the unit round-off
 
 
-def row_reach(matrices) -> np.ndarray:
+def row_reach(matrices: "Sequence[Any]") -> np.ndarray:
     """(NM, 2): where each row begins in any of the symmetric `matrices`, and one past its end.
 
     The first is (NM, NM), the others are one, several or None.

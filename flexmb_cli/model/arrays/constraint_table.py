@@ -6,6 +6,7 @@ modal coordinates, as its points are.
 """
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,8 +18,11 @@ from ..vectors import rotation_matrix
 from .function_table import FunctionTable
 from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
+if TYPE_CHECKING:
+    from typing import Any
 
-def tilde(v) -> np.ndarray:
+
+def tilde(v: np.ndarray) -> np.ndarray:
     """The matrix (3, 3) of v ×."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
@@ -60,7 +64,9 @@ class PrimitiveTable(FunctionTable):
         origin = np.zeros(3) if point.body < 0 else self.bodies[point.body].r
         return origin + self.A(point.body) @ point.r0
 
-    def body_vector(self, body: int, c, shape=None) -> int:
+    def body_vector(
+        self, body: int, c: np.ndarray | tuple[float, float, float], shape: np.ndarray | None = None
+    ) -> int:
         """Number of the body vector c + shape η, the same for the same body vector."""
         c = np.asarray(c, float)
         key = body, c.tobytes(), None if shape is None else shape.tobytes()
@@ -73,7 +79,7 @@ class PrimitiveTable(FunctionTable):
         """The body vector of a point."""
         return self.body_vector(point.body, point.r0, point.shape)
 
-    def between(self, tail: NodePoint, head: NodePoint, B=None) -> int:
+    def between(self, tail: NodePoint, head: NodePoint, B: np.ndarray | None = None) -> int:
         """The free vector B (head - tail) of two points of one body."""
         B = np.eye(3) if B is None else B
         return self.body_vector(tail.body, B @ (head.r0 - tail.r0), B @ (head.shape - tail.shape))
@@ -82,7 +88,9 @@ class PrimitiveTable(FunctionTable):
         """The global direction x, y or z."""
         return self.body_vector(NONE, np.eye(3)[k])
 
-    def product(self, v, w, alpha: float = 1.0, constant: float = 0.0) -> np.ndarray:
+    def product(
+        self, v: int | tuple[int, int], w: Any, alpha: float = 1.0, constant: float = 0.0
+    ) -> np.ndarray:
         """The primitive α V · W - constant of V and W, each a body vector or a pair (head, tail) of
         points.
         """
@@ -91,7 +99,9 @@ class PrimitiveTable(FunctionTable):
         record["alpha"], record["constant"] = alpha, constant
         return record
 
-    def add_angle(self, record, beta: float, f: int, g: int, h: int, expected: float = 0.0) -> np.ndarray:
+    def add_angle(
+        self, record: np.ndarray, beta: float, f: int, g: int, h: int, expected: float = 0.0
+    ) -> np.ndarray:
         """Add β times the angle from F to H, positive towards G, to a primitive; `expected`: it at the
         start.
         """
@@ -104,7 +114,9 @@ class PrimitiveTable(FunctionTable):
         """The primitive of an angle."""
         return self.add_angle(self.product(NONE, NONE, 0.0), 1.0, f, g, h, expected)
 
-    def equations(self, owner: str, place: Place | None, i: int, j: int, parts) -> None:
+    def equations(
+        self, owner: str, place: Place | None, i: int, j: int, parts: list[tuple[str, bool, np.ndarray]]
+    ) -> None:
         """Add a group of equations between bodies i and j; parts: (name, whether a length, primitive)."""
         first = self.first_row + len(self.names)
         for name, is_length, record in parts:
@@ -113,12 +125,12 @@ class PrimitiveTable(FunctionTable):
             self.measured.append(record)
         self.groups.append((first, self.first_row + len(self.names), i, j))
 
-    def spring(self, record) -> int:
+    def spring(self, record: np.ndarray) -> int:
         """Number of the primitive a spring acts in; all equations must have been added."""
         self.springs.append(record)
         return len(self.measured) + len(self.springs) - 1
 
-    def chained(self, records) -> np.ndarray:
+    def chained(self, records: "Any") -> np.ndarray:
         """The first of the primitives `records`, to which an equation adds all others."""
         for record in reversed(records[1:]):
             record["next"] = self._next
@@ -127,7 +139,7 @@ class PrimitiveTable(FunctionTable):
         records[0]["next"], self._next = self._next, NONE
         return records[0]
 
-    def _primitives(self):
+    def _primitives(self) -> np.ndarray:
         """All primitives; those that are added to others are counted behind the equations."""
         found = np.array([*self.measured, *self.springs], dtype=PRIMITIVE).reshape(-1)
         found["next"] += np.where(found["next"] >= 0, len(self.measured), 0)

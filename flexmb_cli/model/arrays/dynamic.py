@@ -72,7 +72,7 @@ def step_length_scale(model: DynamicModel, length: float) -> float:
     return min(length, FEW_BODIES * 2.0 ** round(math.log2(reach))) if reach > 0.0 else length
 
 
-def _groups(arrays: KinematicArrays):
+def _groups(arrays: KinematicArrays) -> np.ndarray:
     """Every constraint is a group of its own."""
     constraints = arrays.constraints
     groups = np.zeros(len(constraints), GROUP)
@@ -101,7 +101,7 @@ def _without_normalisation(arrays: KinematicArrays) -> KinematicArrays:
     )
 
 
-def _masses(model, bodies):
+def _masses(model: DynamicModel, bodies: int) -> np.ndarray:
     masses = np.zeros(bodies, MASS)
     masses["flexible"] = NONE
     for item in model.masses:
@@ -111,7 +111,7 @@ def _masses(model, bodies):
     return masses
 
 
-def inertia_matrix(elements) -> np.ndarray:
+def inertia_matrix(elements: tuple[float, ...]) -> np.ndarray:
     """The tensor (3, 3) of its elements xx, yy, zz, xy, yz, zx."""
     xx, yy, zz, xy, yz, zx = elements
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
@@ -124,8 +124,8 @@ def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
         for item in items:
             record = blank_load(kind)
             record["following"] = item.following
-            record["vector"] = item.force if kind == FORCE else item.torque
-            record["body_vector"] = table.body_vector(item.body, item.point if kind == FORCE else (0.0,) * 3)
+            record["vector"] = item.force if kind == FORCE else item.torque  # type: ignore[union-attr]
+            record["body_vector"] = table.body_vector(item.body, item.point if kind == FORCE else (0.0,) * 3)  # type: ignore[union-attr]
             if item.factor is not None:
                 record["function"] = table.function(item.factor)
             records.append(record)

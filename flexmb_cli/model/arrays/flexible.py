@@ -1,16 +1,20 @@
 """FlexibleMechanism → the arrays that the kernels of constrained dynamics read."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..flexible_mechanism import FlexibleMechanism, FloatingBody
+from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce, PointSpring
 from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
 from .node_joints import add_joints, add_motions, spring_primitive
 from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
+
+if TYPE_CHECKING:
+    from ..fe_model import BodyTorque
 
 
 def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
@@ -52,14 +56,14 @@ def length_scale(mechanism: FlexibleMechanism) -> float:
     return 2.0 ** round(math.log2(largest)) if largest > 0.0 else 1.0
 
 
-def _mode_scale(body: FloatingBody, length):
+def _mode_scale(body: FloatingBody, length: float) -> np.ndarray:
     """The modal coordinates whose largest displacement is `length`."""
     if body.flexible is None:
         return np.zeros(0)
     return length / np.abs(body.flexible.Phi).max(axis=0)
 
 
-def _masses(bodies):
+def _masses(bodies: tuple[FloatingBody, ...]) -> np.ndarray:
     masses = np.zeros(len(bodies), MASS)
     flexible = 0
     for k, body in enumerate(bodies):
@@ -68,7 +72,7 @@ def _masses(bodies):
     return masses
 
 
-def _flexible(bodies):
+def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
     """FLEXIBLE records, and the invariants in their order."""
     records, parts, first, at, places = [], [np.zeros(0)], 0, 0, 0
     for k, body in enumerate(bodies):
@@ -106,7 +110,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
     return records
 
 
-def _force(table, item):
+def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:
     record = blank_load(FORCE)
     record["body_vector"], record["vector"] = table.point(item.point), item.force
     record["following"], record["function"] = (
@@ -116,7 +120,7 @@ def _force(table, item):
     return record
 
 
-def _torque(table, item):
+def _torque(table: PrimitiveTable, item: "BodyTorque") -> np.ndarray:
     record = blank_load(TORQUE)
     record["body_vector"], record["vector"] = table.body_vector(item.body, np.zeros(3)), item.torque
     record["following"], record["function"] = (
@@ -126,7 +130,7 @@ def _torque(table, item):
     return record
 
 
-def _spring(table, item):
+def _spring(table: PrimitiveTable, item: PointSpring) -> np.ndarray:
     record = blank_load(LINE)
     record["primitive"] = table.spring(line_primitive(table.point(item.b), table.point(item.a)))
     record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.length

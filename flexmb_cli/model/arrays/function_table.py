@@ -1,9 +1,15 @@
 """Functions of time as the records and knots that kernels read."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction
 from .records import FUNCTION, function_record
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
 
@@ -11,7 +17,7 @@ OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no ti
 class FunctionTable:
     """Collects functions and their knots."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.functions: list[np.ndarray] = []
         self.knots: list[np.ndarray] = [np.zeros((0, 3))]
 
@@ -27,17 +33,19 @@ class FunctionTable:
             return self._compound(function.terms, of_time)
         return self._add(function_record(function.kind, function.c))
 
-    def of_knots(self, kind: int, knots: np.ndarray, c=(0.0, 0.0, 0.0, 0.0)) -> int:
+    def of_knots(
+        self, kind: int, knots: np.ndarray, c: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    ) -> int:
         """Number of a function of `kind` with rows (k, 3) of knots."""
         first = sum(map(len, self.knots))
         self.knots.append(knots)
         return self._add(function_record(kind, c, first=first, last=first + len(knots) - 1))
 
-    def _add(self, record):
+    def _add(self, record: np.ndarray) -> int:
         self.functions.append(record)
         return len(self.functions) - 1
 
-    def _pieces(self, pieces, of_time):
+    def _pieces(self, pieces: "tuple[tuple[Any, ...], ...]", of_time: bool) -> int:
         count = max(len(piece) - 1 for piece in pieces)
         rows = -(-(count + 1) // 3)
         knots = np.zeros((len(pieces), 3 * rows))
@@ -46,7 +54,11 @@ class FunctionTable:
         c = (len(pieces), count, rows, 0.0 if of_time else OF_A_COORDINATE)
         return self.of_knots(PIECEWISE, knots.reshape(-1, 3), c)
 
-    def _compound(self, terms, of_time):
+    def _compound(
+        self,
+        terms: Any,
+        of_time: bool,
+    ) -> int:
         rows = [
             (k, self.function(function, of_time), 0.0)
             for k, factors in enumerate(terms)

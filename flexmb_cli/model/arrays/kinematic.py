@@ -5,15 +5,22 @@ ground, normalisation.  Coordinates are x, y, z, e0, e1, e2, e3 body by body.
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..attitudes import Attitudes, held_coordinate
 from ..equations import Equation, joint_equations
-from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED
+from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED, JointType
 from ..mechanism import Driver, Joint, Mechanism
 from ..vectors import cross, dot, rotated, rotation_matrix, unit
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...errors import Place
+
 
 COINCIDENT = 1e-9  # of the length scale
 COORDINATES = ("x", "y", "z", "e0", "e1", "e2", "e3")
@@ -73,7 +80,7 @@ def kinematic_arrays(mechanism: Mechanism) -> KinematicArrays:
         _add_joint(rows, mechanism, joint)
     for item in mechanism.simplified:
         rows.hold(item.name, item.place, item.body, item.direction, item.value)
-    for item in mechanism.distances:
+    for item in mechanism.distances:  # type: ignore[assignment]
         _add_distance(rows, item)
     for driver in mechanism.drivers:
         _add_driver(rows, driver)
@@ -106,14 +113,14 @@ def length_scale(mechanism: Mechanism) -> float:
 class _Rows:
     """Collects constraint records and their equations in order."""
 
-    def __init__(self, length):
+    def __init__(self, length: Any):
         self.length = length
-        self.records = []
-        self.equations = []
-        self.bodies = []
-        self.screw_angles = []
+        self.records: list[Any] = []
+        self.equations: list[Any] = []
+        self.bodies: list[Any] = []
+        self.screw_angles: list[Any] = []
 
-    def add(self, kind, i, j, equations, **values):
+    def add(self, kind: JointType, i: int, j: int, equations: list[Equation], **values: "Any") -> None:
         record = np.zeros((), dtype=CONSTRAINT)
         record["kind"], record["body_i"], record["body_j"] = kind.code, i, j
         record["first_row"] = len(self.equations)
@@ -124,14 +131,14 @@ class _Rows:
         self.bodies += [(i, j)] * len(equations)
 
     @property
-    def array(self):
+    def array(self) -> Any:
         """The records in order; `np.stack` would promote their fields pair by pair."""
         array = np.zeros(len(self.records), dtype=CONSTRAINT)
         for k, record in enumerate(self.records):
             array[k] = record
         return array
 
-    def hold(self, owner, place, body, direction, value):
+    def hold(self, owner: str, place: "Place | None", body: int, direction: int, value: float) -> None:
         """A coordinate held at a value; an angle holds e1, e2 or e3 at sin(angle/2)."""
         coordinate, target = held_coordinate(direction, value)
         scale = self.length if coordinate < 3 else 1.0
@@ -139,22 +146,22 @@ class _Rows:
         self.add(SIMPLIFIED, body, body, [part], coordinate=coordinate, C=target)
 
 
-def _add_joint(rows, mechanism, joint: Joint):
+def _add_joint(rows: Any, mechanism: Any, joint: Joint) -> None:
     kind = BY_NAME[joint.kind]
     values = {"P_i": joint.P_i, "P_j": joint.P_j}
     if "Q_i" in kind.points:
-        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}
-        values["a_i"], values["b_i"] = across(values["s_i"])
+        values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}  # type: ignore[dict-item]
+        values["a_i"], values["b_i"] = across(values["s_i"])  # type: ignore[assignment]
     if "H_i" in kind.points and kind.size != PITCH:
-        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
+        values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}  # type: ignore[dict-item]
     if kind.size == PITCH:
         values |= _screw_values(mechanism, joint, values["s_i"])
-        values["screw"] = len(rows.screw_angles)
+        values["screw"] = len(rows.screw_angles)  # type: ignore[assignment]
         rows.screw_angles.append(values.pop("theta"))
     rows.add(kind, joint.i, joint.j, joint_equations(joint, rows.length), **values)
 
 
-def across(s) -> tuple[np.ndarray, np.ndarray]:
+def across(s: Any) -> tuple[np.ndarray, np.ndarray]:
     """e_m × s and e_n × s, m and n the axes other than that of the largest component of s.
 
     For s along x the order is z, y, as in rows 11 and 12 of table 6.1.
@@ -165,7 +172,7 @@ def across(s) -> tuple[np.ndarray, np.ndarray]:
     return cross(axes[m], s), cross(axes[n], s)
 
 
-def _screw_values(mechanism, joint: Joint, s_i):
+def _screw_values(mechanism: Mechanism, joint: Joint, s_i: Any) -> Any:
     """Slide and turn of the deck's own estimates, before assembly, are the zero of the thread."""
     f = unit(np.array(joint.h_i) - dot(joint.h_i, s_i) * s_i)
     g = cross(s_i, f)
@@ -189,14 +196,14 @@ def _screw_values(mechanism, joint: Joint, s_i):
     }
 
 
-def _add_distance(rows, item):
+def _add_distance(rows: _Rows, item: Any) -> None:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     scale = rows.length if coordinate < 3 else 1.0
     part = Equation(item.name, COORDINATES[coordinate], item.place, scale, is_length=coordinate < 3)
     rows.add(DISTANCE, item.i, item.j, [part], coordinate=coordinate, C=item.value)
 
 
-def _add_driver(rows, driver: Driver):
+def _add_driver(rows: _Rows, driver: Driver) -> None:
     function = {"C": driver.C, "B": driver.B, "A": driver.A}
     if driver.direction <= 3:
         part = Equation(
@@ -208,7 +215,7 @@ def _add_driver(rows, driver: Driver):
         rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction, **function)
 
 
-def _add_normalisation(rows, attitudes, mechanism, body):
+def _add_normalisation(rows: _Rows, attitudes: Attitudes, mechanism: Mechanism, body: int) -> None:
     """|p| = 1 of a body, unless a rotational driver or three held components settle e0.
 
     With e1, e2, e3 all held and e0 = 0 (a half turn) the normalisation has no slope in e0.

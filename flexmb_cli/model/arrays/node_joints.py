@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ..flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
-from ..time_functions import POLYNOMIAL, Motion
+from ..flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
+from ..time_functions import POLYNOMIAL, Motion, MotionFunction
 from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
 
@@ -32,11 +32,11 @@ class JointVectors:
         """Unit vector along the axis of body a at t = 0, its axes."""
         return self._unit(self.a)
 
-    def _unit(self, points):
+    def _unit(self, points: tuple[NodePoint, ...]) -> np.ndarray:
         s = points[1].r0 - points[0].r0
         return s / np.linalg.norm(s)
 
-    def body_vector_of(self, points) -> int:
+    def body_vector_of(self, points: tuple[NodePoint, ...]) -> int:
         """The vector from P to Q, 1 long at t = 0."""
         B = np.eye(3) / np.linalg.norm(points[1].r0 - points[0].r0)
         return self.table.between(points[0], points[1], B)
@@ -77,23 +77,23 @@ class JointVectors:
         gamma = math.atan2(s @ np.cross(across, target), across @ target)
         B = math.cos(gamma) * (np.eye(3) - np.outer(s, s)) + math.sin(gamma) * tilde(s)
         B = B / np.linalg.norm(across)
-        f = table.between(self.a[0], self.a[2], B)
+        f = table.between(self.a[0], self.a[2], B)  # type: ignore[assignment]
         g = table.between(self.a[0], self.a[2], tilde(s) @ B)
-        return f, g, table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h))
+        return f, g, table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h))  # type: ignore[return-value]
 
     def stroke(self) -> np.ndarray:
         """The primitive of the stroke, 0 at t = 0."""
         return self.table.product(self.gap, self.body_vector_of(self.a), constant=self.slide)
 
 
-def _coincident(body_vectors):
+def _coincident(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     return [
         (name, True, body_vectors.table.product(body_vectors.gap, body_vectors.table.axis(k)))
         for k, name in enumerate("xyz")
     ]
 
 
-def _parallel(body_vectors):
+def _parallel(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     other = body_vectors.body_vector_of(body_vectors.b)
     return [
         (f"axes parallel, {word}", False, body_vectors.table.product(other, across))
@@ -101,7 +101,7 @@ def _parallel(body_vectors):
     ]
 
 
-def _on_axis(body_vectors):
+def _on_axis(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     return [
         (
             f"{body_vectors.b[0].name} on the axis, {word}",
@@ -112,12 +112,12 @@ def _on_axis(body_vectors):
     ]
 
 
-def _no_turn(body_vectors):
+def _no_turn(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     _, g, h = body_vectors.turning()
     return [("angle about the axis", False, body_vectors.table.product(g, h))]
 
 
-def _right_angle(body_vectors):
+def _right_angle(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     return [
         (
             "arms at right angles",
@@ -129,7 +129,7 @@ def _right_angle(body_vectors):
     ]
 
 
-def _thread(body_vectors):
+def _thread(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     record = body_vectors.stroke()
     return [
         (
@@ -140,14 +140,14 @@ def _thread(body_vectors):
     ]
 
 
-def _distance(body_vectors):
+def _distance(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     L = body_vectors.joint.size
     return [
         ("distance", True, body_vectors.table.product(body_vectors.gap, body_vectors.gap, 0.5 / L, 0.5 * L))
     ]
 
 
-def _in_plane(body_vectors):
+def _in_plane(body_vectors: JointVectors) -> list[tuple[str, bool, np.ndarray]]:
     return [("in the plane across the axis", True, body_vectors.stroke())]
 
 
@@ -201,7 +201,7 @@ def add_motions(table: PrimitiveTable, mechanism: FlexibleMechanism) -> None:
         table.equations(motion.name, motion.place, i, j, [(name, is_length, record)])
 
 
-def _body_motion(table, mechanism, motion: Motion):
+def _body_motion(table: PrimitiveTable, mechanism: FlexibleMechanism, motion: Motion) -> np.ndarray:
     if motion.kind in TRANSLATIONS:
         origin = table.body_vector(motion.target, np.zeros(3)), table.body_vector(NONE, np.zeros(3))
         return table.product(origin, table.axis(TRANSLATIONS.index(motion.kind)))
@@ -220,23 +220,23 @@ def _body_motion(table, mechanism, motion: Motion):
     return table.product(table.body_vector(motion.target, own[spin]), table.axis(third), sign)
 
 
-def _node_axes(body):
+def _node_axes(body: FloatingBody) -> np.ndarray:
     """The axes of the node table in body axes, one a row."""
     return body.flexible.axes if body.flexible else np.eye(3)
 
 
-def _is_zero(function):
+def _is_zero(function: MotionFunction) -> bool:
     return function.kind == POLYNOMIAL and not any(function.c)
 
 
-def _spin(motions, body):
+def _spin(motions: tuple[Motion, ...], body: int) -> int:
     """The axis a body is turned about: that of the only rotation that is not held at 0."""
     own = [motion for motion in motions if motion.target == body and motion.kind in ROTATIONS]
     turned = [motion for motion in own if not _is_zero(motion.function)]
     return ROTATIONS.index((turned or own[-1:])[0].kind)
 
 
-def _refuse_two_rotations(motions):
+def _refuse_two_rotations(motions: tuple[Motion, ...]) -> None:
     faults = []
     for body in {motion.target for motion in motions if motion.kind in ROTATIONS}:
         turned = [m for m in motions if m.target == body and m.kind in ROTATIONS and not _is_zero(m.function)]

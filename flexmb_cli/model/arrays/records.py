@@ -7,6 +7,8 @@ the first speeds v and ω, six each; behind them stand the modal coordinates of 
 rates.
 """
 
+from typing import Any
+
 import numpy as np
 
 FORCE, TORQUE, LINE, RELATIVE, ELEMENT, FRICTION = 1, 2, 3, 4, 5, 6
@@ -111,12 +113,12 @@ GROUP = np.dtype([("first_row", np.int64), ("end_row", np.int64), ("body_i", np.
 class BodyVectorTable:
     """Collects body vectors and their shapes."""
 
-    def __init__(self):
-        self.records = []
-        self.shapes = []
+    def __init__(self) -> None:
+        self.records: list[Any] = []
+        self.shapes: list[Any] = []
         self._size = 0
 
-    def add(self, body: int, c, shape=None, first: int = 0) -> int:
+    def add(self, body: int, c: np.ndarray, shape: np.ndarray | None = None, first: int = 0) -> int:
         """Number of a new body vector c + shape η; `first`: the first modal coordinate of its body."""
         record = np.zeros((), BODY_VECTOR)
         record["body"], record["c"], record["first"], record["shape"] = body, c, first, self._size
@@ -133,14 +135,16 @@ class BodyVectorTable:
         return np.array(self.records, dtype=BODY_VECTOR).reshape(-1), flat
 
 
-def function_record(kind: int, c=(0.0, 0.0, 0.0, 0.0), first: int = 0, last: int = 0):
+def function_record(
+    kind: int, c: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0), first: int = 0, last: int = 0
+) -> np.ndarray:
     """A FUNCTION record."""
     record = np.zeros((), FUNCTION)
     record["kind"], record["c"], record["first"], record["last"] = kind, c, first, last
     return record
 
 
-def blank_primitive():
+def blank_primitive() -> np.ndarray:
     """A MEASURE record that refers to nothing."""
     record = np.zeros((), PRIMITIVE)
     record["ends"] = NONE
@@ -149,14 +153,14 @@ def blank_primitive():
     return record
 
 
-def line_primitive(head: int, tail: int):
+def line_primitive(head: int, tail: int) -> np.ndarray:
     """The primitive whose V goes from the point at body vector `tail` to that at `head`."""
     record = blank_primitive()
     record["ends"][0] = head, tail
     return record
 
 
-def blank_load(kind: int):
+def blank_load(kind: int) -> np.ndarray:
     """A LOAD record of a kind that refers to nothing."""
     record = np.zeros((), LOAD)
     record["kind"] = kind

@@ -1,14 +1,18 @@
 """Tree → structured arrays: what the kernels of tree dynamics read."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, Spring, Tree
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_frames import NODAL_MASS, tree_frames
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 ELASTIC_BODY = np.dtype(
     [
@@ -126,18 +130,18 @@ def initial_attitudes(tree: Tree) -> np.ndarray:
     return attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
 
 
-def _records(dtype, rows):
+def _records(dtype: np.dtype, rows: "list[Any]") -> np.ndarray:
     return np.array(rows, dtype) if rows else np.zeros(0, dtype)
 
 
-def _rigid(index, item):
+def _rigid(index: "dict[Any, Any]", item: Motor | Prescribed | Spring) -> int:
     return index[item.body, item.motion, item.axis, None]
 
 
-def _elastic_bodies(tree, index, of_body):
+def _elastic_bodies(tree: Any, index: Any, of_body: Any) -> tuple[np.ndarray, ...]:
     """Records of the flexible bodies, reach, and their stiffness, damping and stiffening matrices, flat."""
     reach = np.zeros((len(index), 2), np.int64)
-    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}
+    records, matrices = [], {"stiffness": [], "damping": [], "stiffening": []}  # type: ignore[var-annotated]
     for k, body in enumerate(tree.bodies):
         elastic = body.elastic
         if elastic is None:
@@ -160,7 +164,7 @@ def _elastic_bodies(tree, index, of_body):
     return np.concatenate(records) if records else np.zeros(0, ELASTIC_BODY), reach, *flat
 
 
-def _stiffening(tree, k):
+def _stiffening(tree: Any, k: Any) -> np.ndarray:
     """(2, NM, NM): by turning and by weight, what hangs on the nodes pulling as if it sat there."""
     elastic = tree.bodies[k].elastic
     masses = elastic.masses + hanging_masses(tree, k)
@@ -169,7 +173,7 @@ def _stiffening(tree, k):
         [
             across(
                 geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
-                direction,
+                direction,  # type: ignore[arg-type]
                 elastic.axes,
             )
             for prestress in (masses * (elastic.positions @ direction), masses)
@@ -177,7 +181,7 @@ def _stiffening(tree, k):
     )
 
 
-def hanging_masses(tree, k):
+def hanging_masses(tree: Any, k: Any) -> np.ndarray:
     """Mass of all bodies beyond each node of body k (NP,), kg."""
     carried = np.array([body.mass for body in tree.bodies])
     hanging = np.zeros(len(tree.bodies[k].elastic.masses))
@@ -190,13 +194,13 @@ def hanging_masses(tree, k):
     return hanging
 
 
-def _functions(tree, index, of_body):
+def _functions(tree: Tree, index: "dict[Any, Any]", of_body: list[int]) -> np.ndarray:
     functions = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
     functions += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
     return _records(FUNCTION, functions)
 
 
-def _closure_rows(tree, of_body, of_node):
+def _closure_rows(tree: Tree, of_body: list[int], of_node: "dict[Any, Any]") -> np.ndarray:
     rows = []
     for c in tree.closures:
         a = of_body[c.a] if c.a_node is None else of_node[c.a, c.a_node, None]
@@ -212,7 +216,7 @@ def _closure_rows(tree, of_body, of_node):
     return np.concatenate(rows) if rows else np.zeros(0, CLOSURE_ROW)
 
 
-def _inertia_scale(tree):
+def _inertia_scale(tree: Any) -> np.ndarray:
     """Inertia of the own body about (or along) each coordinate, before anything is eliminated."""
     scale = []
     for c in tree.coordinates:

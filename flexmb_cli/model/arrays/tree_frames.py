@@ -8,11 +8,16 @@ frame.  Hinges that turn with the slope of their node hang on *node frames* inst
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass, field
-from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED
+from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED, Body, Tree
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 FRAME = np.dtype(
     [
@@ -52,10 +57,10 @@ NODAL_MASS = np.dtype(
 )
 
 
-def rotation_matrix(attitude) -> np.ndarray:
+def rotation_matrix(attitude: Any) -> np.ndarray:
     """Rotation matrix (3, 3) of Euler parameters e0..e3, which need not be normalised."""
     e0, *e = np.array(attitude, float) / math.hypot(*attitude)
-    e = np.array(e)
+    e = np.array(e)  # type: ignore[assignment]
     cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
     return 2 * np.outer(e, e) + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * cross
 
@@ -73,7 +78,7 @@ class FrameParts:
     slopes: list = field(default_factory=list)
 
 
-def tree_frames(tree, index) -> FrameParts:
+def tree_frames(tree: Tree, index: "dict[Any, Any]") -> FrameParts:
     """Frames, nodal masses and node frames of all bodies; `index` finds a coordinate by (body, motion, axis,
     node).
     """
@@ -98,7 +103,9 @@ def tree_frames(tree, index) -> FrameParts:
     return parts
 
 
-def _add_node_frames(tree, k, carriers, index, parts):
+def _add_node_frames(
+    tree: Tree, k: Any, carriers: list[tuple[int, int, int]], index: Any, parts: Any
+) -> None:
     """Node frames at all carrying nodes of a body; they have no slope where nothing turns."""
     elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
     first, count = index[k, ELASTIC, elastic.axes[0], 0], elastic.coordinates
@@ -115,7 +122,9 @@ def _add_node_frames(tree, k, carriers, index, parts):
         parts.slopes.append(still if hinge is None else tree.hinges[hinge].elastic_rotation)
 
 
-def _add_nodal_masses(body, k, carrying, index, parts):
+def _add_nodal_masses(
+    body: Body, k: int, carrying: set[int], index: "dict[Any, Any]", parts: FrameParts
+) -> None:
     """Nodal masses for the nodes that have no frame of their own."""
     nodes = range(len(body.elastic.masses) if body.elastic else 0)
     frame = parts.frames[parts.of_body[k]]
@@ -124,7 +133,7 @@ def _add_nodal_masses(body, k, carrying, index, parts):
     frame["nodal_masses"] = len(parts.nodal_masses) - frame["first_nodal_mass"]
 
 
-def _carriers(tree):
+def _carriers(tree: Tree) -> "list[Any]":
     """(body, node, hinge) of all nodes that carry something, the hinge when it turns with the slope."""
     carriers = {
         (hinge.parent, hinge.node, k if hinge.elastic_rotation is not None else None)
@@ -138,7 +147,7 @@ def _carriers(tree):
     return sorted(carriers, key=lambda carrier: (*carrier[:2], -1 if carrier[2] is None else carrier[2]))
 
 
-def _blank_frame(parent, body):
+def _blank_frame(parent: int, body: int) -> np.ndarray:
     frame = np.zeros(1, FRAME)
     frame["parent"], frame["body"] = parent, body
     for number in ("ball", "node_frame", "flexible_parent"):
@@ -146,7 +155,7 @@ def _blank_frame(parent, body):
     return frame
 
 
-def _body_frame(tree, k, index, parts):
+def _body_frame(tree: Tree, k: int, index: "dict[Any, Any]", parts: FrameParts) -> np.ndarray:
     body, hinge = tree.bodies[k], tree.hinges[k]
     parent, point = _attachment(tree, k, parts)
     frame = _blank_frame(parent, k)
@@ -162,7 +171,7 @@ def _body_frame(tree, k, index, parts):
     return frame
 
 
-def _attachment(tree, k, parts):
+def _attachment(tree: Any, k: int, parts: FrameParts) -> tuple[int, np.ndarray | tuple[float, float, float]]:
     """Parent frame of hinge k, and P_k in it: a carrying node has its origin at P_k."""
     hinge = tree.hinges[k]
     if hinge.parent == INERTIAL:
@@ -174,13 +183,15 @@ def _attachment(tree, k, parts):
     return parts.of_node[hinge.parent, hinge.node, turning], np.subtract(hinge.point, node)
 
 
-def _set_axes(frame, kind, axes, index, body, motion):
+def _set_axes(
+    frame: np.ndarray, kind: str, axes: tuple[int, ...], index: "dict[Any, Any]", body: int, motion: str
+) -> None:
     frame[f"{kind}s"] = len(axes)
     frame[f"{kind}_axes"][0, : len(axes)] = np.array(axes, int) - 1
     frame[f"first_{kind}"] = index[body, motion, axes[0], None] if axes else 0
 
 
-def _set_mass(frame, body):
+def _set_mass(frame: np.ndarray, body: Body) -> None:
     """Own mass and inertia: what the nodes leave of the body's."""
     inertia, mass = np.array(body.inertia, float), body.mass
     if body.elastic is not None:
@@ -193,11 +204,11 @@ def _set_mass(frame, body):
     frame["inertia"] = inertia[np.triu_indices(3)]
 
 
-def _node_coordinates(body, k, node, index):
+def _node_coordinates(body: Body, k: int, node: int, index: "dict[Any, Any]") -> list[int]:
     return [index.get((k, ELASTIC, axis, node), -1) for axis in (1, 2, 3)]
 
 
-def _node_frame(body, k, node, parent, index):
+def _node_frame(body: Any, k: Any, node: Any, parent: Any, index: Any) -> np.ndarray:
     frame = _blank_frame(parent, k)
     elastic = body.elastic
     frame["point"] = elastic.positions[node]
@@ -209,11 +220,11 @@ def _node_frame(body, k, node, parent, index):
     return frame
 
 
-def _nodal_mass(body, k, node, index):
+def _nodal_mass(body: Body, k: int, node: Any, index: "dict[Any, Any]") -> Any:
     elastic = body.elastic
     return (
-        tuple(elastic.positions[node]),
-        elastic.masses[node],
-        tuple(elastic.forces[node]),
+        tuple(elastic.positions[node]),  # type: ignore[union-attr]
+        elastic.masses[node],  # type: ignore[union-attr]
+        tuple(elastic.forces[node]),  # type: ignore[union-attr]
         tuple(_node_coordinates(body, k, node, index)),
     )

@@ -2,6 +2,8 @@
 joints.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...quick_dataclass import replace
@@ -13,6 +15,10 @@ from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -33,10 +39,10 @@ def point_joint(joint: Joint) -> PointJoint:
         (_point(body, P), _point(body, np.add(P, s)))
         for body, P, s in ((joint.i, joint.P_i, joint.s_i), (joint.j, joint.P_j, joint.s_j))
     ]
-    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)
+    return PointJoint(joint.name, joint.kind, *ends, joint.pitch, joint.place)  # type: ignore[arg-type, call-arg]
 
 
-def _point(body, r0):
+def _point(body: int, r0: np.ndarray | tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.asarray(r0, float), np.zeros((3, 0)))
 
 
@@ -71,7 +77,7 @@ class _Equations:
         for item in self.elements.composites:
             self._composite(item)
 
-    def _driven(self, item):
+    def _driven(self, item: "Any") -> None:
         driver = self.model.mechanism.drivers[item.item]
         if driver.direction <= TRANSLATIONAL:
             self._along_axis(driver.name, driver.body, driver.direction, item)
@@ -83,13 +89,13 @@ class _Equations:
         record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
-    def _along_axis(self, name, body, direction, item):
+    def _along_axis(self, name: "Any", body: "Any", direction: "Any", item: "Any") -> None:
         origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
         record["function"] = self.table.function(item.function)
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
-    def _composite(self, item: CompositeJoint):
+    def _composite(self, item: CompositeJoint) -> Any:
         ends = [
             (_point(body, P), _point(body, np.add(P, s)))
             for body, P, s in ((item.i, item.P_i, item.s_i), (item.j, item.P_j, item.s_j))
@@ -98,13 +104,14 @@ class _Equations:
             parts = _revolute_cylindrical(self.table, *ends)
         else:
             body_vectors = JointVectors(
-                self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place)
+                self.table,
+                PointJoint(item.name, item.kind, *ends, item.size, item.place),  # type: ignore[arg-type, call-arg]
             )
             parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
 
-def _revolute_cylindrical(table, a, b):
+def _revolute_cylindrical(table: Any, a: "Any", b: "Any") -> "Any":
     """P_i stays on the axis of body j, and the two axes at right angles."""
     of_i, of_j = a[1].r0 - a[0].r0, b[1].r0 - b[0].r0
     s_i, s_j = of_i / np.linalg.norm(of_i), of_j / np.linalg.norm(of_j)

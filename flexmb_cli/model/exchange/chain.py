@@ -1,7 +1,12 @@
 """Open chains: a rigid model ordered outward from the ground, a joint for each body."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...quick_dataclass import dataclass
 from .rigid_model import GROUND, Refusals, RigidJoint, RigidModel
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,7 @@ def chain_of(model: RigidModel, refusals: Refusals) -> list[Link]:
     return links
 
 
-def _link(model, body, placed):
+def _link(model: Any, body: "Any", placed: "Any") -> "Any":
     """The first joint that connects a body with those placed, None where there is none."""
     for k, joint in enumerate(model.joints):
         if joint.j == body and joint.i in placed:

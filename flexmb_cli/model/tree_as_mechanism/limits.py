@@ -1,7 +1,13 @@
 """What of a tree the formulation in absolute coordinates does not carry over."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...errors import Fault, ModelError
 from ..tree import INERTIAL, ROTATION, Hinge, Tree
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
 
 
 def refuse_foreign(tree: Tree) -> None:
@@ -11,7 +17,7 @@ def refuse_foreign(tree: Tree) -> None:
         raise ModelError(faults)
 
 
-def _one_way(tree):
+def _one_way(tree: Any) -> "Iterator[Any]":
     if tree.one_way:
         message = (
             "the one-way assumption (UNCO) is no equation of mechanics that absolute coordinates could "
@@ -20,7 +26,7 @@ def _one_way(tree):
         yield Fault("error", message, id="MODEL-006")
 
 
-def _weights(tree):
+def _weights(tree: Any) -> "Iterator[Any]":
     """Geometric stiffening by gravity: the floating frame knows that by turning only."""
     for body in tree.bodies:
         stiffened = body.elastic is not None and body.elastic.stiffened_from is not None
@@ -32,13 +38,13 @@ def _weights(tree):
             yield Fault("error", message, body.place, body.name, id="MODEL-007")
 
 
-def _dampers(tree):
+def _dampers(tree: Any) -> "Iterator[Any]":
     for spring in tree.springs:
         if spring.motion == ROTATION and len(tree.hinges[spring.body].rotations) == 3:
             yield _foreign_hinge(tree, spring, "damper", "three free rotations")
 
 
-def _motors(tree):
+def _motors(tree: Any) -> "Iterator[Any]":
     """The angular velocities of three free rotations are no rates of coordinates."""
     for motor in tree.motors:
         hinge = tree.hinges[motor.body]
@@ -46,7 +52,7 @@ def _motors(tree):
             yield _foreign_hinge(tree, motor, "motor", "a moving parent and three free rotations")
 
 
-def has_fixed_axis(tree: Tree, motor) -> bool:
+def has_fixed_axis(tree: Tree, motor: "Any") -> bool:
     """Return whether a motor's axis rests, or is shared by both bodies of its hinge at all times."""
     hinge = tree.hinges[motor.body]
     alone = motor.motion == ROTATION or len(hinge.translations) == 1
@@ -58,7 +64,7 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
     return hinge.rotations in ((), (axis,))
 
 
-def _foreign_hinge(tree, item, kind, what):
+def _foreign_hinge(tree: Any, item: "Any", kind: "Any", what: "Any") -> "Any":
     message = (
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; run the deck by "
         "--formulation kane"

@@ -3,12 +3,17 @@
 DAFMS thesis (1992), sections 2.2-2.3, walked outward body by body.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..vectors import rotation_matrix
 from .frames import Base, Frames, NodeFrame
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +69,7 @@ class _Start:
         A = at.A @ about(node_frame.axis, node_frame.slope @ eta)
         return Pose(at.r, A, at.v, at.w + at.A[:, node_frame.axis] * (node_frame.slope @ rate))
 
-    def _hung(self, k) -> Pose:
+    def _hung(self, k: int) -> Pose:
         at, hinge = self._at(self.frames.bases[k]), self.tree.hinges[k]
         slide, rate = np.zeros(3), np.zeros(3)
         for axis in hinge.translations:
@@ -73,7 +78,7 @@ class _Start:
         A, w = self._turn(k, hinge, at)
         return Pose(at.r + slide, A, at.v + np.cross(at.w, slide) + rate, w)
 
-    def _turn(self, k, hinge, at):
+    def _turn(self, k: int, hinge: "Any", at: "Any") -> "Any":
         A, w = at.A, at.w
         for axis in hinge.rotations:
             q, y = self.state[k, ROTATION, axis]

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from typing import TYPE_CHECKING, Any
 
 from ...deck.listing import TableError
 from ...errors import Fault, FlexmbError
@@ -10,8 +11,11 @@ from .folders import Compared
 from .forms import CSV, HDF5, MATLAB, form_of
 from .listings import read_listing
 
+if TYPE_CHECKING:
+    from pathlib import Path
 
-def accept(reference, result) -> None:
+
+def accept(reference: "Path | str", result: "Path | str") -> None:
     """Put a copy of `result` in the place of `reference`; a reader sees the old file or the new one.
 
     Both were compared.  Raises `OutputError` when the reference cannot be written, `TableError` when the
@@ -63,7 +67,7 @@ def accept_pair(compared: Compared, folder: str) -> None:
         compared.failure = failure
 
 
-def _folder(folder, pair):
+def _folder(folder: Any, pair: Any) -> str:
     if os.path.isdir(folder):
         return folder
     raise TableError(
@@ -71,11 +75,11 @@ def _folder(folder, pair):
     )
 
 
-def _refuse(result, message):
+def _refuse(result: Any, message: str) -> None:
     raise TableError(str(result), [Fault("error", message, id="DIFF-002")])
 
 
-def _ending(path):
+def _ending(path: "Path | str") -> tuple[bool, bool]:
     """Whether the run of a result did not complete, and whether it has any rows."""
     if form_of(path) in (CSV, MATLAB):
         return False, True  # an export keeps no mark that can be relied on
@@ -91,6 +95,6 @@ def _ending(path):
     return listing.failed, len(listing.time) > 0 or not listing.form.has_rows
 
 
-def is_missing(reference) -> bool:
+def is_missing(reference: "Path | str") -> bool:
     """Return whether there is no reference yet."""
     return not os.path.lexists(reference)

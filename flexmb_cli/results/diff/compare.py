@@ -1,5 +1,7 @@
 """Compare two results, whatever their form: listings, HDF5 results, and what was exported from these."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...deck.listing import TableError
 from ...errors import Fault
 from .forms import CSV, HDF5, LISTING, MATLAB, UNREADABLE, form_of
@@ -7,10 +9,13 @@ from .listings import compare_listings, read_listing
 from .report import Report
 from .tolerances import ToleranceError, Tolerances
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 
 def compare(
-    path_a,
-    path_b,
+    path_a: Any,
+    path_b: Any,
     tolerances: Tolerances | None = None,
     same_attitude: bool = False,
     explain: bool = False,
@@ -37,7 +42,15 @@ def compare(
     return report
 
 
-def _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, deck):
+def _compare_tables(
+    path_a: "Path | str",
+    path_b: "Path | str",
+    forms: tuple[str, str],
+    tolerances: Tolerances,
+    same_attitude: bool,
+    explain: bool,
+    deck: str | None,
+) -> Report:
     if set(forms) - {LISTING, UNREADABLE}:
         read_listing(path_a if forms[0] == UNREADABLE else path_b)  # it words why the file cannot be opened
     a, b = (read_listing(path) for path in (path_a, path_b))
@@ -52,7 +65,9 @@ def _compare_tables(path_a, path_b, forms, tolerances, same_attitude, explain, d
     return compare_listings(a, b, tolerances, same_attitude, explain, emulation)
 
 
-def _compare_stored(path_a, path_b, forms, tolerances, same_attitude):
+def _compare_stored(
+    path_a: Any, path_b: Any, forms: tuple[str, str], tolerances: Tolerances, same_attitude: bool
+) -> Report:
     if set(forms) == {HDF5}:
         from .hdf5 import compare_hdf5
 

@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +16,10 @@ from .forms import CSV
 from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound
 from .report import Found, Report
 from .tolerances import Tolerances
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 TIME_HEAD = "time [s]"
 # Rows belong together when their times agree to this part of the longest time.
@@ -98,7 +103,7 @@ def kind_of_name(name: str) -> str:
     return "other"
 
 
-def _numbers(path, line, row, count):
+def _numbers(path: str, line: int, row: list[str], count: int) -> list[float]:
     if len(row) != count:
         raise TableError(
             path, [Fault("error", f"line {line} has {len(row)} columns, the heading {count}", id="DIFF-015")]
@@ -109,7 +114,7 @@ def _numbers(path, line, row, count):
         raise TableError(path, [Fault("error", f"line {line}: {error}", id="DIFF-016")]) from error
 
 
-def _read_result(path):
+def _read_result(path: str) -> Columns:
     with open_sound(path) as file:
         if "time" not in file:
             message = "it has no times: a CSV table is compared with the result of a run"
@@ -119,14 +124,14 @@ def _read_result(path):
         return Columns(path, tuple(kinds), kinds, read(file, quantities), whole=True)
 
 
-def _common_rows(report, a, b):
+def _common_rows(report: Any, a: Any, b: Any) -> Any:
     """Row numbers of both tables that belong together: by time, unless there are as many in both."""
     if len(a.time) == len(b.time):
         rows = np.arange(len(a.time))
         return rows, rows
     longest = max((abs(float(x.time[-1])) for x in (a, b) if len(x.time)), default=0.0)
     coincident = np.abs(a.time[:, None] - b.time[None, :]) <= SAME_TIME * longest
-    rows = np.nonzero(coincident)
+    rows = np.nonzero(coincident)  # type: ignore[assignment]
     for one, other, found in ((a, b, rows[0]), (b, a, rows[1])):
         alone = np.setdiff1d(np.arange(len(one.time)), found)
         if alone.size:
@@ -135,20 +140,28 @@ def _common_rows(report, a, b):
     return rows
 
 
-def _compare_column(report, head, tables, rows, tolerances):
+def _compare_column(
+    report: Report,
+    head: str,
+    tables: tuple[Columns, Columns],
+    rows: tuple[np.ndarray, np.ndarray],
+    tolerances: Tolerances,
+) -> "Any":
     name = head.partition(" [")[0]
     kind = tables[1 if tables[1].whole else 0].kinds[head]
     a, b = (table.values[chosen, table.heads.index(head)] for table, chosen in zip(tables, rows, strict=True))
     time = tables[0].time[rows[0]]
 
-    def describe(position, distance):
+    def describe(position: tuple[int], distance: float) -> Found:
         row = position[0]
         return Found(head, "", "", float(time[row]), float(a[row]), float(b[row]), distance)
 
     report.compare(kind, a, b, tolerances.named(name) or tolerances.of(kind), describe)
 
 
-def _report_missing(report, head, having, lacking, tolerances):
+def _report_missing(
+    report: Report, head: str, having: Columns, lacking: Columns, tolerances: Tolerances
+) -> None:
     special = tolerances.named(head.partition(" [")[0]) or tolerances.of(having.kinds[head])
     if special.ignores:
         return

@@ -1,6 +1,7 @@
 """Compare the echoes of the input in two listings."""
 
 from itertools import groupby
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,6 +10,10 @@ from ...deck.listing import EchoLine, Listing, ListingForm
 from .report import Found, Report
 from .tolerances import Tolerances
 from .words import compare_words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
 
 
 def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
@@ -23,7 +28,7 @@ def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances)
                 _compare_head(report, kind, a, b, tolerances)
 
 
-def as_stars(a: np.ndarray, b: np.ndarray, edit_of) -> tuple[np.ndarray, np.ndarray]:
+def as_stars(a: np.ndarray, b: np.ndarray, edit_of: "Callable[..., Any]") -> tuple[np.ndarray, np.ndarray]:
     """Both with inf wherever one is stars (inf) and the other would be stars too; `edit_of(position)`."""
     a, b = a.copy(), b.copy()
     for one, other in ((a, b), (b, a)):
@@ -33,12 +38,12 @@ def as_stars(a: np.ndarray, b: np.ndarray, edit_of) -> tuple[np.ndarray, np.ndar
     return a, b
 
 
-def _compare_head(report, kind, a, b, tolerances):
+def _compare_head(report: Any, kind: str, a: Any, b: Listing, tolerances: Any) -> None:
     """Number by number, when both have as many on every line."""
     lines = [[line for line in x.echo if line.kind == kind] for x in (a, b)]
     counts = [[len(line.values) for line in part] for part in lines]
     if counts[0] == counts[1]:
-        _compare_lines(report, *lines, tolerances, a.form)
+        _compare_lines(report, *lines, tolerances, a.form)  # type: ignore[arg-type, call-arg]
         return
     title = "echo of the input" if kind == "echo" else kind
     sums = [sum(part) for part in counts]
@@ -48,7 +53,7 @@ def _compare_head(report, kind, a, b, tolerances):
         report.missing.append(f"{title}: the numbers of {a.name} and {b.name} stand on different lines")
 
 
-def _compare_tags(report, a, b, tolerances):
+def _compare_tags(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:
     """Tag by tag, since each of them may be spread over its lines in another way."""
     tags_a, tags_b = _by_title(a.echo), _by_title(b.echo)
     for title in dict.fromkeys([*tags_a, *tags_b]):
@@ -62,14 +67,20 @@ def _compare_tags(report, a, b, tolerances):
             report.missing.append(f"{title}: {counts[0]} numbers in {a.name}, {counts[1]} in {b.name}")
 
 
-def _by_title(echo):
+def _by_title(echo: tuple[EchoLine, ...]) -> dict[str, list[EchoLine]]:
     tags: dict[str, list[EchoLine]] = {}
     for line in echo:
         tags.setdefault(line.title, []).append(line)
     return tags
 
 
-def _compare_lines(report, lines_a, lines_b, tolerances, form: ListingForm):
+def _compare_lines(
+    report: Report,
+    lines_a: Any,
+    lines_b: list[EchoLine],
+    tolerances: Tolerances,
+    form: ListingForm,
+) -> Any:
     """Lines with as many numbers, kind by kind."""
     flat = _flattened(lines_a), _flattened(lines_b)
     order = sorted(range(len(flat[0])), key=lambda k: flat[0][k][0].kind)
@@ -77,12 +88,19 @@ def _compare_lines(report, lines_a, lines_b, tolerances, form: ListingForm):
         _compare_kind(report, kind, list(group), flat, tolerances.of(kind), form)
 
 
-def _flattened(lines):
+def _flattened(lines: list[EchoLine]) -> list[tuple[EchoLine, int]]:
     """(line, place in the line) of every number."""
     return [(line, place) for line in lines for place in range(len(line.values))]
 
 
-def _compare_kind(report, kind, chosen, flat, tolerance, form):
+def _compare_kind(
+    report: Any,
+    kind: Any,
+    chosen: Any,
+    flat: Any,
+    tolerance: Any,
+    form: Any,
+) -> "Any":
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
     units = [np.array([line.units[n] for line, n in part]) for part in (places, others)]
@@ -92,10 +110,10 @@ def _compare_kind(report, kind, chosen, flat, tolerance, form):
         a, b = as_stars(a, b, lambda position: places[position[0]][0].edits[places[position[0]][1]])
         if report.explaining and form.echo_error:
             cause, explains = form.echo_error
-            known = ((cause, explains(a, b, unit)),)
+            known = ((cause, explains(a, b, unit)),)  # type: ignore[assignment]
 
-    def describe(position, distance):
+    def describe(position: Any, distance: Any) -> Found:
         line, number = places[position[0]]
-        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)
+        return Found(*line.where(number), None, float(a[position]), float(b[position]), distance)  # type: ignore[call-arg]
 
     report.compare(kind, a, b, tolerance, describe, unit, slack, known)

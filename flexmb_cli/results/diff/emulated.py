@@ -7,6 +7,7 @@ it is not given.
 
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,15 @@ class Emulation:
         self.blocks = _rows(mechanism, ALL_ERRORS)
         self.without = {error: _rows(mechanism, ALL_ERRORS - {error}) for error in sorted(ALL_ERRORS)}
 
-    def causes(self, section: str, step, index, columns, printed, unit) -> list[tuple[str, np.ndarray]]:
+    def causes(
+        self,
+        section: str,
+        step: np.ndarray,
+        index: np.ndarray,
+        columns: list[int],
+        printed: np.ndarray,
+        unit: np.ndarray,
+    ) -> list[tuple[str, np.ndarray]]:
         """Causes with masks (lines, columns): `printed` (lines, columns) to `unit` is what the errors give.
 
         `step` and `index` (lines,) count from 0 and from 1, `columns` from 0.
@@ -54,7 +63,9 @@ class Emulation:
         return _grouped(explained, behind)
 
     @staticmethod
-    def _values(blocks, section, step, index, columns):
+    def _values(
+        blocks: list[Rows], section: str, step: np.ndarray, index: np.ndarray, columns: np.ndarray
+    ) -> np.ndarray:
         """Numbers of the lines; nan beyond the last row that could be computed."""
         table = np.concatenate([_gathered(blocks, name) for name in DATASETS[section]], axis=2)
         known = (step < len(table)) & (index < table.shape[1])
@@ -62,24 +73,24 @@ class Emulation:
         return np.where(known[:, None], found, np.nan)[:, columns]
 
 
-def _rows(mechanism, errors) -> list[Rows]:
+def _rows(mechanism: Any, errors: Any) -> list[Rows]:
     """The rows up to the first that cannot be computed."""
-    blocks = []
+    blocks: list[Any] = []
     with suppress(AnalysisError):
         blocks.extend(AsPrinted(mechanism, errors=errors, block=1).rows())
     return blocks
 
 
-def _gathered(blocks, name):
+def _gathered(blocks: list[Rows], name: str) -> np.ndarray:
     return np.concatenate([getattr(block, name) for block in blocks])
 
 
-def _agrees(values, printed, unit):
+def _agrees(values: np.ndarray, printed: np.ndarray, unit: np.ndarray) -> np.ndarray:
     with np.errstate(invalid="ignore"):
         return np.abs(values - printed) <= (1.0 + 1e-9) * unit
 
 
-def _grouped(explained, behind):
+def _grouped(explained: np.ndarray, behind: dict[str, np.ndarray]) -> list[tuple[str, np.ndarray]]:
     """One cause for every set of errors that occurs."""
     code = np.zeros(explained.shape, dtype=int)
     for k, mask in enumerate(behind.values()):

@@ -5,11 +5,16 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
 from ...quick_dataclass import dataclass, field
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of
 from .report import Report
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 WILD = re.compile(r"[*?[]")
 # A table for print is known by its name or by its content; these are the names that runs give.
@@ -61,9 +66,9 @@ class Compared:
         """Plain record for `--json`."""
         record = {"name": self.pair.name, "a": self.pair.a, "b": self.pair.b, "equal": self.equal}
         if self.failure is not None:
-            record["faults"] = [fault.as_dict() for fault in self.failure.faults]
+            record["faults"] = [fault.as_dict() for fault in self.failure.faults]  # type: ignore[assignment]
         if self.missing:
-            record["missing"] = [self.missing]
+            record["missing"] = [self.missing]  # type: ignore[assignment]
         return (self.report.as_dict() if self.report else {}) | record | {"updated": self.updated}
 
 
@@ -124,7 +129,7 @@ def pairs(a: str, b: str) -> Iterator[Pair]:
     for name in sorted(files_a.keys() | files_b.keys()):
         partner = name if name in files_b else partners.get(name, name)
         if name in files_a or name not in partners.values():
-            yield Pair(name, files_a.get(name), files_b.get(partner))
+            yield Pair(name, files_a.get(name), files_b.get(partner))  # type: ignore[arg-type]
 
 
 def are_same(a: str, b: str) -> bool:
@@ -135,13 +140,13 @@ def are_same(a: str, b: str) -> bool:
     return bool(found) and all(one and other and os.path.samefile(one, other) for one, other in found)
 
 
-def _result_of(name):
+def _result_of(name: str) -> str | None:
     """Name of the HDF5 result from which an export comes; None for other files."""
     path = PurePath(name)
     return path.with_suffix(".h5").as_posix() if path.suffix in EXPORTS else None
 
 
-def _files(path):
+def _files(path: str) -> Iterator[tuple[str, str]]:
     """Pairs (name, path) of the files of a folder or of a pattern; hidden ones are left out."""
     folder, pattern = (path, "**") if os.path.isdir(path) else _split(path)
     for found in glob.glob(pattern, root_dir=folder or None, recursive=True):
@@ -150,7 +155,7 @@ def _files(path):
             yield PurePath(found).as_posix(), whole
 
 
-def _split(pattern):
+def _split(pattern: str) -> tuple[str, str]:
     """The folder before the first wildcard, and the rest."""
     parts = PurePath(pattern).parts
     first = next(k for k, part in enumerate(parts) if WILD.search(part))
@@ -168,7 +173,7 @@ def compare_many(a: str, b: str, compare_pair: Callable[[Pair], Report]) -> Summ
     return summary
 
 
-def _compared(pair, compare_pair, summary):
+def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) -> Compared:
     if pair.a is None or pair.b is None:
         lacking = summary.a if pair.a is None else summary.b
         return Compared(pair, missing=f"{pair.name}: not in {lacking}")
@@ -180,14 +185,14 @@ def _compared(pair, compare_pair, summary):
         return Compared(pair, failure=failure)
 
 
-def _is_result(pair):
+def _is_result(pair: Pair) -> bool:
     """Whether a pair is to be compared: by its name, or by the content of one of its files."""
     if RESULT_NAME.fullmatch(PurePath(pair.name).name):
         return True
     return any(path is not None and _reads_as_result(path) for path in (pair.a, pair.b))
 
 
-def _reads_as_result(path):
+def _reads_as_result(path: str) -> bool:
     from .listings import read_listing
 
     form = form_of(path)

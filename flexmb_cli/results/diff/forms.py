@@ -1,6 +1,11 @@
 """The forms of files that `diff` compares, recognised by their first bytes."""
 
 import re
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    pass
+
 
 HDF5, CSV, MATLAB, LISTING = "an HDF5 file", "a CSV table", "a MATLAB file", "a table for print"
 UNREADABLE = "a file that cannot be opened"
@@ -11,7 +16,7 @@ CSV_HEAD = re.compile(rb"\A(?:\xef\xbb\xbf)?\"?time \[s\]\"?([,\t\r\n]|\Z)")
 _BEGINNING = 64
 
 
-def form_of(path) -> str:
+def form_of(path: Any) -> str:
     """Return the form of the file at `path`; what is unknown counts as a table for print."""
     if str(path) == "-":
         return LISTING

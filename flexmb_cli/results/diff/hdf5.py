@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -24,8 +25,12 @@ from ..hdf5.stored_result import (
 )
 from ..quantities.quantities import ResultError, resolve
 from .report import Found, Report
-from .tolerances import Tolerances
+from .tolerances import Tolerance, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
 # So many numbers are compared at once: results may be larger than the memory.
@@ -89,7 +94,7 @@ def open_sound(path: str) -> Iterator[h5py.File]:
         yield file
 
 
-def _kind_of_file(path, file):
+def _kind_of_file(path: str, file: h5py.File) -> str:
     """Return what the file is, in words; raises TableError when it is nothing that flexmb writes."""
     with _understood_in(path):
         conventions, newer = attribute(file, "Conventions"), newer_layout(file)
@@ -103,7 +108,7 @@ def _kind_of_file(path, file):
 
 
 @contextmanager
-def _understood_in(path):
+def _understood_in(path: str) -> Iterator[None]:
     try:
         with understood():
             yield
@@ -111,7 +116,9 @@ def _understood_in(path):
         raise TableError(path, [Fault("error", f"damaged HDF5 file: {fault}", id="DIFF-006")]) from fault
 
 
-def _compare_files(report, a, b, tolerances, same_attitude):
+def _compare_files(
+    report: Report, a: h5py.File, b: h5py.File, tolerances: Tolerances, same_attitude: bool
+) -> None:
     for name in COMPARED_ATTRIBUTES:
         first, second = (attribute(file, name) for file in (a, b))
         if first != second:
@@ -161,11 +168,11 @@ def kind_of(name: str) -> str:
     return KIND_OF.get(name) or KIND_OF_GROUP.get(name.partition("/")[0], "other")
 
 
-def _compared_datasets(file):
+def _compared_datasets(file: h5py.File) -> dict[str, h5py.Dataset]:
     return {name: dataset for name, dataset in datasets(file).items() if name not in NOT_COMPARED}
 
 
-def _leave_out_lone_scales(one, other):
+def _leave_out_lone_scales(one: dict[str, h5py.Dataset], other: dict[str, h5py.Dataset]) -> None:
     """Take the dimension scales that only one of two files has out of its datasets."""
     lone = [
         (item, name) for item, beside in ((one, other), (other, one)) for name in item.keys() - beside.keys()
@@ -175,7 +182,9 @@ def _leave_out_lone_scales(one, other):
             del found[name]
 
 
-def _compare_dataset(report, name, pair, tolerance, signs):
+def _compare_dataset(
+    report: Report, name: str, pair: tuple[h5py.Dataset, h5py.Dataset], tolerance: Tolerance, signs: Any
+) -> None:
     """Compare two datasets; `signs`, where there are any, turn part by part of the second one's rows."""
     first, second = pair
     if is_number(first) != is_number(second):
@@ -198,7 +207,7 @@ def _compare_dataset(report, name, pair, tolerance, signs):
             _compare_part(report, name, first, part, values, tolerance)
 
 
-def _common_rows(report, name, first, second):
+def _common_rows(report: Report, name: str, first: h5py.Dataset, second: h5py.Dataset) -> Any:
     """Rows that both datasets have; None when their shapes cannot be compared."""
     if first.shape == second.shape:
         return first.shape[0] if first.shape else 0
@@ -207,17 +216,24 @@ def _common_rows(report, name, first, second):
     return min(first.shape[0], second.shape[0]) if alike and first.ndim else None
 
 
-def _compare_text(report, name, first, second):
+def _compare_text(report: Report, name: str, first: np.ndarray, second: np.ndarray) -> None:
     if name.endswith("/name") and np.shape(first) == np.shape(second):
         report.words += compare_names(name, first, second)
     elif not np.array_equal(first, second):
         report.missing.append(f"/{name}: the text differs")
 
 
-def _compare_part(report, name, dataset, part, values, tolerance):
+def _compare_part(
+    report: Report,
+    name: str,
+    dataset: h5py.Dataset,
+    part: slice,
+    values: tuple[np.ndarray, np.ndarray],
+    tolerance: Tolerance,
+) -> "Any":
     first, second = (np.atleast_1d(np.asarray(block, dtype=float)) for block in values)
 
-    def describe(position, distance):
+    def describe(position: tuple[int, int, int], distance: float) -> Found:
         row = part.start + int(position[0])
         timed = _has_time(dataset, name)
         time = float(dataset.file["time"][row]) if timed else None
@@ -229,12 +245,12 @@ def _compare_part(report, name, dataset, part, values, tolerance):
     report.compare(kind_of(name), first, second, tolerance, describe)
 
 
-def _has_time(dataset, name):
+def _has_time(dataset: h5py.Dataset, name: str) -> bool:
     scale = scale_of(dataset, 0) if dataset.ndim else None
     return scale is not None and scale == dataset.file.get("time") and is_number(scale) and name != "time"
 
 
-def _labels(dataset, position, timed):
+def _labels(dataset: h5py.Dataset, position: tuple[int, int, int], timed: bool) -> tuple[str, str]:
     """Readable item and column of an element, from the scales of its axes but time."""
     words = []
     for axis, number in list(enumerate(position[: dataset.ndim]))[timed:]:
@@ -244,13 +260,13 @@ def _labels(dataset, position, timed):
     return (" ".join(words[:-1]), words[-1]) if words else ("", "")
 
 
-def _label(scale, number):
+def _label(scale: h5py.Dataset, number: int) -> str:
     if not is_number(scale):
         return texts(scale)[number]
     return f"{scale.name.rpartition('/')[2]} {scale[number]:g}"
 
 
-def _have_attitudes(a, b):
+def _have_attitudes(a: h5py.File, b: h5py.File) -> bool:
     name = SIGNED[0]
     if name not in a or name not in b:
         return False
@@ -260,12 +276,12 @@ def _have_attitudes(a, b):
     return a[name].shape[1:] == b[name].shape[1:]
 
 
-def _signs(a, b, part):
+def _signs(a: h5py.File, b: h5py.File, part: slice) -> np.ndarray:
     """Signs (rows, bodies, 1) that turn b's Euler parameters towards a's."""
     with np.errstate(invalid="ignore"):
         against = (a[SIGNED[0]][part] * b[SIGNED[0]][part]).sum(axis=2, keepdims=True) < 0
     return np.where(against, -1.0, 1.0)
 
 
-def _shape(dataset):
+def _shape(dataset: h5py.Dataset) -> str:
     return "(" + ", ".join(map(str, dataset.shape)) + ")"

@@ -1,5 +1,7 @@
 """Compare two OUT tables number by number."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...deck.listing import LARGEST_INDEX, Listing, Section, TableError, plain_text, read_bytes
@@ -9,6 +11,14 @@ from ...errors import Fault
 from .echo import as_stars, compare_echo
 from .report import Found, Report
 from .tolerances import Tolerances
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+    from typing import Any
+
+    from .emulated import Emulation
+
 
 # The parts of the sections that change sign with the Euler parameters.
 SIGNED_KINDS = ("euler", "euler_rate", "euler_acceleration")
@@ -20,7 +30,7 @@ def compare_listings(
     tolerances: Tolerances,
     same_attitude: bool = False,
     explain: bool = False,
-    emulation=None,
+    emulation: "Emulation | None" = None,
 ) -> Report:
     """Compare two listings of the same form that were read; see `compare.compare`."""
     report = Report(a.name, b.name, explaining=explain, emulation=emulation)
@@ -40,7 +50,7 @@ def compare_listings(
     return report
 
 
-def read_listing(path) -> Listing:
+def read_listing(path: "Path | str") -> Listing:
     """The listing or series at `path`; raises `TableError` when it is none."""
     name = str(path)
     text, dialects = plain_text(read_bytes(path)), list(every_dialect())
@@ -53,7 +63,7 @@ def read_listing(path) -> Listing:
     raise TableError(name, [Fault("error", message, id="DIFF-010")])
 
 
-def _matching_rows(report, a, b):
+def _matching_rows(report: Report, a: Listing, b: Listing) -> tuple[np.ndarray, np.ndarray]:
     """Row numbers of `a` and `b` that belong together: all in order, or by time when their numbers differ."""
     if len(a.time) == len(b.time):
         rows = np.arange(len(a.time))
@@ -67,7 +77,7 @@ def _matching_rows(report, a, b):
     return rows_a, rows_b
 
 
-def _occurrences(time):
+def _occurrences(time: np.ndarray) -> list[tuple[float, int]]:
     """Pairs (time, how often it came before), since three decimals print several rows alike."""
     seen: dict[float, int] = {}
     pairs = []
@@ -77,7 +87,7 @@ def _occurrences(time):
     return pairs
 
 
-def _common(keys_a, keys_b):
+def _common(keys_a: "list[Any]", keys_b: "list[Any]") -> Any:
     """Positions of the keys that both lists have, in the order of the first."""
     place = {key: row for row, key in enumerate(keys_b)}
     rows = [(row, place[key]) for row, key in enumerate(keys_a) if key in place]
@@ -86,19 +96,28 @@ def _common(keys_a, keys_b):
     )
 
 
-def _compare_times(report, a, b, rows_a, rows_b, tolerances):
+def _compare_times(
+    report: Report, a: Listing, b: Listing, rows_a: np.ndarray, rows_b: np.ndarray, tolerances: Tolerances
+) -> "Any":
     if not len(a.time) and not len(b.time):
         return
     time_a, time_b = a.time[rows_a], b.time[rows_b]
 
-    def describe(position, distance):
+    def describe(position: tuple[int], distance: float) -> Found:
         row = position[0]
         return Found("time", f"row {row + 1}", "", None, float(time_a[row]), float(time_b[row]), distance)
 
     report.compare("time", time_a, time_b, tolerances.of("time"), describe, max(a.time_unit, b.time_unit))
 
 
-def _compare_section(report, name, listings, rows, tolerances, flips):
+def _compare_section(
+    report: Any,
+    name: Any,
+    listings: Any,
+    rows: Any,
+    tolerances: Any,
+    flips: Any,
+) -> None:
     sections = [listing.sections[name] for listing in listings]
     picks = _matching_lines(name, listings, rows)
     first = sections[0]
@@ -109,7 +128,7 @@ def _compare_section(report, name, listings, rows, tolerances, flips):
     kinds = np.array([first.kinds[first.columns.index(column)] for column in shared])
     if first.edits:
         edits = [first.edits[first.columns.index(column)] for column in shared]
-        values = as_stars(*values, lambda position: edits[position[1]])
+        values = as_stars(*values, lambda position: edits[position[1]])  # type: ignore[call-arg]
     if flips is not None:
         signs = np.where(np.isin(_keys(first, picks[0]), flips), -1.0, 1.0)
         values = values[0], np.where(np.isin(kinds, SIGNED_KINDS), values[1] * signs[:, None], values[1])
@@ -130,7 +149,9 @@ def _compare_section(report, name, listings, rows, tolerances, flips):
         report.compare(kind, a, b, tolerance, describe, unit_here, slack_here, marked)
 
 
-def _quantity_places(name, section, pick, heads, tolerances):
+def _quantity_places(
+    name: str, section: Section, pick: np.ndarray, heads: list[str], tolerances: Tolerances
+) -> "Iterator[Any]":
     """Pairs (index of lines and column, tolerance) of quantities such as `velocity.body 3.dX`."""
     if not tolerances.quantities:
         return
@@ -142,14 +163,14 @@ def _quantity_places(name, section, pick, heads, tolerances):
                 yield (items == item, column), special
 
 
-def _shared_block(section, pick, shared):
+def _shared_block(section: Section, pick: np.ndarray, shared: list[str]) -> tuple[np.ndarray, np.ndarray]:
     """Values and units of the last digits, both (lines, columns), of the lines `pick`."""
     columns = [section.columns.index(column) for column in shared]
     units = np.broadcast_to(section.units, section.values.shape)
     return section.values[pick][:, columns], units[pick][:, columns]
 
 
-def _known_errors(report, name, listing, pick, shared):
+def _known_errors(report: Report, name: str, listing: Listing, pick: np.ndarray, shared: list[str]) -> "Any":
     """Causes, each with the mask (lines, columns) of the cells that it spoils."""
     if not report.explaining:
         return []
@@ -164,7 +185,15 @@ def _known_errors(report, name, listing, pick, shared):
     ]
 
 
-def _emulated_errors(report, name, section, pick, shared, printed, unit):
+def _emulated_errors(
+    report: Any,
+    name: Any,
+    section: Section,
+    pick: np.ndarray,
+    shared: list[str],
+    printed: Any,
+    unit: Any,
+) -> list[tuple[str, np.ndarray]]:
     """The same by a run of the deck with the errors of the program, the cells that they give."""
     if report.emulation is None:
         return []
@@ -174,10 +203,17 @@ def _emulated_errors(report, name, section, pick, shared, printed, unit):
     return [(f"{name}: {cause}", mask) for cause, mask in causes]
 
 
-def _describer(name, listing, pick, columns, shared, values):
+def _describer(
+    name: str,
+    listing: Listing,
+    pick: np.ndarray,
+    columns: np.ndarray,
+    shared: list[str],
+    values: tuple[np.ndarray, np.ndarray],
+) -> "Callable[..., Any]":
     section: Section = listing.sections[name]
 
-    def describe(position, distance):
+    def describe(position: tuple[int, int], distance: float) -> Found:
         row, column = position[0], columns[position[1]]
         line = pick[row]
         time = float(listing.time[section.step[line]])
@@ -187,7 +223,9 @@ def _describer(name, listing, pick, columns, shared, values):
     return describe
 
 
-def _matching_lines(name, listings, rows):
+def _matching_lines(
+    name: str, listings: tuple[Listing, Listing], rows: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
     """Line numbers of the section in both tables that belong to the same row and item."""
     keys = [_ranked(listing, name, chosen) for listing, chosen in zip(listings, rows, strict=True)]
     if (
@@ -200,7 +238,7 @@ def _matching_lines(name, listings, rows):
     return _common(*[[pair if pair[0] >= 0 else ("alone", *pair, k) for pair in pairs[k]] for k in (0, 1)])
 
 
-def _ranked(listing, name, chosen):
+def _ranked(listing: Listing, name: str, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """For every line of the section: its row among the rows that both tables have (else -1), and its item."""
     section = listing.sections[name]
     rank = np.full(len(listing.time), -1)
@@ -208,7 +246,13 @@ def _ranked(listing, name, chosen):
     return rank[section.step], section.index
 
 
-def _report_lines(report, name, listings, rows, picks):
+def _report_lines(
+    report: Report,
+    name: str,
+    listings: tuple[Listing, Listing],
+    rows: tuple[np.ndarray, np.ndarray],
+    picks: tuple[np.ndarray, np.ndarray],
+) -> None:
     """Lines of rows that both tables have, but of a body or point that one of them lacks."""
     for k, (listing, other) in enumerate((listings, listings[::-1])):
         section = listing.sections[name]
@@ -222,14 +266,16 @@ def _report_lines(report, name, listings, rows, picks):
             report.missing.append(f"{lines}: {_few(places)}")
 
 
-def _report_columns(report, name, listings, sections):
+def _report_columns(
+    report: Report, name: str, listings: tuple[Listing, Listing], sections: list[Section]
+) -> None:
     for k in (0, 1):
         alone = [column for column in sections[k].columns if column not in sections[1 - k].columns]
         if alone:
             report.missing.append(f"{name}: {listings[1 - k].name} has no column {', '.join(alone)}")
 
 
-def _flips(listings, rows):
+def _flips(listings: tuple[Listing, Listing], rows: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """The lines of `a` whose Euler parameters point against b's, as keys of row and body."""
     if any("position" not in listing.sections for listing in listings):
         return np.array([], dtype=np.int64)
@@ -243,14 +289,14 @@ def _flips(listings, rows):
     return _keys(section, pick_a)[against]
 
 
-def _attitudes(section):
+def _attitudes(section: Section) -> np.ndarray:
     columns = [k for k, kind in enumerate(section.kinds) if kind == "euler"]
     return section.values[:, columns] if len(columns) == 4 else np.zeros((len(section.values), 4))
 
 
-def _keys(section, lines):
+def _keys(section: Section, lines: np.ndarray) -> np.ndarray:
     return section.step[lines] * (LARGEST_INDEX + 1) + section.index[lines]
 
 
-def _few(words, most=3):
+def _few(words: list[str], most: int = 3) -> str:
     return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")

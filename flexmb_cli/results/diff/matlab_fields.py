@@ -1,6 +1,7 @@
 """Compare MATLAB files of results with each other and with HDF5 results, field by field."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from .hdf5 import (
 from .report import Found, Report
 from .tolerances import ToleranceError, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def compare_matlab(path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances) -> Report:
@@ -45,7 +49,7 @@ def compare_matlab(path_a: str, path_b: str, forms: Sequence[str], tolerances: T
     return report
 
 
-def _read(path):
+def _read(path: str) -> dict[str, np.ndarray]:
     try:
         return read_matlab(path)
     except (ValueError, TypeError, NotImplementedError, KeyError, OSError) as error:
@@ -53,7 +57,7 @@ def _read(path):
         raise TableError(path, [Fault("error", message, id="DIFF-019")]) from error
 
 
-def _compare_info(report, a, b):
+def _compare_info(report: Report, a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> None:
     for name in (*COMPARED_ATTRIBUTES, *WORDS_OF_RESULTS):
         first, second = (_text(fields.get(f"info/{name}", "")) for fields in (a, b))
         if first != second:
@@ -61,11 +65,13 @@ def _compare_info(report, a, b):
             reported.append(f"{name}: {first!r} against {second!r}")
 
 
-def _text(value):
+def _text(value: np.ndarray | str) -> str:
     return " ".join(map(str, np.ravel(value).tolist()))
 
 
-def _compare_field(report, name, pairs, tolerances, special):
+def _compare_field(
+    report: Report, name: str, pairs: list[dict[str, np.ndarray]], tolerances: Tolerances, special: "Any"
+) -> "Any":
     values = [fields.get(name) for fields in pairs]
     kind = kind_of(name)
     if tolerances.of(kind).ignores and name not in special:
@@ -86,7 +92,7 @@ def _compare_field(report, name, pairs, tolerances, special):
     a, b = (x.reshape(shape).astype(float) for x in (a, b))
     tolerance = tolerances.of_places(kind, shape[1:], special.get(name, ()))
 
-    def describe(position, distance):
+    def describe(position: tuple[int, int, int], distance: float) -> Found:
         column = ", ".join(str(index + 1) for index in position)
         return Found(
             f"/{name}", f"element ({column})", "", None, float(a[position]), float(b[position]), distance
@@ -95,7 +101,7 @@ def _compare_field(report, name, pairs, tolerances, special):
     report.compare(kind, a, b, tolerance, describe)
 
 
-def _compare_texts(report, name, a, b):
+def _compare_texts(report: Report, name: str, a: np.ndarray, b: np.ndarray) -> None:
     if a.shape != b.shape:
         report.missing.append(f"/{name}: {a.size} texts against {b.size}")
     elif name.endswith("name"):

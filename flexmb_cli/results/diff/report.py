@@ -1,12 +1,18 @@
 """What a comparison found: counts for every kind of column, the worst place, what is missing."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import visible
 from ...quick_dataclass import dataclass, field
 from .tolerances import KINDS, Tolerance
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 SHOWN_MISSING = 20
 SHOWN_WORDS = 5
@@ -57,7 +63,9 @@ class Tally:
     largest: float = 0.0
     worst: Found | None = None
 
-    def add(self, differs: np.ndarray, distance: np.ndarray, known: np.ndarray, describe) -> None:
+    def add(
+        self, differs: np.ndarray, distance: np.ndarray, known: np.ndarray, describe: "Callable[..., Any]"
+    ) -> None:
         """Count a block; `describe(position)` gives the `Found` at an index of the block."""
         self.compared += distance.size
         if not distance.size:
@@ -127,7 +135,15 @@ class Report:
         return max(places, key=lambda place: place.distance, default=None)
 
     def compare(
-        self, kind: str, a, b, tolerance: Tolerance, describe, unit=None, slack=0.0, known=()
+        self,
+        kind: str,
+        a: Any,
+        b: np.ndarray,
+        tolerance: Tolerance,
+        describe: "Callable[..., Any]",
+        unit: float | np.ndarray | None = None,
+        slack: float | np.ndarray = 0.0,
+        known: Any = (),
     ) -> None:
         """Compare two blocks of one kind; `describe(position, distance)` gives the `Found` there.
 
@@ -145,7 +161,7 @@ class Report:
         tally = self.tallies.setdefault(kind, Tally())
         tally.add(differs, distance, marked, lambda position: describe(position, float(distance[position])))
 
-    def _explain(self, cause, here, describe):
+    def _explain(self, cause: str, here: np.ndarray, describe: "Callable[..., Any]") -> None:
         places = list(zip(*np.nonzero(here), strict=True))
         if places:
             self.causes[cause] = self.causes.get(cause, 0) + len(places)
@@ -184,10 +200,10 @@ class Report:
             "kinds": {kind: _tally_record(self.tallies[kind]) for kind in self._kinds()},
         }
 
-    def _kinds(self):
+    def _kinds(self) -> list[str]:
         return [kind for kind in KINDS if kind in self.tallies]
 
-    def _table(self):
+    def _table(self) -> list[str]:
         known = self.explaining
         rows = [("kind", "compared", "differ", *known * ("known",), "largest", "worst place")]
         for kind in self._kinds():
@@ -198,7 +214,7 @@ class Report:
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return [_aligned(row, widths) for row in rows]
 
-    def _verdict(self):
+    def _verdict(self) -> str:
         words = f"; {_count(len(self.words), 'line')} of words differ" if self.words else ""
         files = f"{visible(self.a)}, {visible(self.b)}"
         if not self.missing and not self.differing:
@@ -212,13 +228,13 @@ def _count(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-def _aligned(row, widths):
+def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
     """The kind to the left, figures to the right, the place as it is."""
     figures = [cell.rjust(width) for cell, width in zip(row[1:-1], widths[1:-1], strict=True)]
     return "  ".join([row[0].ljust(widths[0]), *figures, row[-1]]).rstrip()
 
 
-def _tally_record(tally):
+def _tally_record(tally: Tally) -> "dict[Any, Any]":
     return {
         "compared": tally.compared,
         "differing": tally.differing,
@@ -228,5 +244,5 @@ def _tally_record(tally):
     }
 
 
-def _json_number(value):
+def _json_number(value: Any) -> "Any":
     return value if value is None or math.isfinite(value) else str(value)

@@ -11,9 +11,14 @@ last_digit = 1
 
 import tomllib
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 FIGURES = ("atol", "rtol", "last_digit")
 TABLES = ("kinds", "quantities")
@@ -74,7 +79,7 @@ def read_tolerances(path: str, general: Tolerances) -> FileTolerances:
     return FileTolerances(path, first, {name: replace(x, used=first.used) for name, x in shared.items()})
 
 
-def _overruled(general, special):
+def _overruled(general: Tolerances, special: Tolerances) -> Tolerances:
     """Return `general` with all that `special` gives in its place."""
     return replace(
         general,
@@ -86,7 +91,7 @@ def _overruled(general, special):
     )
 
 
-def _tolerances(path, where, table):
+def _tolerances(path: Any, where: Any, table: Any) -> Tolerances:
     unknown = [name for name in table if name not in (*FIGURES, *TABLES)]
     if unknown:
         known = ", ".join((*FIGURES, *TABLES, *([] if where else ["files"])))
@@ -112,7 +117,7 @@ def _tolerances(path, where, table):
     return Tolerances(**figures, kinds=kinds, quantities=quantities)
 
 
-def _tolerance(path, where, value):
+def _tolerance(path: Any, where: Any, value: dict[str, float] | float) -> Tolerance:
     """A number is an absolute tolerance."""
     table = value if isinstance(value, dict) else {"atol": value}
     for name in table:
@@ -121,7 +126,7 @@ def _tolerance(path, where, value):
     return Tolerance(**{name: _figure(path, f"{where}.", name, figure) for name, figure in table.items()})
 
 
-def _figure(path, where, name, value):
+def _figure(path: str, where: str, name: str, value: float) -> Any:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not value >= 0 or (name == "last_digit" and not isinstance(value, int)):
         what = "a whole number" if name == "last_digit" else "a number"

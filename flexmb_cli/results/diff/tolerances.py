@@ -3,11 +3,17 @@
 import math
 import re
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass, field, replace
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from typing import Any
+
 
 KINDS = (
     "time",
@@ -65,7 +71,13 @@ class Tolerance:
         """Whether nothing of this kind counts, not even that it is missing."""
         return bool(np.isinf(self.atol).all())
 
-    def exceeded(self, a: np.ndarray, b: np.ndarray, unit=None, slack=0.0) -> tuple[np.ndarray, np.ndarray]:
+    def exceeded(
+        self,
+        a: np.ndarray,
+        b: np.ndarray,
+        unit: float | np.ndarray | None = None,
+        slack: float | np.ndarray = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """(differs, distance) for values of equal shape; NaN equals NaN only.
 
         `unit` is one unit of the last printed digit, broadcast to `a`; None for values that were not
@@ -118,7 +130,7 @@ class Tolerances:
         """Tolerance of one kind of column."""
         return self.kinds.get(kind) or Tolerance(self.atol or 0.0, self.rtol or 0.0, self.last_digit)
 
-    def of_places(self, kind: str, shape: tuple[int, ...], overrules) -> Tolerance:
+    def of_places(self, kind: str, shape: tuple[int, ...], overrules: "Iterable[Any]") -> Tolerance:
         """Tolerance of a block of `shape`; `overrules` are pairs (index of the block, tolerance there)."""
         general = self.of(kind)
         overrules = list(overrules)
@@ -137,7 +149,7 @@ class Tolerances:
         return self.quantities[fitting[-1]] if fitting else None
 
 
-def parse_kinds(settings) -> dict[str, Tolerance]:
+def parse_kinds(settings: Any) -> dict[str, Tolerance]:
     """Tolerances of single kinds from `KIND=ATOL` or `KIND=ATOL,RTOL`; "inf" leaves the kind out.
 
     Raises `ToleranceError` with one fault for every setting that cannot be understood.
@@ -159,11 +171,11 @@ def parse_kinds(settings) -> dict[str, Tolerance]:
     return kinds
 
 
-def _folded(name):
+def _folded(name: str) -> str:
     return name.lower().replace(" ", "_")
 
 
-def _figure(text):
+def _figure(text: str) -> Any:
     if not re.fullmatch(r"\s*\+?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf)\s*", text, re.IGNORECASE | re.ASCII):
         return None
     figure = float(text)

@@ -2,8 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from ...deck.listing import Listing
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 # Attributes of HDF5 results that hold words; `status` and `analysis` count without `--words`.
 WORDS_OF_RESULTS = ("notes", "settings", "options", "message")
@@ -27,11 +32,11 @@ def _only_in(a: Listing, b: Listing) -> Iterator[str]:
             yield f"line {line}: {text!r} is only in {a.name}"
 
 
-def compare_names(name: str, first, second) -> list[str]:
+def compare_names(name: str, first: "np.ndarray", second: "np.ndarray") -> list[str]:
     """Return a sentence for every text that differs in two datasets `name` of equal shape."""
     pairs = enumerate(zip(first.ravel().tolist(), second.ravel().tolist(), strict=True), 1)
     return [f"/{name}, row {row}: {_plain(a)!r} against {_plain(b)!r}" for row, (a, b) in pairs if a != b]
 
 
-def _plain(text) -> str:
+def _plain(text: bytes) -> str:
     return text.decode("utf-8", errors="replace") if isinstance(text, bytes) else str(text)

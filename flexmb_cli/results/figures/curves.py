@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import takewhile
+from typing import Any
 
 import h5py
 import numpy as np
@@ -109,7 +110,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     Of these those that change, and their sum; `still_energies` are the others.
     """
     known = names(result)
-    chosen = []
+    chosen: list[Any] = []
     for dataset in _datasets(attribute(result, "dialect")):
         wanted = [quantity for quantity in known if quantity.dataset == dataset]
         moving = _moving(result, wanted)
@@ -121,7 +122,7 @@ def default_quantities(result: h5py.File) -> list[Quantity]:
     return chosen + _energies(result) + [quantity for quantity in known if quantity.dataset == TOTAL]
 
 
-def _datasets(dialect):
+def _datasets(dialect: str) -> tuple[str, ...]:
     return dialect_named(dialect).curves if dialect in DIALECTS else OF_ANY
 
 
@@ -131,7 +132,7 @@ def still_energies(result: h5py.File) -> list[str]:
     return [one.name for one in names(result) if one.dataset in ENERGIES and one not in drawn]
 
 
-def _energies(result):
+def _energies(result: h5py.File) -> list[Quantity]:
     return _moving(result, [quantity for quantity in names(result) if quantity.dataset in ENERGIES])
 
 
@@ -156,16 +157,16 @@ def panels(sources: Sequence[Source]) -> list[Panel]:
     ]
 
 
-def _moving(result, quantities):
+def _moving(result: h5py.File, quantities: list[Quantity]) -> list[Quantity]:
     if not quantities or not len(result["time"]):
         return []
     ranges = np.ptp(read(result, quantities), axis=0)
     return [q for q, size in zip(quantities, ranges, strict=True) if size > STILL * ranges.max()]
 
 
-def _crowd(quantities):
+def _crowd(quantities: Any) -> list[Quantity]:
     """At most `MOST_CURVES` of a unit, the first ones."""
-    kept, count = [], {}
+    kept, count = [], {}  # type: ignore[var-annotated]
     for quantity in quantities:
         count[quantity.unit] = count.get(quantity.unit, 0) + 1
         if count[quantity.unit] <= MOST_CURVES:

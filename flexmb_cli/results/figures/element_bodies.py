@@ -1,6 +1,7 @@
 """Finite-element bodies of a result, whose elements it holds: nodes, cells, motion and stresses over time."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import h5py
 import numpy as np
@@ -69,7 +70,7 @@ def element_bodies(result: h5py.File, names: tuple[str, ...], rows: slice) -> It
             yield _body(result, number, name, rows)
 
 
-def _body(result, number, name, rows):
+def _body(result: Any, number: Any, name: Any, rows: Any) -> ElementBody:
     group, modal = f"elastic/{name}", f"modal/{name}"
     shapes = {f"{group}/{key}": letters for key, letters in _SHAPES.items()}
     series = {f"{modal}/{key}": "tm" for key in ("amplitude", "rate")}
@@ -79,7 +80,7 @@ def _body(result, number, name, rows):
     check_shapes(result, shapes | series, {"t": len(result["time"])})
     numbers = result[f"{group}/node"][:]
     one = number - 1
-    return ElementBody(
+    return ElementBody(  # type: ignore[call-arg]
         number,
         name,
         numbers,
@@ -93,7 +94,7 @@ def _body(result, number, name, rows):
     )
 
 
-def _rows_of(cells, numbers, name):
+def _rows_of(cells: np.ndarray, numbers: np.ndarray, name: str) -> np.ndarray:
     """Cells (m, k) of node numbers as rows of the body's nodes."""
     if cells.shape[1] not in FACES or not len(cells):
         raise Damaged(f"the elements of {name} have {cells.shape[1]} nodes")

@@ -45,7 +45,7 @@ def outer_faces(cells: np.ndarray) -> np.ndarray:
     return every[np.sort(first[counts == 1])]
 
 
-def _rings(nodes):
+def _rings(nodes: int) -> np.ndarray:
     """Nodes of the faces of an element of so many nodes, in turn."""
     middles = {
         frozenset(edge): middle

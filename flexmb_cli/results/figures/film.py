@@ -6,6 +6,7 @@ Faces of bodies are drawn from back to front by matplotlib and written by imagei
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -17,6 +18,10 @@ from .element_faces import outer_faces, triangles
 from .report_scene import GREY, LONGEST, MOST_TRACES, SHORTEST, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
 from .view import view_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
@@ -52,9 +57,9 @@ def film_bytes(result: h5py.File, form: str, look: FilmLook) -> bytes:
     rate = {"fps": look.rate} if form == "mp4" else {"duration": 1000 / look.rate}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"film.{form}"
-        with imageio.get_writer(path, **options, **rate) as writer:
+        with imageio.get_writer(path, **options, **rate) as writer:  # type: ignore[arg-type]
             for frame in frames:
-                writer.append_data(frame)
+                writer.append_data(frame)  # type: ignore[attr-defined]
         return path.read_bytes()
 
 
@@ -83,7 +88,7 @@ def film_frames(result: h5py.File, look: FilmLook) -> Iterator[np.ndarray]:
 class _Camera:
     """From places in m to pixels, depth towards the viewer."""
 
-    def __init__(self, places, gravity, look):
+    def __init__(self, places: np.ndarray, gravity: "Any", look: "Any"):
         view = view_of(places, gravity)
         eye, up = VIEWS.get(look.view, (view.eye, view.up))
         right = np.cross(up, eye)
@@ -97,7 +102,7 @@ class _Camera:
         self.scale = float(np.min(self.size / spans)) * FILLED
         self.middle = (low + high) / 2
 
-    def seen(self, places):
+    def seen(self, places: np.ndarray) -> "Any":
         """Pixels from the lower left corner, and depth in pixels (..., 3)."""
         seen = places @ self.axes.T * self.scale
         seen[..., :2] += self.size / 2 - self.middle * self.scale
@@ -107,12 +112,12 @@ class _Camera:
 class _Surface:
     """Triangles of a finite-element body or of shapes, their places and colours in every row."""
 
-    def __init__(self, body, most):
+    def __init__(self, body: "Any", most: int):
         self.body, self.most = body, most
         self.of_elements = isinstance(body, ElementBody)
         self.triangles = triangles(outer_faces(body.cells)) if self.of_elements else body.triangles
 
-    def colours(self, row, contours):
+    def colours(self, row: "Any", contours: "Any") -> "Any":
         """Colours (m, 3) of the triangles."""
         if not self.of_elements or not self.most:
             return np.tile(_rgb(colour_of(self.body)), (len(self.triangles), 1))
@@ -131,10 +136,10 @@ class _Canvas:
         self.scene, self.contours = scene, colormaps["viridis"]
         self.camera = _Camera(_all_places(scene, bodies), scene.gravity, look)
         most = _largest_stress(bodies)
-        shown = {one.number for one in (*bodies, *scene.shapes)}
+        shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
         self.lines = [body for body in scene.bodies if body.number not in shown]
         self.surfaces = [_Surface(body, most) for body in (*bodies, *scene.shapes)]
-        self.figure = Figure(figsize=self.camera.size / DOTS, dpi=DOTS)
+        self.figure = Figure(figsize=self.camera.size / DOTS, dpi=DOTS)  # type: ignore[arg-type]
         self.axis = self.figure.add_axes((0, 0, 1, 1))
         self.axis.set(xlim=(0, look.width), ylim=(0, look.height))
         self.axis.set_axis_off()
@@ -142,7 +147,7 @@ class _Canvas:
         self._prepare(most)
         self.canvas = FigureCanvasAgg(self.figure)
 
-    def _prepare(self, most):
+    def _prepare(self, most: int) -> None:
         from matplotlib.collections import LineCollection, PolyCollection
 
         paths = np.swapaxes(self.scene.points, 0, 1)[:MOST_TRACES]
@@ -160,7 +165,7 @@ class _Canvas:
                 fontsize=11,
             )
 
-    def _points(self, length):
+    def _points(self, length: "Any") -> "Any":
         """Points of a length in parts of the mechanism's size."""
         return max(2.0, length * self.camera.extent * self.camera.scale)
 
@@ -170,16 +175,16 @@ class _Canvas:
         parts += [self._tubes(body, row) for body in self.lines]
         polygons, depths, colours = (np.concatenate(part) for part in zip(*parts, strict=True))
         order = np.argsort(depths, kind="stable")
-        self.faces.set_verts(polygons[order])
-        self.faces.set_facecolor(colours[order])
-        self.faces.set_edgecolor(colours[order])
+        self.faces.set_verts(polygons[order])  # type: ignore[attr-defined]
+        self.faces.set_facecolor(colours[order])  # type: ignore[arg-type]
+        self.faces.set_edgecolor(colours[order])  # type: ignore[arg-type]
         joints = self.camera.seen(self.scene.joints[row])
         self.joints.set_data(joints[:, 0], joints[:, 1])
         self.time.set_text(f"t = {self.labels[row]} s")
         self.canvas.draw()
         return np.array(self.canvas.buffer_rgba())[..., :3]
 
-    def _surface(self, surface, row):
+    def _surface(self, surface: "Any", row: "Any") -> "Any":
         """Corners (m, 4, 2), depths (m,) and colours (m, 3) of the triangles that are seen."""
         corners = self.camera.seen(surface.body.places(row))[surface.triangles]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -191,7 +196,7 @@ class _Canvas:
         flat = corners[seen][:, [0, 1, 2, 2], :2]
         return flat, corners[seen][..., 2].mean(axis=1), colours[seen]
 
-    def _tubes(self, body, row):
+    def _tubes(self, body: "Any", row: "Any") -> "Any":
         marks = self.camera.seen(body.marks[row])
         start, end = (marks[body.edges[:, k]] for k in (0, 1))
         cuts = np.linspace(0, 1, PIECES + 1)[:, None, None]
@@ -206,17 +211,17 @@ class _Canvas:
         return polygons, (p[:, 2] + q[:, 2]) / 2 + radius, np.tile(colour, (len(polygons), 1))
 
 
-def _rgb(text):
+def _rgb(text: str) -> "Any":
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
 
 
-def _all_places(scene, bodies):
+def _all_places(scene: Any, bodies: "Any") -> "Any":
     """Everything at all times; of finite-element bodies at some."""
     rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
     return np.concatenate([scene.places, *(body.places(row) for body in bodies for row in rows)])
 
 
-def _largest_stress(bodies):
+def _largest_stress(bodies: "Any") -> "Any":
     """The largest equivalent stress of some rows, Pa; 0 without elements."""
     largest = 0.0
     for body in bodies:

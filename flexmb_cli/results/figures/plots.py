@@ -2,10 +2,16 @@
 
 import io
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from .curves import Panel
 from .look import PANEL, ROOMY, TICKS, Look
 from .look import SQUARE as SQUARE_PART
+
+if TYPE_CHECKING:
+    from types import ModuleType
+    from typing import Any
+
 
 FORMATS = ("png", "svg", "pdf")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -52,7 +58,7 @@ def picture(panels: Sequence[Panel], form: str, title: str = "", look: Look | No
     return stream.getvalue()
 
 
-def _apply(look: Look, matplotlib):
+def _apply(look: Look, matplotlib: "ModuleType") -> None:
     """Set the settings of a look; those of its style file come last."""
     matplotlib.rcParams.update(look.settings())
     if look.style:
@@ -61,7 +67,7 @@ def _apply(look: Look, matplotlib):
         style.use(look.style)
 
 
-def _sizes(panels, look):
+def _sizes(panels: Any, look: Look | None) -> tuple[float, list[float], float]:
     """Width of the picture, heights of its panels, and what legends and the lowest axis take, in."""
     if look is None:
         return WIDTH, [SQUARE if panel.same_unit else HEIGHT for panel in panels], 0.5
@@ -70,7 +76,7 @@ def _sizes(panels, look):
     return look.inches, heights, legends + 0.3
 
 
-def _draw(panel, axis, look):
+def _draw(panel: Panel, axis: "Any", look: Any) -> None:
     results = 1 + max(curve.result for curve in panel.curves)
     for curve in panel.curves:
         drawn = style(curve.quantity, curve.result, results)
@@ -104,13 +110,13 @@ def style(quantity: int, result: int = 0, results: int = 1) -> dict:
     }
 
 
-def _text(text, look):
+def _text(text: str, look: Any) -> str:
     """Text as matplotlib, or LaTeX, shows it."""
     if look is None or not look.latex:
         return _plain(text)
     return "".join(_LATEX.get(sign, sign) for sign in text)
 
 
-def _plain(text):
+def _plain(text: str) -> Any:
     """Text that matplotlib does not take for mathematics."""
     return text.replace("$", r"\$")

@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-from .curves import Panel
+from .curves import Curve, Panel
 from .report_scene import COLOURS
 
 WIDTH, HEIGHT = 1000, 300
@@ -36,7 +36,7 @@ def curve_figure(panel: Panel, title: str, number: int) -> str:
     )
 
 
-def _style(k):
+def _style(k: int) -> str:
     dash = _DASHES[k // len(COLOURS) % len(_DASHES)]
     dashed = f' stroke-dasharray="{dash}"' if dash else ""
     return f'fill="none" stroke="{COLOURS[k % len(COLOURS)]}" stroke-width="1.6"{dashed}'
@@ -45,20 +45,20 @@ def _style(k):
 class _Frame:
     """The box of a panel: from values to places in the picture."""
 
-    def __init__(self, panel):
+    def __init__(self, panel: Panel):
         xs, ys = ([getattr(curve, key) for curve in panel.curves] for key in "xy")
         self.x = _range(xs, 0.0)
         self.y = _range(ys, 0.05)
         self.left = max(LEFT, DIGIT * max(len(text) for _, text in _ticks(*self.y)) + GAP)
         self.right = WIDTH - max(RIGHT, DIGIT / 2 * len(_ticks(*self.x)[-1][1]) + GAP / 2)
 
-    def places(self, x, y):
+    def places(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
         """Places (n, 2) of values."""
         across = self.left + (x - self.x[0]) / (self.x[1] - self.x[0]) * (self.right - self.left)
         down = HEIGHT - BOTTOM - (y - self.y[0]) / (self.y[1] - self.y[0]) * (HEIGHT - TOP - BOTTOM)
         return np.column_stack([across, down])
 
-    def drawn(self, x_label):
+    def drawn(self, x_label: str) -> str:
         """Grid, ticks and the name of the x axis."""
         parts = []
         for value, text in _ticks(*self.x):
@@ -74,7 +74,7 @@ class _Frame:
         return "".join(parts)
 
 
-def _range(arrays, margin):
+def _range(arrays: list[np.ndarray], margin: float) -> tuple[float, float]:
     values = np.concatenate([array[np.isfinite(array)] for array in arrays])
     if not values.size:
         return 0.0, 1.0
@@ -86,7 +86,7 @@ def _range(arrays, margin):
     return low - margin * size, high + margin * size
 
 
-def _ticks(low, high):
+def _ticks(low: float, high: float) -> list[tuple[float, str]]:
     """About six round values between the ends, and their texts."""
     raw = (high - low) / 6
     power = 10.0 ** np.floor(np.log10(raw))
@@ -101,7 +101,7 @@ def _shown(value):
     return f"{mantissa}{mark}{int(power) if power else ''}".replace("-", "\N{MINUS SIGN}")
 
 
-def _curve(frame, curve, k):
+def _curve(frame: _Frame, curve: Curve, k: int) -> str:
     x, y = (np.asarray(values, float) for values in (curve.x, curve.y))
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
@@ -114,7 +114,7 @@ def _curve(frame, curve, k):
     return f'<path d="M{_points(frame.places(x, y))}" {_style(k)}/>'
 
 
-def _envelope(x, y):
+def _envelope(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The outline of a curve by its extremes in columns: along the largest values and back."""
     column = np.minimum(((x - x[0]) / (x[-1] - x[0]) * COLUMNS).astype(int), COLUMNS - 1)
     first = np.flatnonzero(np.diff(column, prepend=-1))
@@ -125,5 +125,5 @@ def _envelope(x, y):
     return np.concatenate([x[first], x[first][::-1]]), np.concatenate([high, low[::-1]])
 
 
-def _points(places):
+def _points(places: np.ndarray) -> str:
     return "L".join(f"{x:.1f} {y:.1f}" for x, y in places.tolist())

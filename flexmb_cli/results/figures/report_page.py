@@ -11,6 +11,7 @@ import json
 from html import escape
 from importlib.resources import files
 from string import Template
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -26,6 +27,10 @@ from ..texts.echo import echo
 from .curves import Panel, Source, default_quantities, panels, still_energies
 from .report_curves import curve_figure
 from .report_scene import report_scene
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
 
@@ -60,11 +65,11 @@ def viewer_script() -> str:
     return _viewer("raster.js") + _viewer("viewer.js")
 
 
-def _viewer(name):
+def _viewer(name: str) -> str:
     return (files(__package__) / "viewer" / name).read_text(encoding="utf-8")
 
 
-def _title(result):
+def _title(result: h5py.File) -> str:
     """What was computed of which deck: "Kinematics of IN4-BAR"."""
     analysis, deck = attribute(result, "analysis"), attribute(result, "deck_name")
     stem = deck.rpartition(".")[0] or deck
@@ -78,7 +83,7 @@ AS_TYPED = "As the deck's text has them."
 AS_CHANGED = "As this run had them; what --set changed has that word in place of its line."
 
 
-def _curves(result):
+def _curves(result: h5py.File) -> str:
     """The default curves, a panel for each unit."""
     quantities = default_quantities(result)
     rows = len(result["time"])
@@ -98,12 +103,12 @@ def _visible(panel: Panel) -> Panel:
     return replace(panel, curves=curves, x_label=lines_visible(panel.x_label))
 
 
-def _left_out(result):
+def _left_out(result: h5py.File) -> str:
     still = still_energies(result)
     return f"<p>Not drawn, for they do not change: {_shown(', '.join(still))}.</p>" if still else ""
 
 
-def _status(result):
+def _status(result: h5py.File) -> str:
     reported = shortfall(result)
     if reported:
         return f'<p class="failed">{_shown(reported)}</p>'
@@ -112,7 +117,7 @@ def _status(result):
     return f"<p>Complete: {len(time)} rows{span}.</p>"
 
 
-def _audit(result):
+def _audit(result: h5py.File) -> list[tuple[str, str]]:
     """(what, number) of everything that tells how good the numbers are."""
     found = []
     for name, dataset in result["audit"].items() if "audit" in result else ():
@@ -129,7 +134,7 @@ def _audit(result):
     return found
 
 
-def _run(result):
+def _run(result: h5py.File) -> list[tuple[str, str]]:
     attributes = ("deck_name", "deck_sha256", "dialect", "analysis", "status", "message", "flexmb_version")
     found = [(name.replace("_", " "), attribute(result, name)) for name in attributes]
     found.append(("set by --set", ", ".join(settings_of(result))))
@@ -141,21 +146,21 @@ def _run(result):
     return [(what.replace("bodys", "bodies"), reported) for what, reported in found if reported]
 
 
-def _deck(result):
+def _deck(result: h5py.File) -> str:
     dataset = result["deck"]
     if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.shape:
         raise Damaged("/deck is no text")
     return dataset.asstr(errors="replace")[()]
 
 
-def _changes(result):
+def _changes(result: h5py.File) -> str:
     settings = settings_of(result)
     if not settings:
         return ""
     return f"<p>Numbers changed for this run by --set: <b>{_shown(', '.join(settings))}</b></p>"
 
 
-def _echo(result):
+def _echo(result: h5py.File) -> str:
     """Every number of the deck with its meaning, folded; the text alone where it cannot be read."""
     name, digest, dialect = (attribute(result, key) for key in ("deck_name", "deck_sha256", "dialect"))
     text = DeckText(name, _deck(result), digest)
@@ -167,12 +172,12 @@ def _echo(result):
     return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(reported))
 
 
-def _shown(text):
+def _shown(text: Any) -> str:
     """HTML that shows `text`, with a mark for what turns the direction of writing or cannot be printed."""
     return escape(lines_visible(text.replace("\r\n", "\n")))
 
 
-def _table(pairs):
+def _table(pairs: list[tuple[str, str]]) -> str:
     cells = (
         f'<tr><th>{_shown(what)}</th><td class="number">{_shown(reported)}</td></tr>'
         for what, reported in pairs
@@ -180,12 +185,12 @@ def _table(pairs):
     return f"<table>{''.join(cells)}</table>"
 
 
-def _json(figures):
+def _json(figures: "dict[Any, Any]") -> str:
     """JSON that no HTML reader can take for markup."""
     text = json.dumps(figures, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _hash(script):
+def _hash(script: str) -> str:
     digest = hashlib.sha256(script.encode("utf-8")).digest()
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

@@ -5,6 +5,7 @@ space; the viewer superposes them.  Arrays are 32-bit numbers, little-endian, in
 """
 
 import base64
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -14,6 +15,10 @@ from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces, triangles
 from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -50,7 +55,7 @@ def report_scene(result: h5py.File) -> dict | None:
 
 def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict:
     """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
-    shown = {one.number for one in (*surfaces, *scene.shapes)}
+    shown = {one.number for one in (*surfaces, *scene.shapes)}  # type: ignore[attr-defined]
     drawn = [body for body in scene.bodies if body.number not in shown]
     every = scene.places
     view = view_of(every, scene.gravity)
@@ -77,14 +82,14 @@ def rounded(times: np.ndarray) -> list[str]:
     ]
 
 
-def _lines(body):
+def _lines(body: DrawnBody) -> "dict[str, Any]":
     marks = body.marks[:1] if body.still else body.marks
     colour = GREY if body.still else colour_of(body)
     data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
 
-def _surface(body: ElementBody):
+def _surface(body: ElementBody) -> "Any":
     faces = outer_faces(body.cells)
     nodes = np.unique(faces)
     place = np.zeros(len(body.undeformed), int)
@@ -106,7 +111,7 @@ def _surface(body: ElementBody):
     }
 
 
-def _rigid_surface(shape: BodyShape):
+def _rigid_surface(shape: BodyShape) -> "Any":
     """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
     return {
         "name": shape.name,
@@ -141,7 +146,7 @@ def with_centres(values: np.ndarray, faces: np.ndarray) -> np.ndarray:
     )
 
 
-def _fans(faces, first):
+def _fans(faces: np.ndarray, first: "Any") -> "Any":
     """Eight triangles round the middle of every face; the middles are numbered from `first`."""
     centres = np.arange(first, first + len(faces))
     pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)
@@ -149,7 +154,7 @@ def _fans(faces, first):
     return fans.reshape(-1, 3)
 
 
-def _traces(scene):
+def _traces(scene: Scene) -> list[dict[str, str]]:
     """Paths of the points that move."""
     paths = np.swapaxes(scene.points, 0, 1)[:MOST_TRACES]
     pairs = zip(scene.point_names, paths, strict=False)
@@ -159,9 +164,9 @@ def _traces(scene):
     ]  # fmt: skip
 
 
-def _numbers(values):
+def _numbers(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode("ascii")
 
 
-def _integers(values):
+def _integers(values: np.ndarray) -> str:
     return base64.b64encode(np.ascontiguousarray(values, "<u4").tobytes()).decode("ascii")

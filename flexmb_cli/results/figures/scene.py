@@ -4,6 +4,8 @@ Everything comes from the result file alone: its motion, and where joints, point
 bodies (`result_geometry`).  Lengths in m, global axes; T rows of time.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import h5py
 import numpy as np
 
@@ -12,6 +14,10 @@ from ..hdf5.stored_result import Damaged, check_shapes, texts
 from ..quantities.quantities import ResultError
 from .body_shapes import BodyShape, body_shapes
 from .gabriel_graph import different, gabriel_edges
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 
 # A letter a dataset's axis: time, body, joint, point, node, mode, or its length.
 SHAPES = {
@@ -110,7 +116,7 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
     return scene
 
 
-def _check_shapes(result):
+def _check_shapes(result: h5py.File) -> None:
     """All that is drawn fits together; raises `Damaged`."""
     sizes: dict[str, int] = {}
     check_shapes(result, SHAPES, sizes)
@@ -130,7 +136,7 @@ def _check_shapes(result):
 class _Motion:
     """Where points of bodies are; body 0 is the ground, flexible bodies carry their nodes along."""
 
-    def __init__(self, result, rows):
+    def __init__(self, result: h5py.File, rows: slice):
         self.position = result["body/position"][rows]
         self.rows = len(self.position)
         self.turn = rotations(result["body/euler_parameters"][rows])
@@ -144,14 +150,14 @@ class _Motion:
         self.point_body = result["point/body"][:] if have_points else np.zeros(0, int)
         self.centre = result["body/centre"][:] if "body/centre" in result else None
 
-    def carried(self, body, places) -> np.ndarray:
+    def carried(self, body: int, places: np.ndarray) -> np.ndarray:
         """Global positions (T, n, 3) of `places` (T or 1, n, 3) in the axes of `body`."""
         if body == GROUND:
             return np.repeat(places, self.rows, axis=0)
         turn = self.turn[:, body - 1]
         return self.position[:, None, body - 1] + np.matmul(places, np.swapaxes(turn, -1, -2))
 
-    def end_of_joint(self, joint, side) -> np.ndarray:
+    def end_of_joint(self, joint: int, side: int) -> np.ndarray:
         """Path (T, 1, 3) of a joint's point on its first (0) or second body; a node moves with the body."""
         body, place = self.joint_body[joint, side], self.joint_point[joint, side]
         if body in self.nodes:
@@ -161,11 +167,11 @@ class _Motion:
                 return self.carried(body, now[:, same[:1]])
         return self.carried(body, place[None, None])
 
-    def joint(self, joint) -> np.ndarray:
+    def joint(self, joint: int) -> np.ndarray:
         """Path (T, 3) of a joint, that of its point on the first body that moves."""
         return self.end_of_joint(joint, 0 if self.joint_body[joint, 0] else 1)[:, 0]
 
-    def joint_axes(self, vectors) -> np.ndarray:
+    def joint_axes(self, vectors: Any) -> np.ndarray:
         """Axis vectors (T, J, 2, 3) of the joints in global axes; without `vectors` all 0."""
         axes = np.zeros((self.rows, len(self.joint_body), 2, 3))
         for (j, side), body in np.ndenumerate(self.joint_body) if vectors is not None else ():
@@ -173,7 +179,7 @@ class _Motion:
             axes[:, j, side] = vectors[j, side] if body == GROUND else turned
         return axes
 
-    def marks(self, body) -> np.ndarray:
+    def marks(self, body: int) -> np.ndarray:
         """Paths (T, n, 3) of all that a body is drawn through; some may coincide."""
         marks = [self.carried(body, self.nodes[body][1])] if body in self.nodes else []
         marks.append(self.points[:, self.point_body == body])
@@ -196,7 +202,7 @@ def rotations(p: np.ndarray) -> np.ndarray:
     return 2 * e[..., :, None] * e[..., None, :] + (2 * e0 * e0 - 1) * np.eye(3) + 2 * e0 * skew
 
 
-def _drawn(motion, number, marks, extent):
+def _drawn(motion: _Motion, number: int, marks: np.ndarray, extent: float) -> DrawnBody:
     """A body without marks that coincide; its edges are those of its shape in the first row."""
     marks = marks[:, different(marks[0], CLOSE * extent)]
     flexible, count = number in motion.nodes, marks.shape[1]
@@ -214,20 +220,22 @@ def _drawn(motion, number, marks, extent):
     return DrawnBody(number, name, marks, edges, still, flexible)
 
 
-def _extent(parts):
+def _extent(parts: list[np.ndarray]) -> float:
     places = np.concatenate(parts)
     return float(np.ptp(places, axis=0).max()) or 1.0
 
 
-def _series(result, path, rows):
+def _series(result: h5py.File, path: str, rows: slice) -> Any:
     return result[path][rows] if path in result else None
 
 
-def _names(result, kind):
+def _names(result: h5py.File, kind: str) -> tuple[str, ...]:
     return tuple(texts(result[f"{kind}/name"])) if f"{kind}/name" in result else ()
 
 
-def _nodes(result, names, rows):
+def _nodes(
+    result: h5py.File, names: tuple[str, ...], rows: slice
+) -> "Iterator[tuple[int, tuple[np.ndarray, np.ndarray]]]":
     """Number of a flexible body, its undeformed nodes (n, 3) and their places in body axes (T, n, 3)."""
     for number, name in enumerate(names, start=1):
         group, amplitude = result.get(f"elastic/{name}", {}), f"modal/{name}/amplitude"

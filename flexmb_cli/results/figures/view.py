@@ -1,5 +1,7 @@
 """From where a mechanism is looked at: which way is up, and whether it moves in a plane."""
 
+from typing import Any
+
 import numpy as np
 
 from ...quick_dataclass import dataclass
@@ -36,22 +38,22 @@ def view_of(places: np.ndarray, gravity: np.ndarray) -> View:
     return View(_plain(in_plane), _plain(normal), True)
 
 
-def _normal(places):
+def _normal(places: Any) -> np.ndarray | None:
     """Normal (3,) of the plane of all places; None when they fill space or only a line."""
     centred = places - places.mean(axis=0)
     _, size, axes = np.linalg.svd(centred, full_matrices=False) if len(places) > 2 else (0, np.ones(3), 0)
     if size[2] > THIN * size[0] or size[1] <= THIN * size[0]:
         return None
-    normal = axes[2]
+    normal = axes[2]  # type: ignore[index]
     return normal * np.sign(normal[np.argmax(np.abs(normal))])
 
 
-def _aside(up):
+def _aside(up: np.ndarray) -> np.ndarray:
     """The direction to a viewer who stands to the side and a little above."""
     across = np.roll(np.abs(up).round(), 1) if np.count_nonzero(np.abs(up).round()) == 1 else np.eye(3)[0]
     side = np.cross(up, across)
     return 0.75 * side + 1.0 * across + 0.55 * up
 
 
-def _plain(vector):
+def _plain(vector: np.ndarray) -> Any:
     return tuple(float(round(x, 9)) + 0.0 for x in vector / np.linalg.norm(vector))

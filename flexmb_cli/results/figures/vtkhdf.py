@@ -5,14 +5,19 @@ points of all steps stand one behind the other, the lines are given once and eve
 """
 
 import io
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from ...quick_dataclass import replace
-from .element_bodies import element_bodies
+from .element_bodies import ElementBody, element_bodies
 from .scene import Scene, read_scene
 from .vtkhdf_cells import write_cells
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 VERSION = (2, 3)
 CELLS = ("Vertices", "Lines", "Strips", "Polygons")
@@ -43,7 +48,7 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     return stream.getvalue()
 
 
-def _points(scene):
+def _points(scene: Any) -> "Any":
     """Marks of bodies (T, n, 3), and behind them the vertices of shapes."""
     parts = [body.marks for body in scene.bodies]
     for shape in scene.shapes:
@@ -51,7 +56,7 @@ def _points(scene):
     return np.concatenate(parts, axis=1)
 
 
-def _grid(scene, bodies):
+def _grid(scene: Scene, bodies: list[ElementBody]) -> bytes:
     stream = io.BytesIO()
     with h5py.File(stream, "w", libver=("v108", "v108")) as file:
         root = file.create_group("VTKHDF")
@@ -61,7 +66,7 @@ def _grid(scene, bodies):
     return stream.getvalue()
 
 
-def _write_points(root, scene: Scene, points):
+def _write_points(root: h5py.Group, scene: Scene, points: np.ndarray) -> None:
     root["NumberOfPoints"] = np.array([points.shape[1]], np.int64)
     root["Points"] = points.reshape(-1, 3)
     data = root.create_group("PointData")
@@ -71,7 +76,7 @@ def _write_points(root, scene: Scene, points):
     data["body"] = np.repeat(*np.array(owners, np.int32).T)
 
 
-def _write_cells(root, scene):
+def _write_cells(root: h5py.Group, scene: Scene) -> None:
     """A vertex for every mark, a line for every edge, the triangles of shapes; the same for all steps."""
     edges, triangles, first = [np.zeros((0, 2), int)], [np.zeros((0, 3), int)], 0
     for body in scene.bodies:
@@ -90,7 +95,7 @@ def _write_cells(root, scene):
         group["Offsets"] = np.arange(len(members) + 1, dtype=np.int64) * members.shape[1]
 
 
-def _write_steps(root, scene, count):
+def _write_steps(root: h5py.Group, scene: Scene, count: int) -> None:
     steps = len(scene.time)
     group = root.create_group("Steps")
     group.attrs["NSteps"] = np.int64(steps)

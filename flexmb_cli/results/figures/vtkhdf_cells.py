@@ -4,13 +4,19 @@ VTKHDF 2.3, "Temporal UnstructuredGrid" (https://docs.vtk.org/en/latest/vtk_file
 points of all steps stand one behind the other, the cells are given once and every step refers to them.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import h5py
 import numpy as np
 
 from ..hdf5.stress import von_mises
 from .body_shapes import BodyShape
 from .element_bodies import ElementBody
-from .scene import GROUND, Scene
+from .scene import GROUND, DrawnBody, Scene
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
@@ -25,11 +31,11 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
     `displacement` is from the first row, `deformation` the elastic one, m, `velocity` m/s, in global axes;
     `stress` xx yy zz xy yz zx in the axes of its body, Pa, nan where a body has none.
     """
-    shown = {one.number for one in (*bodies, *scene.shapes)}
+    shown = {one.number for one in (*bodies, *scene.shapes)}  # type: ignore[attr-defined]
     drawn = [body for body in scene.bodies if body.number not in shown]
     counts = [len(body.undeformed) for body in bodies] + [body.marks.shape[1] for body in drawn]
     counts += [len(shape.vertices) for shape in scene.shapes]
-    _write_topology(root, (*bodies, *drawn, *scene.shapes), counts)
+    _write_topology(root, (*bodies, *drawn, *scene.shapes), counts)  # type: ignore[arg-type]
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
@@ -46,12 +52,14 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
         points[at] = places
         for name, field in fields.items():
             field[at] = values[name]
-    owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]
+    owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]  # type: ignore[attr-defined]
     data["body"] = np.repeat(np.array(owners, np.int32), counts)
     _write_steps(root, scene.time, count)
 
 
-def _row(scene, bodies, drawn, row):
+def _row(
+    scene: Scene, bodies: list[ElementBody], drawn: list[DrawnBody], row: int
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Points of a row and their data, but for the displacement."""
     rigid = [(body.number, body.marks[row]) for body in drawn]
     rigid += [(shape.number, shape.places(row)) for shape in scene.shapes]
@@ -69,15 +77,15 @@ def _row(scene, bodies, drawn, row):
     }
 
 
-def _rigid_velocities(scene, number, places, row):
+def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -> np.ndarray:
     if number == GROUND or scene.velocity is None:
         return np.zeros_like(places)
     one = number - 1
-    arms = places - scene.origin[row, one]
-    return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)
+    arms = places - scene.origin[row, one]  # type: ignore[index]
+    return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)  # type: ignore[index]
 
 
-def _cells_of(body):
+def _cells_of(body: "Any") -> "Any":
     """Type and nodes (m, k) of the cells of a body, of its lines or single marks, or of its shapes."""
     if isinstance(body, ElementBody):
         return CELL_TYPES[body.cells.shape[1]], body.cells
@@ -86,8 +94,8 @@ def _cells_of(body):
     return (LINE, body.edges) if len(body.edges) else (VERTEX, np.arange(body.marks.shape[1])[:, None])
 
 
-def _write_topology(root, bodies, counts):
-    connectivity, lengths, types = [], [], []
+def _write_topology(root: h5py.Group, bodies: list[ElementBody], counts: list[int]) -> None:
+    connectivity, lengths, types = [], [], []  # type: ignore[var-annotated]
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     for body, first in zip(bodies, firsts, strict=True):
         kind, cells = _cells_of(body)
@@ -101,13 +109,15 @@ def _write_topology(root, bodies, counts):
     root["Types"] = np.array(types, np.uint8)
 
 
-def _add(cells, kind, connectivity, lengths, types):
+def _add(
+    cells: np.ndarray, kind: int, connectivity: list[np.ndarray], lengths: Any, types: list[int]
+) -> None:
     connectivity.append(cells.ravel())
     lengths += [cells.shape[1]] * len(cells)
     types += [kind] * len(cells)
 
 
-def _write_steps(root, time, count):
+def _write_steps(root: h5py.Group, time: np.ndarray, count: int) -> None:
     steps = len(time)
     group = root.create_group("Steps")
     group.attrs["NSteps"] = np.int64(steps)

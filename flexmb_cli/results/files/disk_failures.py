@@ -3,15 +3,21 @@
 import errno
 import os
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, BAD_INPUT, OutputError
 from ...memory import file_lacks_memory
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 @contextmanager
-def located(path: str):
+def located(path: str) -> "Iterator[None]":
     """Turn an `OSError` while writing `path` into an `OutputError` with a clear sentence, or MemoryError."""
     try:
         yield
@@ -45,7 +51,7 @@ def output_error(path: str, error: OSError) -> OutputError:
     return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT, id="RESULT-007")
 
 
-def _reason(number, error):
+def _reason(number: Any, error: "Any") -> str:
     return {
         errno.EACCES: "permission denied",
         errno.EPERM: "permission denied",

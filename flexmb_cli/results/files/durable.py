@@ -44,7 +44,7 @@ class GrowingFiles:
     They are known by their paths: a descriptor that waits here would keep the lock of a closed file.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._paths: set[str] = set()
         self._last = time.monotonic()
 
@@ -70,7 +70,7 @@ class GrowingFiles:
         self._last = time.monotonic()
 
 
-def _sync_path(path):
+def _sync_path(path: str) -> None:
     number = open_managed(path, os.O_WRONLY)
     try:
         sync(number)

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
@@ -52,7 +53,7 @@ def out_name(deck_name: str, dialect: str, model: int = 0) -> str:
     return _stem(deck_name) + _suffix(model) + ".OUT"
 
 
-def _suffix(model):
+def _suffix(model: int) -> str:
     return f"-{model}" if model else ""
 
 
@@ -69,7 +70,14 @@ def series_names(deck_name: str, dialect: str, model: int = 0) -> tuple[str, ...
 
 
 def result_paths(
-    deck_name, dialect, folder=".", out=None, h5=None, no_out=False, no_h5=False, model: int = 0
+    deck_name: str,
+    dialect: str,
+    folder: str = ".",
+    out: str | None = None,
+    h5: str | None = None,
+    no_out: bool = False,
+    no_h5: bool = False,
+    model: int = 0,
 ) -> ResultPaths:
     """Paths of a deck's results from the options of `flexmb run`."""
     series = () if no_out else series_names(deck_name, dialect, model)
@@ -82,7 +90,7 @@ def result_paths(
     )
 
 
-def refuse_shared(results) -> None:
+def refuse_shared(results: list[tuple[str, ResultPaths]]) -> None:
     """Raise `OutputError` when two results, or a result and a deck, would be the same file.
 
     `results` are pairs (deck's path as given, "-" for standard input; its `ResultPaths`).
@@ -101,7 +109,7 @@ def refuse_shared(results) -> None:
         )
 
 
-def _refuse_overwriting(deck, path, decks):
+def _refuse_overwriting(deck: str, path: str, decks: dict[str, str]) -> None:
     victim = decks.get(_identity(path))
     if victim is not None and victim == deck and Path(deck).suffix.lower() == ".h5":
         raise OutputError(
@@ -116,7 +124,9 @@ def _refuse_overwriting(deck, path, decks):
         )
 
 
-def _refuse_second(results, number, path, owners):
+def _refuse_second(
+    results: list[tuple[str, ResultPaths]], number: int, path: str, owners: dict[str, int]
+) -> None:
     if not _is_plain(path):
         return
     first = owners.get(_identity(path))
@@ -131,18 +141,18 @@ def _refuse_second(results, number, path, owners):
     )
 
 
-def _is_plain(path):
+def _is_plain(path: str) -> bool:
     """Return whether two results at `path` would destroy each other; /dev/null takes many."""
     return os.path.isfile(path) or not os.path.exists(path)
 
 
-def _identity(path):
+def _identity(path: str) -> str:
     return os.path.normcase(os.path.realpath(path))
 
 
-def _stem(name):
+def _stem(name: str) -> str:
     return os.path.splitext(name)[0]
 
 
-def _within(folder, name):
+def _within(folder: Any, name: str) -> str:
     return os.path.normpath(os.path.join(folder, name))

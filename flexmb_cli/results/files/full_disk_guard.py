@@ -4,6 +4,10 @@ import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class FullDiskGuard(io.FileIO):
@@ -21,16 +25,16 @@ class FullDiskGuard(io.FileIO):
         self._at = self._length = 0  # where HDF5 believes to be, and how long it believes the file to be
         super().__init__(place, "w+")
 
-    def seek(self, offset, whence=os.SEEK_SET):
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Go to a place; the disk learns of it with the next transfer."""
         self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._length}[whence]
         return self._at
 
-    def tell(self):
+    def tell(self) -> int:
         """Return where HDF5 believes to be."""
         return self._at
 
-    def write(self, data):
+    def write(self, data: "Any") -> Any:
         """Write all of `data`; tell HDF5 that it is done in any case."""
         view, start, done = memoryview(data).cast("B"), self._at, 0
         try:
@@ -46,7 +50,7 @@ class FullDiskGuard(io.FileIO):
         self._length = max(self._length, self._at)
         return len(view)
 
-    def readinto(self, buffer):
+    def readinto(self, buffer: "Any") -> int:
         """Fill `buffer` with what HDF5 believes to have written."""
         view, start, got = memoryview(buffer).cast("B"), self._at, 0
         try:
@@ -65,7 +69,7 @@ class FullDiskGuard(io.FileIO):
         self._at = start + len(view)
         return len(view)
 
-    def truncate(self, size=None):
+    def truncate(self, size: int | None = None) -> int:
         """Set the file's length."""
         self._length = self._at if size is None else size
         try:

@@ -2,12 +2,18 @@
 
 import io
 import re
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import ResultError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 # Bytes of the header's text, of a variable, and of a name.
 HEADER, LARGEST, LONGEST_NAME = 116, 2**31 - 1, 63
@@ -42,13 +48,13 @@ def read_matlab(path: str) -> dict[str, np.ndarray]:
     return dict(_flat(_unpacked(record)))
 
 
-def _unpacked(record):
+def _unpacked(record: np.ndarray) -> "dict[Any, Any]":
     """A struct of 1 by 1 as a dictionary."""
     fields = record[0, 0]
     return {name: _opened(fields[name]) for name in fields.dtype.names}
 
 
-def _opened(value):
+def _opened(value: np.ndarray) -> "dict[Any, Any] | np.ndarray":
     if value.dtype.names:
         return _unpacked(value)
     if value.dtype == object:
@@ -56,7 +62,7 @@ def _opened(value):
     return value
 
 
-def _flat(content, prefix=""):
+def _flat(content: "dict[Any, Any]", prefix: str = "") -> "Iterator[Any]":
     for name, value in content.items():
         if isinstance(value, dict):
             yield from _flat(value, f"{prefix}{name}/")
@@ -64,13 +70,13 @@ def _flat(content, prefix=""):
             yield f"{prefix}{name}", np.asarray(value)
 
 
-def _content(result):
+def _content(result: h5py.File) -> "dict[Any, Any]":
     return _struct(result) | {
         "info": {name: attribute(result, name) for name in result.attrs if name[:1] != "_"}
     }
 
 
-def variable_bytes(name: str, content) -> bytes:
+def variable_bytes(name: str, content: "dict[Any, Any]") -> bytes:
     """Return the bytes of a file with one variable; a dictionary is a struct."""
     from scipy.io import savemat
 
@@ -81,14 +87,14 @@ def variable_bytes(name: str, content) -> bytes:
     return text.ljust(HEADER) + stream.getvalue()[HEADER:]
 
 
-def _struct(group):
-    fields = {}
+def _struct(group: Any) -> "dict[Any, Any]":
+    fields: dict[Any, Any] = {}
     for name, item in group.items():
         fields[_field(name, fields)] = _struct(item) if isinstance(item, h5py.Group) else _values(item)
     return fields
 
 
-def _field(name, taken):
+def _field(name: str, taken: "dict[Any, Any]") -> str:
     field = re.sub(r"\W", "_", name, flags=re.ASCII)
     field = (field if field[:1].isalpha() else f"x{field}")[:LONGEST_NAME]
     count = 1
@@ -98,14 +104,14 @@ def _field(name, taken):
     return field
 
 
-def _values(dataset):
+def _values(dataset: h5py.Dataset) -> np.ndarray | str:
     if h5py.check_string_dtype(dataset.dtype) is None:
         return dataset[()]
     texts = dataset.asstr(errors="replace")[()]
     return texts if isinstance(texts, str) else np.array(texts, dtype=object)
 
 
-def _size(content):
+def _size(content: "dict[Any, Any]") -> int:
     return sum(
         _size(item) if isinstance(item, dict) else getattr(item, "nbytes", 0) for item in content.values()
     )

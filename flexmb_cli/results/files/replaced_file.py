@@ -11,11 +11,18 @@ import os
 import stat
 import zlib
 from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
 
 from ...errors import ANALYSIS_FAILED, OutputError
 from ...managed_files import UnsafePlace, open_managed
 from .disk_failures import located
 from .durable import sync, sync_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+    from typing import Any
+
 
 _PREFIX, _SUFFIX = ".flexmb-", ".tmp"
 
@@ -27,7 +34,7 @@ class Replacement:
     Raises `OutputError` when the folder is missing or cannot be written.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: "Path | str"):
         self.path = os.fspath(path)
         # A link stays a link: the file it points to is replaced.
         self._target = os.path.realpath(self.path)
@@ -40,7 +47,7 @@ class Replacement:
                 _remove_leftovers(self._target)
                 self.temporary, self._hold = _reserve(self._target)
 
-    def open(self, mode: str, **how):
+    def open(self, mode: str, **how: "Any") -> Any:
         """Open the temporary file, once, as the built-in `open` does."""
         return open(self.duplicate(), mode, **how)
 
@@ -50,13 +57,13 @@ class Replacement:
         Others may write in the folder, too, and put a link where the temporary file stood: it must not be
         opened by its name again.
         """
-        return self.temporary if self.direct else os.dup(self._hold)
+        return self.temporary if self.direct else os.dup(self._hold)  # type: ignore[arg-type]
 
     def finish(self) -> None:
         """Wait until all that was written is on the disk; without that the moved file could be empty."""
         if not self.direct:
             with self._discarding():
-                sync(self._hold)
+                sync(self._hold)  # type: ignore[arg-type]
 
     def move(self) -> None:
         """Put the finished file in its place; it is discarded when it cannot be put there."""
@@ -87,7 +94,7 @@ class Replacement:
         self._let_go()
 
     @contextmanager
-    def _discarding(self):
+    def _discarding(self) -> "Iterator[None]":
         try:
             with located(self.path):
                 yield
@@ -95,7 +102,7 @@ class Replacement:
             self.discard()
             raise
 
-    def _let_go(self):
+    def _let_go(self) -> None:
         if self._hold is not None:
             os.close(self._hold)
             self._hold = None
@@ -104,7 +111,7 @@ class Replacement:
 class ReplacedText:
     """A text stream (UTF-8, LF line ends) to a `Replacement`; failures of the disk are `OutputError`s."""
 
-    def __init__(self, path):
+    def __init__(self, path: "Path | str"):
         self._replacement = Replacement(path)
         self.path = self._replacement.path
         with self._discarding():
@@ -152,7 +159,7 @@ class ReplacedText:
         self._replacement.discard()
 
     @contextmanager
-    def _discarding(self):
+    def _discarding(self) -> "Iterator[None]":
         try:
             with located(self.path):
                 yield
@@ -161,12 +168,12 @@ class ReplacedText:
             raise
 
 
-def refuse_unwritable(path) -> None:
+def refuse_unwritable(path: str) -> None:
     """Raise the `OutputError` that would come once the result for `path` is made; nothing is left there."""
     Replacement(path).discard()
 
 
-def write_whole(path, data: bytes) -> None:
+def write_whole(path: str, data: bytes) -> None:
     """Put `data` at `path`, whole or not at all.  Raises `OutputError`."""
     place = Replacement(path)
     try:
@@ -178,7 +185,7 @@ def write_whole(path, data: bytes) -> None:
     place.commit()
 
 
-def put_in_place(files) -> None:
+def put_in_place(files: "list[Any]") -> None:
     """Commit `files` that have `finish`, `move`, `folder` and `discard`: none before all are on the disk."""
     try:
         for file in files:
@@ -191,9 +198,9 @@ def put_in_place(files) -> None:
         raise
 
 
-def _move(files):
+def _move(files: Any) -> None:
     """Move all; once one is in its place, another that cannot be moved is no wrong command: exit 1."""
-    moved = []
+    moved: list[Any] = []
     for file in files:
         try:
             file.move()
@@ -206,7 +213,7 @@ def _move(files):
         moved.append(file.path)
 
 
-def sync_folders(files) -> None:
+def sync_folders(files: "list[Any]") -> None:
     """Wait until the names of the moved `files` are on the disk, each folder once.  Raises `OutputError`."""
     for folder, path in {file.folder: file.path for file in files if file.folder}.items():
         try:
@@ -222,7 +229,7 @@ def is_unfinished(path: str) -> bool:
     return name.startswith(_PREFIX) and name.endswith(_SUFFIX)
 
 
-def hold(file):
+def hold(file: "Any") -> bool | None:
     """Lock the open file for this process until it ends; return whether it is locked, None without locks."""
     try:
         import fcntl
@@ -235,14 +242,14 @@ def hold(file):
     return True
 
 
-def make_folder(folder) -> None:
+def make_folder(folder: "Path | str") -> None:
     """Make the output folder and its parents if missing."""
     folder = os.fspath(folder)
     with located(folder):
         os.makedirs(folder, exist_ok=True)
 
 
-def _is_special(target):
+def _is_special(target: str) -> bool:
     try:
         mode = os.stat(target).st_mode
     except OSError:
@@ -250,7 +257,7 @@ def _is_special(target):
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
-def _refuse_place(path, target):
+def _refuse_place(path: str, target: str) -> None:
     # `realpath` drops the stroke with which a user says that a folder is meant.
     if os.path.isdir(target) or path.endswith("/"):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
@@ -260,7 +267,7 @@ def _refuse_place(path, target):
         raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG))
 
 
-def _reserve(target):
+def _reserve(target: str) -> tuple[str, int]:
     """A fresh empty file in the folder of `target`, and the descriptor that holds it as long as it lasts.
 
     Its short name fits wherever the result's does.
@@ -281,13 +288,13 @@ def _reserve(target):
             _give_up(path, held)
 
 
-def _give_up(path, held):
+def _give_up(path: str, held: int) -> None:
     with suppress(OSError):
         os.unlink(path)
     os.close(held)
 
 
-def _stands(path):
+def _stands(path: str) -> bool:
     """Return whether there is a file; anything but its absence is a failure of the disk, and reported."""
     with suppress(FileNotFoundError):
         os.lstat(path)
@@ -295,7 +302,7 @@ def _stands(path):
     return False
 
 
-def _remove_leftovers(target):
+def _remove_leftovers(target: str) -> None:
     """Remove what killed runs left in the place of `target`: files that nobody holds any more."""
     folder = os.path.dirname(target)
     names = []
@@ -307,7 +314,7 @@ def _remove_leftovers(target):
                 _remove_unheld(os.path.join(folder, name))
 
 
-def _remove_unheld(path):
+def _remove_unheld(path: str) -> None:
     file = open_managed(path, os.O_WRONLY)
     try:
         if hold(file):
@@ -316,17 +323,17 @@ def _remove_unheld(path):
         os.close(file)
 
 
-def _of_target(target):
+def _of_target(target: str) -> str:
     return f"{_PREFIX}{zlib.crc32(os.fsencode(os.path.basename(target))):08x}-"
 
 
-def _keep_mode(target, held, temporary):
+def _keep_mode(target: str, held: Any, temporary: str) -> None:
     if os.path.exists(target):
         place = held if os.chmod in os.supports_fd else temporary
         os.chmod(place, stat.S_IMODE(os.stat(target).st_mode))
 
 
-def _close_quietly(stream):
+def _close_quietly(stream: "Any") -> None:
     try:
         stream.close()
     except OSError:

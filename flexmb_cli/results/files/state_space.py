@@ -31,7 +31,7 @@ def arrays_of(record: dict) -> dict[str, np.ndarray]:
 def npz_bytes(record: dict) -> bytes:
     """Return a NumPy archive of the arrays of a state space."""
     stream = io.BytesIO()
-    np.savez(stream, **arrays_of(record))
+    np.savez(stream, **arrays_of(record))  # type: ignore[arg-type]
     return stream.getvalue()
 
 

@@ -1,11 +1,17 @@
 """What the HDF5 result of a mechanism's dynamics holds beyond its kinematics."""
 
+from typing import TYPE_CHECKING
+
 from ...model.loads import DynamicModel, holders
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .kinematic import kinematic_layout, kinematic_values
 from .result_file import Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import gravity
+
+if TYPE_CHECKING:
+    from ...solvers.constrained.rows import DynamicRows
+
 
 JOINT_VECTOR = ("joint/joint", "xyz")
 HELD_VECTOR = ("held/held", "xyz")
@@ -51,16 +57,16 @@ def dynamic_layout(model: DynamicModel) -> Layout:
     return replace(motion, analysis="dynamic", axes=axes, series=series, constants=constants)
 
 
-def dynamic_values(model: DynamicModel, rows) -> Values:
+def dynamic_values(model: DynamicModel, rows: "DynamicRows") -> Values:
     """The fields of report rows (`solve.dynamic_rows.DynamicRows`) by the paths of their datasets."""
     values = dict(kinematic_values(rows))
     return values | {series.path: getattr(rows, field) for field, series in _series(model).items()}
 
 
-def _series(model):
+def _series(model: DynamicModel) -> dict[str, Series]:
     return FORCES | OF_MOTION if model.analysis == "forward" else FORCES
 
 
-def _held_axis(model) -> list[Axis]:
+def _held_axis(model: DynamicModel) -> list[Axis]:
     names = [name for name, _ in holders(model.mechanism)]
     return [numbered_axis("held", names)] if names else []

@@ -1,5 +1,7 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
+from typing import Any
+
 from ...model.element_names import element_names
 from ...model.joints import ANGLE
 from ...model.loads import DynamicModel
@@ -27,12 +29,12 @@ def element_layout(model: DynamicModel) -> Layout:
     return with_elements(layout, coordinates, element_names(model))
 
 
-def element_values(model: DynamicModel, rows) -> Values:
+def element_values(model: DynamicModel, rows: "Any") -> Values:
     """The fields of report rows (`element_rows.ElementRows`) by the paths of their datasets."""
     return dict(dynamic_values(model, rows)) | joint_values(rows)
 
 
-def _driver_names(model):
+def _driver_names(model: "Any") -> "Any":
     mechanism = model.mechanism
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in mechanism.drivers]
     own = list(zip(readable_names("driver", mechanism.drivers), units, strict=True))

@@ -1,9 +1,11 @@
 """What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...model.element_names import element_names
-from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
 from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
@@ -11,6 +13,13 @@ from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, V
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
 from .shapes import with_shapes
 from .stress import element_axis, element_constants, stress_axes, stress_series, stress_values
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    from ...solvers.constrained.flexible_rows import FlexibleRows
+
 
 JOINT_VECTOR = ("joint/joint", "xyz")
 FORCES = {
@@ -66,7 +75,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     for body in _flexible(mechanism):
         axis, meaning = _mode_axis(body).path, f"modal coordinates of {body.name}"
         series.append(Series(_amplitude(body), (axis,), "m or 1", meaning))
-        if body.flexible.stress:
+        if body.flexible.stress:  # type: ignore[union-attr]
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
     found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
@@ -76,7 +85,7 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
     return with_shapes(found, mechanism.shapes)
 
 
-def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
+def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Values:
     """The fields of report rows (`solve.flexible_rows.FlexibleRows`) by the paths of their datasets."""
     values = {"time": rows.time}
     values |= {series.path: getattr(rows, field) for field, series in _named().items()}
@@ -89,38 +98,38 @@ def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
     return values | stress_values(mechanism, values)
 
 
-def _named():
+def _named() -> dict[str, Series]:
     return BODY_MOTION | POINT_MOTION | FORCES
 
 
-def _flexible(mechanism):
+def _flexible(mechanism: FlexibleMechanism) -> list[FloatingBody]:
     return [body for body in mechanism.bodies if body.modes]
 
 
-def _amplitude(body):
+def _amplitude(body: FloatingBody) -> str:
     return f"modal/{body.name}/amplitude"
 
 
-def _rate(body):
+def _rate(body: FloatingBody) -> str:
     return f"modal/{body.name}/rate"
 
 
-def _mode_axis(body):
+def _mode_axis(body: FloatingBody) -> Axis:
     return Axis(f"modal/{body.name}/mode", tuple(range(1, body.modes + 1)), f"mode of {body.name}")
 
 
-def _node_axis(body):
+def _node_axis(body: Any) -> Axis:
     numbers = tuple(map(int, body.flexible.numbers))
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
 
 
-def _constants(mechanism):
+def _constants(mechanism: Any) -> "Iterator[Any]":
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"
-        frequencies = np.array(body.flexible.frequencies)
+        frequencies = np.array(body.flexible.frequencies)  # type: ignore[union-attr]
         yield Constant(f"modal/{body.name}/frequency", (_mode_axis(body).path,), frequencies, "Hz", meaning)
-        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)
+        yield from shape_geometry(body.name, body.flexible.r0, body.flexible.Phi)  # type: ignore[union-attr]
         yield from element_constants(body)
     if mechanism.outputs:
         yield point_bodies([point.body for point in mechanism.outputs])

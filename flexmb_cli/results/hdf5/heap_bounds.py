@@ -7,8 +7,13 @@ signals, where a part of a heap has no size; so a stranger's file could stop `ta
 import mmap
 import struct
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import h5py
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Of larger files only the first part is searched, which takes a tenth of a second.
 SEARCHED = 2**28
@@ -29,7 +34,7 @@ def fault_of_heaps(file: h5py.File) -> str:
             return next((fault for fault in _faults(raw) if fault), "")
 
 
-def _faults(raw) -> Iterator[str]:
+def _faults(raw: "Any") -> Iterator[str]:
     start = raw.find(SIGNATURE)
     while start >= 0:
         end = start + _number(raw, start + 8)
@@ -38,7 +43,7 @@ def _faults(raw) -> Iterator[str]:
         start = raw.find(SIGNATURE, end)
 
 
-def _fault_of_heap(raw, start, end):
+def _fault_of_heap(raw: "Any", start: int, end: int) -> str:
     """A heap is its heading and its parts, each behind the other up to its end; part 0 is free space."""
     if end < start + _HEADING or (end > len(raw) and len(raw) < SEARCHED):
         return f"the heap at byte {start} is longer than the file, or has no length"
@@ -52,5 +57,5 @@ def _fault_of_heap(raw, start, end):
     return ""
 
 
-def _number(raw, at):
+def _number(raw: "Any", at: int) -> int:
     return struct.unpack_from("<Q", raw, at)[0] if at + 8 <= len(raw) else 0

@@ -1,11 +1,17 @@
 """What the HDF5 result of a mechanism's kinematics holds."""
 
+from typing import TYPE_CHECKING
+
 from ...model.mechanism import Mechanism
 from ...solvers.kinematics.rows import Rows
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, mechanism_geometry
 from .shapes import with_shapes
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 AUDIT = {
     "constraint_residual": Series(
@@ -31,13 +37,13 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
         )
         if items
     ]
-    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
+    axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)  # type: ignore[assignment]
     present = {axis.path for axis in axes}
     series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
     layout = Layout(
         "kinematic",
         mechanism.time.rows,
-        axes,
+        axes,  # type: ignore[arg-type]
         tuple(item for item in series if present.issuperset(item.axes)),
         mechanism_geometry(mechanism),
     )
@@ -49,7 +55,7 @@ def kinematic_values(rows: Rows) -> Values:
     return {path: getattr(rows, field) for field, path in _PATHS.items()}
 
 
-def readable_names(kind: str, items) -> list[str]:
+def readable_names(kind: str, items: "tuple[Any, ...]") -> list[str]:
     """Names as in the settings of the deck: "body 1", "point 2"; joints count by their type: "spherical 1".
 
     Messages name the same items in words ("spherical joint 1"); scripts rely on the names here.

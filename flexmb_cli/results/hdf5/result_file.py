@@ -8,6 +8,7 @@ import os
 from collections.abc import Mapping
 from contextlib import contextmanager, suppress
 from math import prod
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -20,6 +21,11 @@ from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
 from ..files.full_disk_guard import FullDiskGuard
 from ..files.replaced_file import Replacement, located, put_in_place
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from typing import Any
+
 
 # 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and
 # of the shapes of bodies lay beside it, which netCDF does not know.
@@ -82,7 +88,7 @@ XYZ = Axis("xyz", tuple("xyz"), "component along the axis")
 EULER_PARAMETER = Axis("euler_parameter", ("e0", "e1", "e2", "e3"), "Euler parameter")
 
 
-def numbered_axis(kind: str, names) -> Axis:
+def numbered_axis(kind: str, names: "Sequence[Any]") -> Axis:
     """The scale `/<kind>/<kind>`, numbers as in the deck, and `/<kind>/name` along it."""
     numbers = tuple(range(1, len(names) + 1))
     label = (f"{kind}/name", tuple(names), f"name of the {kind}")
@@ -95,7 +101,7 @@ class ResultFile:
     Raises `OutputError` when the place cannot be written or the disk is full.
     """
 
-    def __init__(self, path, deck: Deck, layout: Layout):
+    def __init__(self, path: Any, deck: Deck, layout: Layout):
         self._place = Replacement(path)
         if self._place.direct:
             raise OutputError(
@@ -133,18 +139,18 @@ class ResultFile:
 
     def note(self, notes: tuple[str, ...]) -> None:
         """Sentences that the run is to be remembered for, such as singular positions that it passed."""
-        self._notes = notes
+        self._notes = notes  # type: ignore[assignment]
 
     def finish(self) -> None:
         """Write what waits and how the run ended; the file is whole, but not in its place."""
         if self._rows_waiting:
             self._write(self._rows_waiting)
         with self._on_disk():
-            self._file.attrs["status"] = self._status
-            self._file.attrs["message"] = self._message
+            self._file.attrs["status"] = self._status  # type: ignore[union-attr]
+            self._file.attrs["message"] = self._message  # type: ignore[union-attr]
             if self._notes:
                 self._file.attrs["notes"] = "\n".join(self._notes)
-            self._file.close()
+            self._file.close()  # type: ignore[union-attr]
             self._disk.close()
         self._place.finish()
 
@@ -179,17 +185,17 @@ class ResultFile:
         self._place.discard()
 
     @property
-    def _rows_waiting(self):
+    def _rows_waiting(self) -> int:
         return sum(len(block["time"]) for block in self._waiting)
 
-    def _begin(self, deck, layout):
+    def _begin(self, deck: Deck, layout: Layout) -> None:
         self._describe(deck, layout.analysis)
         scales = {axis.path: self._make_axis(axis) for axis in layout.axes}
         for constant in layout.constants:
             self._make_constant(constant, scales)
         self._series = self._make_series(layout.series, scales)
 
-    def _describe(self, deck, analysis):
+    def _describe(self, deck: Any, analysis: str) -> None:
         set_texts(
             self._file,
             Conventions=CONVENTIONS,
@@ -206,37 +212,39 @@ class ResultFile:
                 set_texts(self._file, **{name: "\n".join(lines)})
         if AS_PRINTED in deck.options:
             set_texts(self._file, emulation=EMULATED)
-        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)
+        text = self._file.create_dataset("deck", data=deck.source.text, dtype=TEXT)  # type: ignore[union-attr]
         set_texts(text, units="1", long_name="text of the deck")
 
-    def _make_axis(self, axis):
-        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))
+    def _make_axis(self, axis: Any) -> h5py.Dataset:
+        scale = self._file.create_dataset(axis.path, data=_plain(axis.values), dtype=_kind(axis.values))  # type: ignore[union-attr]
         scale.make_scale(axis.path.rpartition("/")[2])
         set_texts(scale, units="1", long_name=axis.long_name)
         for path, texts, long_name in axis.labels:
-            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)
+            dataset = self._file.create_dataset(path, data=list(texts), dtype=TEXT)  # type: ignore[union-attr]
             attach_scales(dataset, [scale])
             set_texts(dataset, units="1", long_name=long_name)
         return scale
 
-    def _make_constant(self, constant, scales):
-        dataset = self._file.create_dataset(constant.path, data=constant.values)
+    def _make_constant(self, constant: Any, scales: dict[str, h5py.Dataset]) -> None:
+        dataset = self._file.create_dataset(constant.path, data=constant.values)  # type: ignore[union-attr]
         attach_scales(dataset, [self._scale_for(constant.path, path, scales) for path in constant.axes])
         set_texts(dataset, units=constant.units, long_name=constant.long_name)
 
-    def _scale_for(self, dataset, axis, scales):
+    def _scale_for(self, dataset: str, axis: Any, scales: Any) -> h5py.Dataset:
         """The scale `axis` where netCDF looks for it: a copy, if it lies beside the dataset's group."""
         folder, _, name = axis.rpartition("/")
         if not folder or dataset.startswith(f"{folder}/"):
             return scales[axis]
         path = f"{dataset.rpartition('/')[0]}/{name}"
         if path not in scales:
-            scales[path] = self._file.create_dataset(path, data=scales[axis][:])
+            scales[path] = self._file.create_dataset(path, data=scales[axis][:])  # type: ignore[union-attr]
             scales[path].make_scale(name)
             set_texts(scales[path], units="1", long_name=scales[axis].attrs["long_name"])
         return scales[path]
 
-    def _make_series(self, series, scales):
+    def _make_series(
+        self, series: tuple[Series, ...], scales: dict[str, h5py.Dataset]
+    ) -> dict[str, h5py.Dataset]:
         time = self._growing(TIME, ())
         time.make_scale("time")
         datasets = {TIME.path: time}
@@ -246,14 +254,14 @@ class ResultFile:
             attach_scales(datasets[item.path], [time, *axes])
         return datasets
 
-    def _growing(self, series, axes):
+    def _growing(self, series: Series, axes: "Sequence[Any]") -> h5py.Dataset:
         """A dataset without rows that grows along time."""
         item = tuple(len(axis) for axis in axes)
         dataset = growing_dataset(self._file, series.path, item, self._chunk)
         set_texts(dataset, units=series.units, long_name=series.long_name)
         return dataset
 
-    def _write(self, count):
+    def _write(self, count: int) -> None:
         """Write the first `count` waiting rows; the others go on waiting."""
         gathered = {path: _joined([block[path] for block in self._waiting]) for path in self._series}
         with self._on_disk():
@@ -264,7 +272,7 @@ class ResultFile:
         self._waiting = [rest] if len(rest["time"]) else []
 
     @contextmanager
-    def _on_disk(self):
+    def _on_disk(self) -> "Iterator[None]":
         """Leave no file when the disk, or anything else, ends the writing."""
         try:
             with located(self._place.path), self._disk.blamed():
@@ -286,13 +294,13 @@ def chunk_rows(layout: Layout) -> int:
     return max(1, min(layout.rows, CHUNK_ROWS, CHUNK_BYTES // widest))
 
 
-def _plain(values):
+def _plain(values: "tuple[Any, ...]") -> list[str] | np.ndarray:
     return list(values) if isinstance(values[0], str) else np.array(values, np.int32)
 
 
-def _kind(values):
+def _kind(values: "tuple[Any, ...]") -> Any:
     return TEXT if isinstance(values[0], str) else None
 
 
-def _joined(blocks):
+def _joined(blocks: list[np.ndarray]) -> np.ndarray:
     return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)

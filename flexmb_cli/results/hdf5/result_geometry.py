@@ -12,13 +12,15 @@ from ...model.mechanism import Mechanism
 from .result_file import XYZ, Axis, Constant
 
 if TYPE_CHECKING:
-    from ...model.tree import Closure, Tree
+    from typing import Any
+
+    from ...model.tree import Body, Closure, Tree
 
 SIDE = Axis("side", ("I", "J"), "first and second body of a joint")
 OF_JOINT = ("joint/joint", SIDE.path)
 
 
-def gravity(acceleration) -> tuple[Constant, ...]:
+def gravity(acceleration: tuple[float, float, float]) -> tuple[Constant, ...]:
     """The acceleration of gravity (3,), global axes, where there is any: it tells which way is up."""
     g = np.array(acceleration, float)
     found = (Constant("gravity", (XYZ.path,), g, "m/s2", "acceleration of gravity, global axes"),)
@@ -58,7 +60,7 @@ def tree_geometry(tree: "Tree") -> tuple[Constant, ...]:
     return tuple(found)
 
 
-def joint_geometry(pairs, points) -> list[Constant]:
+def joint_geometry(pairs: list[tuple[int, int]], points: "list[Any]") -> list[Constant]:
     """Bodies `pairs` (joint, 2), -1 for the ground, and `points` (joint, 2, 3) of joints, body axes."""
     return [
         Constant(
@@ -74,7 +76,7 @@ def joint_geometry(pairs, points) -> list[Constant]:
     ]
 
 
-def point_bodies(bodies) -> Constant:
+def point_bodies(bodies: list[int]) -> Constant:
     """Bodies of all points, -1 for the ground."""
     numbers = 1 + np.array(bodies, np.int32)
     return Constant(
@@ -82,7 +84,7 @@ def point_bodies(bodies) -> Constant:
     )
 
 
-def node_geometry(body: str, positions) -> Constant:
+def node_geometry(body: str, positions: np.ndarray) -> Constant:
     """Undeformed nodes (node, 3) of a flexible body, along the axis of its displacements."""
     axes = (f"elastic/{body}/node", XYZ.path)
     meaning = f"undeformed position of the nodes of {body}, axes of the body"
@@ -103,15 +105,16 @@ def shape_geometry(body: str, r0: np.ndarray, Phi: np.ndarray) -> tuple[Constant
     )
 
 
-def _centre(body):
+def _centre(body: "Body") -> np.ndarray | tuple[float, float, float]:
     """Return what a flexible body's nodes leave of its mass sits at its origin."""
     if body.elastic is None:
         return body.centre
     return body.elastic.masses @ body.elastic.positions / max(body.mass, body.elastic.masses.sum())
 
 
-def _closed_points(tree: "Tree", closure: "Closure"):
+def _closed_points(tree: "Tree", closure: "Closure") -> list[tuple[float, float, float]]:
     sides = ((closure.a, closure.a_node, closure.a_point), (closure.b, closure.b_node, closure.b_point))
     return [
-        point if node is None else tree.bodies[body].elastic.positions[node] for body, node, point in sides
+        point if node is None else tree.bodies[body].elastic.positions[node]  # type: ignore[union-attr]
+        for body, node, point in sides
     ]

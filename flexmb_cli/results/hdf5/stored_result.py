@@ -10,6 +10,7 @@ import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
@@ -17,9 +18,15 @@ from ...errors import visible
 from .heap_bounds import fault_of_heaps
 from .text_sizes import UnknownSize, bytes_of_texts
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
+
 # Filters of the library itself; another one would have it load a plugin from the disk.
 FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
-FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)
+FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_LZF)  # type: ignore[assignment]
 MOST_OBJECTS, DEEPEST = 100_000, 10
 # Errors of a stream or a file that is written while the result is open.
 _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
@@ -70,13 +77,13 @@ def newer_layout(file: h5py.File) -> str:
     )
 
 
-def _look_through(file):
+def _look_through(file: h5py.File) -> "Any":
     heaps = fault_of_heaps(file)
     if heaps:
         raise Damaged(heaps)
     names: list[bytes] = []
 
-    def stop_at(name, link):
+    def stop_at(name: bytes, link: "Any") -> "Any":
         """Return what ends the search.
 
         h5py cannot bear an exception in here, and its own visits of a file look links up, which may raise.
@@ -99,12 +106,12 @@ def _look_through(file):
             raise Damaged(f"it declares {declared:.3g} bytes of numbers and text in a file of {size}")
 
 
-def _most_bytes(file):
+def _most_bytes(file: h5py.File) -> int:
     """Bytes that a file may take when it is read."""
     return max(FREE_BYTES, MOST_TIMES * file.id.get_filesize())
 
 
-def _declared(name, item, most):
+def _declared(name: bytes, item: h5py.Dataset | h5py.Group, most: int) -> int:
     """Bytes of memory that reading an object takes, or some number above `most`."""
     if isinstance(item, h5py.Group):
         return 0
@@ -127,7 +134,7 @@ def _declared(name, item, most):
         raise Damaged(f"the texts of /{_reported(name)} cannot be read: {error}") from error
 
 
-def _has_known_type(dataset):
+def _has_known_type(dataset: h5py.Dataset) -> bool:
     try:
         return is_text(dataset) or is_number(dataset)
     except (ValueError, TypeError):
@@ -135,7 +142,7 @@ def _has_known_type(dataset):
         return False
 
 
-def _product(lengths):
+def _product(lengths: tuple[int, ...]) -> int:
     # Of Python's integers: 2^40 times 2^40 must not be 0.
     product = 1
     for length in lengths:
@@ -178,7 +185,7 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     return scale
 
 
-def _references(dataset, axis):
+def _references(dataset: h5py.Dataset, axis: int) -> "np.ndarray | None":
     """The references to scales of all axes of a dataset, None where there are none."""
     if not h5py.h5a.exists(dataset.id, b"DIMENSION_LIST"):
         return None
@@ -207,7 +214,7 @@ def place_of(dataset: h5py.Dataset) -> int:
     return h5py.h5o.get_info(dataset.id).addr
 
 
-def _is_linked(dataset):
+def _is_linked(dataset: h5py.Dataset) -> bool:
     return h5py.h5o.get_info(dataset.id).rc > 0
 
 
@@ -218,7 +225,7 @@ def texts(dataset: h5py.Dataset) -> list[str]:
     return [visible(text) for text in dataset.asstr(errors="replace")[:].tolist()]
 
 
-def attribute(owner, name: str, default: str = "") -> str:
+def attribute(owner: h5py.Dataset | h5py.File, name: str, default: str = "") -> str:
     """An attribute that is text, as it can be shown; "" for what is no text."""
     return visible(_text(owner, name)) if name in owner.attrs else default
 
@@ -229,7 +236,7 @@ def settings_of(result: h5py.File, name: str = "settings") -> list[str]:
     return [visible(line) for line in text.splitlines()]
 
 
-def _text(owner, name):
+def _text(owner: h5py.Dataset | h5py.File, name: Any) -> str:
     found = h5py.h5a.open(owner.id, name.encode())
     # An array may lead to the same text from each of its places; flexmb writes single texts.
     if found.shape != () or found.dtype.itemsize > _most_bytes(owner.file):
@@ -260,6 +267,6 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
                 raise Damaged(f"/{_reported(path)} has {length} places along an axis of {wanted}")
 
 
-def _reported(name):
+def _reported(name: Any) -> str:
     name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
     return visible(name if len(name) < 100 else f"{name[:80]}…")

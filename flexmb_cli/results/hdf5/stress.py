@@ -6,11 +6,16 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .result_file import Axis, Constant, Series, Values
+
+if TYPE_CHECKING:
+    pass
+
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 # Rows at a time: the stresses of all nodes of a large body are many numbers.
@@ -19,7 +24,7 @@ _MOST_NUMBERS = 2**22
 
 def element_axis(body: FloatingBody) -> list[Axis]:
     """The elements of a body of known material, their nodes, and components of stress."""
-    stress, group = body.flexible.stress, f"elastic/{body.name}"
+    stress, group = body.flexible.stress, f"elastic/{body.name}"  # type: ignore[union-attr]
     if stress is None:
         return []
     corners = tuple(range(1, stress.rows.shape[1] + 1))
@@ -32,10 +37,10 @@ def element_axis(body: FloatingBody) -> list[Axis]:
 
 def element_constants(body: FloatingBody) -> Iterator[Constant]:
     """Nodes of the elements, and the stresses of the modes."""
-    stress, group = body.flexible.stress, f"elastic/{body.name}"
+    stress, group = body.flexible.stress, f"elastic/{body.name}"  # type: ignore[union-attr]
     if stress is None:
         return
-    numbers = body.flexible.numbers[stress.rows]
+    numbers = body.flexible.numbers[stress.rows]  # type: ignore[union-attr]
     meaning = f"numbers of the nodes of every element of {body.name}; {stress.formulation}"
     yield Constant(f"{group}/cell", (f"{group}/element", f"{group}/corner"), numbers, "1", meaning)
     axes = (f"{group}/node", f"{group}/component", f"modal/{body.name}/mode")
@@ -61,7 +66,7 @@ def stress_series(mechanism: FlexibleMechanism) -> list[Series]:
     return [series for output in mechanism.stresses for series in _series(mechanism, output)]
 
 
-def _series(mechanism, output) -> Iterator[Series]:
+def _series(mechanism: FlexibleMechanism, output: StressOutput) -> Iterator[Series]:
     group, strain = _group(mechanism, output), _group(mechanism, output, "strain")
     name = mechanism.bodies[output.body].name
     for kind, numbers, where in (
@@ -85,7 +90,7 @@ def _series(mechanism, output) -> Iterator[Series]:
         yield Series(f"{group}/max_node", (), "1", "number of that node")
 
 
-def _group(mechanism, output, quantity="stress"):
+def _group(mechanism: FlexibleMechanism, output: StressOutput, quantity: str = "stress") -> str:
     return f"{quantity}/{mechanism.bodies[output.body].name}"
 
 
@@ -104,7 +109,7 @@ def stress_values(mechanism: FlexibleMechanism, values: Values) -> dict[str, np.
                 found[f"{group}/{kind}_tensor"] = tensor
                 found[f"{group}/{kind}_von_mises"] = von_mises(tensor)
                 found[f"{group}/{kind}_principal"] = principal_stresses(tensor)
-                found[f"{strain}/{kind}_tensor"] = strains(tensor, body.flexible.stress)
+                found[f"{strain}/{kind}_tensor"] = strains(tensor, body.flexible.stress)  # type: ignore[union-attr]
         if len(output.elements):
             found[f"{strain}/element_energy"] = element_energies(output, body, eta)
         if output.largest:
@@ -126,7 +131,7 @@ def principal_stresses(stress: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(full)[..., ::-1]
 
 
-def strains(stress: np.ndarray, material) -> np.ndarray:
+def strains(stress: np.ndarray, material: Any) -> np.ndarray:
     """Strain tensors (..., 6) of stresses by Hooke's law; xy yz zx are halves of angles."""
     young, poisson = material.young, material.poisson
     strain = stress * ((1 + poisson) / young)
@@ -137,7 +142,7 @@ def strains(stress: np.ndarray, material) -> np.ndarray:
 def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) -> np.ndarray:
     """Strain energies (T, e), J, of the reported elements: the integral of sigma : epsilon / 2."""
     shapes, volumes = output.points, output.volumes
-    strain = strains(np.moveaxis(shapes, 2, -1).copy(), body.flexible.stress)
+    strain = strains(np.moveaxis(shapes, 2, -1).copy(), body.flexible.stress)  # type: ignore[union-attr]
     doubled = np.moveaxis(strain, -1, 2) * np.array([1, 1, 1, 2, 2, 2])[:, None]
     energies = np.einsum("egam,egan,eg->emn", shapes, doubled, volumes, optimize=True) / 2
     return np.einsum("emn,tm,tn->te", energies, eta, eta, optimize=True)
@@ -145,7 +150,7 @@ def element_energies(output: StressOutput, body: FloatingBody, eta: np.ndarray) 
 
 def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Largest equivalent stress (T,) at any node, and the number of that node (T,)."""
-    shapes = body.flexible.stress.nodal
+    shapes = body.flexible.stress.nodal  # type: ignore[union-attr]
     largest, node = np.empty(len(eta)), np.empty(len(eta))
     rows = max(1, _MOST_NUMBERS // math.prod(shapes.shape[:2]))
     for first in range(0, len(eta), rows):
@@ -153,5 +158,5 @@ def largest_von_mises(body: FloatingBody, eta: np.ndarray) -> tuple[np.ndarray, 
         equivalent = von_mises(np.einsum("san,tn->tsa", shapes, eta[part], optimize=True))
         place = equivalent.argmax(axis=1)
         largest[part] = equivalent[np.arange(len(place)), place]
-        node[part] = body.flexible.numbers[place]
+        node[part] = body.flexible.numbers[place]  # type: ignore[union-attr]
     return largest, node

@@ -39,7 +39,7 @@ def bytes_of_texts(dataset: h5py.Dataset, most: int) -> int:
     return total + unwritten
 
 
-def _contiguous(dataset, count):
+def _contiguous(dataset: h5py.Dataset, count: int) -> int:
     place = dataset.id.get_offset()
     if place is None and not dataset.id.get_storage_size():
         return count * _fill_length(dataset)
@@ -51,7 +51,7 @@ def _contiguous(dataset, count):
         return _lengths(stream.read(count * REFERENCE))
 
 
-def _chunk(dataset, index):
+def _chunk(dataset: h5py.Dataset, index: int) -> int:
     offset = dataset.id.get_chunk_info(index).chunk_offset
     mask, raw = dataset.id.read_direct_chunk(offset)
     size = _product(dataset.chunks) * REFERENCE
@@ -62,19 +62,19 @@ def _chunk(dataset, index):
     return _lengths(raw)
 
 
-def _unpacked(number, raw, size):
+def _unpacked(number: int, raw: bytes, size: int) -> bytes:
     # HDF5 passes over the other filters where references are packed, and says so in the chunk's mask.
     if number != h5py.h5z.FILTER_DEFLATE:
         raise UnknownSize("they are packed by a filter for numbers")
     return zlib.decompressobj().decompress(raw, size)
 
 
-def _lengths(raw):
+def _lengths(raw: bytes) -> int:
     whole = len(raw) // REFERENCE * REFERENCE
     return int(np.frombuffer(raw[:whole], _LENGTH)["length"].sum(dtype=np.int64))
 
 
-def _fill_length(dataset):
+def _fill_length(dataset: h5py.Dataset) -> int:
     """Length of the text that stands where nothing was written."""
     plan = dataset.id.get_create_plist()
     if plan.fill_value_defined() != h5py.h5d.FILL_VALUE_USER_DEFINED:
@@ -82,7 +82,7 @@ def _fill_length(dataset):
     return len(dataset.fillvalue or b"")
 
 
-def _product(lengths):
+def _product(lengths: tuple[int, ...]) -> int:
     product = 1
     for length in lengths:
         product *= int(length)

@@ -3,13 +3,20 @@
 Report rows come as values by the path of their dataset, so that a stopped run can keep them as they are.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from ...model.tree import ELASTIC, ROTATION, Tree
+from ...model.tree import ELASTIC, ROTATION, Body, Tree
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, tree_geometry
 from .shapes import with_shapes
+
+if TYPE_CHECKING:
+    from ...solvers.tree.points import PointMotion
+    from ...solvers.tree.rows import TreeRows
+
 
 COORDINATES = {
     "q": ("coordinate/q", "rad or m", "generalized coordinate"),
@@ -56,7 +63,7 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
     return with_shapes(layout, tree.shapes)
 
 
-def tree_values(tree: Tree, rows, points) -> Values:
+def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
     """Report rows (`solve.tree_rows.TreeRows`) and the motion of points, three arrays, by path."""
     values = {"time": rows.time}
     derived = _euler_parameter_derivatives(rows)
@@ -78,20 +85,20 @@ def tree_values(tree: Tree, rows, points) -> Values:
     return values
 
 
-def _flexible(tree):
+def _flexible(tree: Tree) -> list[tuple[int, Body]]:
     return [(k, body) for k, body in enumerate(tree.bodies) if body.elastic is not None]
 
 
-def _displacement(tree, k):
+def _displacement(tree: Tree, k: int) -> str:
     return f"elastic/{tree.bodies[k].name}/displacement"
 
 
-def _node_axis(body):
+def _node_axis(body: Any) -> Axis:
     numbers = tuple(range(1, len(body.elastic.masses) + 1))
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}")
 
 
-def _coordinate_axis(tree):
+def _coordinate_axis(tree: Tree) -> Axis:
     axis = numbered_axis("coordinate", [c.name for c in tree.coordinates])
     units = tuple("rad" if c.motion == ROTATION else "m" for c in tree.coordinates)
     kinds = tuple("elastic" if c.motion == ELASTIC else c.motion for c in tree.coordinates)
@@ -102,7 +109,7 @@ def _coordinate_axis(tree):
     return Axis(axis.path, axis.values, "number of the coordinate", (*axis.labels, *more))
 
 
-def _euler_parameter_derivatives(rows):
+def _euler_parameter_derivatives(rows: "TreeRows") -> dict[str, np.ndarray]:
     """First and second derivative (T, N, 4) by angular velocity and acceleration in global axes.
 
     With p' = G(omega) p / 2, where G is antisymmetric and G G p = -omega² p, the second derivative is
@@ -116,7 +123,7 @@ def _euler_parameter_derivatives(rows):
     }
 
 
-def _turned(omega, p):
+def _turned(omega: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Product (..., 4) of the pure quaternion (0, omega) with p."""
     scalar = -np.sum(omega * p[..., 1:], axis=-1, keepdims=True)
     return np.concatenate([scalar, p[..., :1] * omega + np.cross(omega, p[..., 1:])], axis=-1)

@@ -6,6 +6,7 @@ Create…) is the source of the calls.
 """
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +14,10 @@ from ...errors import Fault, ModelError
 from ...model.loads import DynamicModel
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import fields
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.
 
@@ -76,7 +81,7 @@ def exudyn_script(model: DynamicModel, start: dict[str, np.ndarray], name: str) 
     return "\n".join(lines) + TAIL.format(title=name, end=end, rows=rows, steps=STEPS_PER_ROW * (rows - 1))
 
 
-def _foreign(model) -> Iterator[tuple]:
+def _foreign(model: Any) -> Iterator[tuple]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     mechanism = model.mechanism
     for joint in mechanism.joints:
@@ -110,7 +115,7 @@ _JOINTS = ("spherical", "revolute", "cylindrical", "translational")
 class _Placed:
     """The parts of the model in global axes at the start."""
 
-    def __init__(self, model, start):
+    def __init__(self, model: DynamicModel, start: dict[str, np.ndarray]):
         self.model, self.start = model, start
         self.A = [rotation_matrix(p) for p in start["p"]]
         self.still = {item.body for item in model.mechanism.grounds}
@@ -120,7 +125,7 @@ class _Placed:
         for mass in model.masses:
             self.centre[mass.body] = mass.centre
 
-    def bodies(self):
+    def bodies(self) -> Iterator[str]:
         """Yield a line for every moving body."""
         for mass in sorted(self.model.masses, key=lambda mass: mass.body):
             k = mass.body
@@ -139,7 +144,7 @@ class _Placed:
                 f"initialVelocity={_list(velocity)}, initialAngularVelocity={_list(self.start['omega'][k])}))"
             )
 
-    def joints(self):
+    def joints(self) -> Iterator[str]:
         """Yield a line for every joint."""
         for joint in self.model.mechanism.joints:
             place = _list(self._at(joint.i, joint.P_i))
@@ -160,7 +165,7 @@ class _Placed:
                     "constrainedAxes=[1, 1, 0, 1, 1, 0])"
                 )
 
-    def loads(self):
+    def loads(self) -> "Iterator[Any]":
         """Yield a line for every spring, force and torque."""
         for item in self.model.springs:
             ends = ", ".join(
@@ -172,34 +177,34 @@ class _Placed:
                 f"referenceLength={item.free_length!r}, stiffness={item.stiffness!r}, "
                 f"damping={item.damping!r})"
             )
-        for item in self.model.forces:
-            if item.body not in self.still:
+        for item in self.model.forces:  # type: ignore[assignment]
+            if item.body not in self.still:  # type: ignore[attr-defined]
                 yield (
-                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "
-                    f"localPosition={_list(self._local(item.body, item.point))}, "
-                    f"bodyFixed={bool(item.following)})"
+                    f"mbs.CreateForce(bodyNumber={self._word(item.body)}, loadVector={_list(item.force)}, "  # type: ignore[attr-defined]
+                    f"localPosition={_list(self._local(item.body, item.point))}, "  # type: ignore[attr-defined]
+                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
                 )
-        for item in self.model.torques:
-            if item.body not in self.still:
+        for item in self.model.torques:  # type: ignore[assignment]
+            if item.body not in self.still:  # type: ignore[attr-defined]
                 yield (
-                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "
-                    f"bodyFixed={bool(item.following)})"
+                    f"mbs.CreateTorque(bodyNumber={self._word(item.body)}, loadVector={_list(item.torque)}, "  # type: ignore[attr-defined]
+                    f"bodyFixed={bool(item.following)})"  # type: ignore[attr-defined]
                 )
 
-    def _at(self, body, point):
+    def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         return self.start["r"][body] + self.A[body] @ np.array(point)
 
-    def _local(self, body, point):
+    def _local(self, body: "Any", point: "Any") -> Any:
         """A point from the mass centre of a moving body, or global of one at rest."""
         if body in self.still:
             return self._at(body, point)
         return np.array(point) - self.centre[body]
 
-    def _word(self, body):
+    def _word(self, body: int) -> str:
         return "ground" if body in self.still else f"bodies[{self.numbers[body]}]"
 
 
-def _frame_along(axis):
+def _frame_along(axis: "Any") -> "Any":
     """A rotation matrix whose third axis is `axis`."""
     across = np.eye(3)[int(np.argmin(np.abs(axis)))]
     x = np.cross(across, axis)
@@ -207,5 +212,5 @@ def _frame_along(axis):
     return np.column_stack([x, np.cross(axis, x), axis])
 
 
-def _list(values) -> str:
+def _list(values: np.ndarray | tuple[float, float, float]) -> str:
     return repr([float(value) for value in values])

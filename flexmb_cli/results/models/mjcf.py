@@ -6,13 +6,18 @@ XML reference (body, joint, inertial, keyframe) is the source of the elements.
 """
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
+from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
 
@@ -34,7 +39,7 @@ def mjcf(tree: Tree, name: str) -> str:
     return ElementTree.tostring(top, encoding="unicode") + "\n"
 
 
-def _refuse_foreign(tree):
+def _refuse_foreign(tree: Tree) -> None:
     faults = [
         Fault("error", message, place, subject, id="RESULT-026") for message, place, subject in _foreign(tree)
     ]
@@ -42,7 +47,7 @@ def _refuse_foreign(tree):
         raise ModelError(faults)
 
 
-def _foreign(tree) -> Iterator[tuple]:
+def _foreign(tree: Tree) -> Iterator[tuple]:
     """Yield what cannot be converted: message, place in the deck, subject."""
     for body in tree.bodies:
         if body.elastic is not None:
@@ -74,11 +79,11 @@ def _foreign(tree) -> Iterator[tuple]:
             )
 
 
-def _is_real(moments):
+def _is_real(moments: np.ndarray) -> bool:
     return moments[2] <= moments[0] + moments[1] + 1e-12 * moments[2]
 
 
-def _add_body(parent, tree, k):
+def _add_body(parent: "Any", tree: Tree, k: int) -> "Any":
     body, hinge = tree.bodies[k], tree.hinges[k]
     turned = rotation_matrix(hinge.frame)
     if not hinge.rotations:
@@ -98,7 +103,9 @@ def _add_body(parent, tree, k):
     return element
 
 
-def _add_joint(element, tree, place, kind, direction):
+def _add_joint(
+    element: "Any", tree: Tree, place: tuple[int, str, int], kind: str, direction: np.ndarray
+) -> None:
     k, motion, axis = place
     about = {"name": f"{tree.bodies[k].name} {motion} {axis}", "type": kind, "axis": _numbers(direction)}
     for spring in tree.springs:
@@ -108,19 +115,19 @@ def _add_joint(element, tree, place, kind, direction):
     ElementTree.SubElement(element, "joint", about)
 
 
-def _inertial(body):
+def _inertial(body: Body) -> dict[str, str]:
     inertia = _central_inertia(body)
     full = [inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     return {"pos": _numbers(body.centre), "mass": repr(float(body.mass)), "fullinertia": _numbers(full)}
 
 
-def _central_inertia(body):
+def _central_inertia(body: Body) -> np.ndarray:
     """Inertia about the mass centre: that about O_k less the mass's."""
     c = np.array(body.centre)
     return np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
 
 
-def _start(tree):
+def _start(tree: Tree) -> Any:
     """Initial qpos and qvel in MuJoCo's order: body by body, translations first."""
     place = {(c.body, c.motion, c.axis): n for n, c in enumerate(tree.coordinates)}
     qpos, qvel = [], []
@@ -139,5 +146,5 @@ def _start(tree):
     return qpos, qvel
 
 
-def _numbers(values) -> str:
+def _numbers(values: list[float] | np.ndarray | tuple[float, float, float]) -> str:
     return " ".join(repr(float(value)) for value in values)

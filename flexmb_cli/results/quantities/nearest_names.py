@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from difflib import SequenceMatcher
+from typing import Any
 
 SHOWN = 3
 LEAST_LIKENESS = 0.6
@@ -17,20 +18,20 @@ def nearest(words: Sequence[str], forms: Sequence[Sequence[Sequence[str]]]) -> l
     return list(ordered)[:SHOWN]
 
 
-def _best(words, form):
+def _best(words: Any, form: Any) -> tuple[float, str]:
     chosen = [_closest(word, choices) for word, choices in zip(words, form, strict=False)]
     # A name with more words than were given stands for all of them.
     total = sum(likeness for likeness, _ in chosen) / max(len(words), len(chosen), 1)
     return total, ".".join(word for _, word in chosen)
 
 
-def _closest(word, choices):
+def _closest(word: str, choices: list[str]) -> tuple[float, str]:
     if word in choices:
         return 1.0, word
     return max(((_likeness(word, choice), choice) for choice in choices[:LABELS]), key=lambda pair: pair[0])
 
 
-def _likeness(word, choice):
+def _likeness(word: str, choice: str) -> float:
     if word.isdigit() and choice.isdigit():
         # A number out of range is a near miss whatever its digits.
         return 0.5

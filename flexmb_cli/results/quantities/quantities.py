@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -19,7 +20,7 @@ import numpy as np
 from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
-from .quantity_names import TIME, families, folded, time_family
+from .quantity_names import TIME, Family, families, folded, time_family
 from .unknown_names import hint_for
 
 NOTHING = "an empty name"
@@ -32,7 +33,7 @@ class ResultError(FlexmbError):
 
     exit_code = 2
 
-    def __init__(self, file, *sentences: str, id: str = ""):
+    def __init__(self, file: Any, *sentences: str, id: str = ""):
         first = f"{file}: {sentences[0]}" if file else sentences[0]
         super().__init__(first, tuple(Fault("error", sentence, id=id) for sentence in sentences))
         self.file = str(file)
@@ -55,7 +56,7 @@ class Quantity:
 
 
 @contextmanager
-def open_result(path) -> Iterator[h5py.File]:
+def open_result(path: Path | str) -> Iterator[h5py.File]:
     """The result at `path`, open for reading.
 
     Raises `ResultError` when there is none, when it is another kind of file, or when it shows to be damaged
@@ -91,7 +92,7 @@ def open_result(path) -> Iterator[h5py.File]:
         raise ResultError(path, f"a damaged result: {fault}", id="RESULT-020") from fault
 
 
-def _check_times(times):
+def _check_times(times: h5py.Dataset) -> None:
     """Rows are found by their times: `Damaged` where these do not ascend."""
     for start in range(0, len(times), TIMES_AT_ONCE):
         part = times[max(0, start - 1) : start + TIMES_AT_ONCE]
@@ -99,7 +100,7 @@ def _check_times(times):
             raise Damaged("the times of its rows do not ascend, or are no numbers")
 
 
-def _other_kind(path, error):
+def _other_kind(path: Path | str, error: "Any") -> str:
     """Return what the file is that HDF5 cannot open."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
@@ -111,7 +112,7 @@ def _other_kind(path, error):
     return f"this is no HDF5 result that can be read: {error}"
 
 
-def _result_beside(path):
+def _result_beside(path: Any) -> "Any":
     """Return which result may be meant by the name of a deck or of a printed table."""
     beside = {
         Path(path).with_suffix(".h5"),
@@ -121,7 +122,7 @@ def _result_beside(path):
     return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
 
 
-def _names_of_results(path):
+def _names_of_results(path: str) -> "Any":
     from ...dialects import DIALECTS
     from ..files.file_names import h5_name
 
@@ -137,7 +138,7 @@ def names(result: h5py.File) -> list[Quantity]:
     ]
 
 
-def resolve(result: h5py.File, patterns: Iterable[str], file="", where: str = "") -> list[Quantity]:
+def resolve(result: h5py.File, patterns: Iterable[str], file: str = "", where: str = "") -> list[Quantity]:
     """The quantities that `patterns` name, in their order and each once.
 
     A pattern that is the whole name of something means just that (`coordinate.2` is the coordinate, not
@@ -194,7 +195,7 @@ def shortfall(result: h5py.File) -> str:
     return f"the run is not complete, {end}" + (f": {message}" if message else "")
 
 
-def _elements(result, path, rows, index):
+def _elements(result: h5py.File, path: str, rows: slice, index: np.ndarray) -> np.ndarray:
     """Elements (rows, places) of a dataset at the places `index` (places, axes) behind time."""
     low, high = index.min(axis=0), index.max(axis=0) + 1
     try:
@@ -212,7 +213,7 @@ def refuse_uneven(result: h5py.File) -> None:
         _refuse_other_length(result, family.path)
 
 
-def _refuse_other_length(result, path):
+def _refuse_other_length(result: h5py.File, path: str) -> None:
     if len(result[path]) != len(result[TIME]):
         counts = f"{len(result[path])} rows and /time {len(result[TIME])}"
         raise ResultError(
@@ -220,11 +221,11 @@ def _refuse_other_length(result, path):
         )
 
 
-def _quantity(family, index):
+def _quantity(family: Family, index: tuple[int, ...]) -> Quantity:
     return Quantity(family.name(index), family.unit(index), family.meaning(index), family.path, tuple(index))
 
 
-def _matched(known, pattern):
+def _matched(known: list[Family], pattern: str) -> list[Quantity]:
     words = [re.compile(fnmatch.translate(folded(word))) for word in pattern.split(".")]
     if any(sign in pattern for sign in "*?["):
         # The only name of one word is the time's, which nobody means by `*`.
@@ -232,8 +233,8 @@ def _matched(known, pattern):
     return _among(known, words)
 
 
-def _among(known, words):
-    whole, begun = [], []
+def _among(known: Any, words: Any) -> list[Quantity]:
+    whole, begun = [], []  # type: ignore[var-annotated]
     for family in known:
         for form in family.forms:
             if len(form) >= len(words):
@@ -241,7 +242,7 @@ def _among(known, words):
     return whole or begun
 
 
-def _matched_form(family, form, words):
+def _matched_form(family: Any, form: Any, words: Any) -> list[Quantity]:
     """The quantities whose names in this form begin with `words`."""
     along = [range(length) for length in family.shape]
     for slot, word in zip(form, words, strict=False):

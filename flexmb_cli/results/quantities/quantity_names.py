@@ -1,12 +1,17 @@
 """How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
 
 import re
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
 from ...errors import visible
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of
@@ -35,7 +40,7 @@ FORMS = {
 # Unit of the effort along a coordinate in a unit.
 OF_EFFORT = {"m": "N", "rad": "N m"}
 MOTION = ("position", "euler_parameters", "velocity", "euler_parameter_rates", "angular_velocity")
-MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")
+MOTION += ("acceleration", "euler_parameter_accelerations", "angular_acceleration")  # type: ignore[assignment]
 # Groups with a subgroup for every body that has such datasets; modes stand behind the quantity, nodes before.
 BY_BODY = ("elastic", "modal", "stress", "strain")
 
@@ -100,7 +105,7 @@ def folded(text: str) -> str:
     return text.lower().replace(" ", "_")
 
 
-def _runs_along(time, path, dataset):
+def _runs_along(time: int, path: str, dataset: h5py.Dataset) -> bool:
     scale = scale_of(dataset, 0) if dataset.ndim else None
     if scale is None or place_of(scale) != time:
         return False
@@ -109,13 +114,13 @@ def _runs_along(time, path, dataset):
     return is_number(dataset)
 
 
-def _rank(path):
+def _rank(path: str) -> tuple[str, int, str]:
     """Motion in the order of its derivatives, all else by the alphabet."""
     group, _, last = path.rpartition("/")
     return group, MOTION.index(last) if last in MOTION else len(MOTION), last
 
 
-def _family(result, path, labels):
+def _family(result: h5py.File, path: str, labels: "_Labels") -> Family:
     dataset = result[path]
     group, *between = path.split("/")
     item = labels.body(between[0]) if group in BY_BODY and len(between) > 1 else None
@@ -129,7 +134,7 @@ def _family(result, path, labels):
     return Family(path, dataset.shape[1:], forms, units, long_name, labels.items(dataset))
 
 
-def _form(path, item, dataset):
+def _form(path: str, item: tuple[str, str] | None, dataset: h5py.Dataset) -> str:
     """Name of a dataset without a form of its own: what is numbered, the quantity, its components."""
     group, *words = path.split("/")
     words = words[1:] if item else words
@@ -139,14 +144,14 @@ def _form(path, item, dataset):
     return ".".join([*head, *words[:-1], *axes[:numbered], *words[-1:], *axes[numbered:]])
 
 
-def _numbered_axes(dataset):
+def _numbered_axes(dataset: h5py.Dataset) -> int:
     """Return how many axes behind time, from the first, count things: bodies, joints, nodes."""
     scales = [scale_of(dataset, axis) for axis in range(1, dataset.ndim)]
     kinds = [scale is not None and is_number(scale) for scale in scales]
     return kinds.index(False) if False in kinds else len(kinds)
 
 
-def _slot(word, axes, item):
+def _slot(word: str, axes: "list[Any]", item: Any) -> Slot:
     match = re.fullmatch(r"(\w*)\{(\w+)\}", word)
     if match is None:
         return Slot(None, ((word,),))
@@ -160,13 +165,13 @@ def _slot(word, axes, item):
 class _Labels:
     """How the elements along the axes of a result may be called."""
 
-    def __init__(self, result, found):
+    def __init__(self, result: h5py.File, found: dict[str, h5py.Dataset]):
         self._result = result
         self._known: dict[str, tuple[tuple[str, ...], ...]] = {}
         # h5py would search the file for the path of every scale.
         self._paths = {place_of(item): path for path, item in found.items()}
 
-    def axis(self, dataset, number):
+    def axis(self, dataset: h5py.Dataset, number: int) -> "tuple[tuple[Any, ...], ...]":
         """Spellings for every position along an axis."""
         scale = scale_of(dataset, number)
         if scale is None:
@@ -176,10 +181,10 @@ class _Labels:
             self._known[path] = tuple(tuple(map(_word, texts)) for texts in self._spellings(scale, path))
         return self._known[path]
 
-    def _path(self, scale):
+    def _path(self, scale: h5py.Dataset) -> str:
         return self._paths.get(place_of(scale), "")
 
-    def _spellings(self, scale, path):
+    def _spellings(self, scale: h5py.Dataset, path: str) -> "list[Any]":
         if not is_number(scale):
             return [(text,) for text in texts(scale)]
         numbers = [f"{value:g}" for value in scale[:]]
@@ -195,13 +200,13 @@ class _Labels:
             return [(f"element{number}", f"element {number}") for number in numbers]
         return [(number, f"{kind}{number}", f"{kind} {number}") for number in numbers]
 
-    def _names(self, scale):
+    def _names(self, scale: h5py.Dataset) -> list[str]:
         """Names of what a scale counts: beside it, or in its kind's group (/reaction/joint: /joint/name)."""
         group, _, kind = self._path(scale).rpartition("/")
         beside = self._listed(f"{group}/name", len(scale))
         return beside or self._listed(f"{kind}/name", len(scale))
 
-    def _listed(self, path, count):
+    def _listed(self, path: str, count: int) -> list[str]:
         """The names at `path`, none when there is no such list; Damaged unless there are `count`."""
         if path not in self._result:
             return []
@@ -210,18 +215,18 @@ class _Labels:
             raise Damaged(f"{path} has {len(found)} names for {count} things")
         return found
 
-    def body(self, name):
+    def body(self, name: str) -> Any:
         """Number and name of the body that has a group for itself."""
         bodies = self._result.get("body/name")
         given = [] if bodies is None else texts(bodies)
         return (str(given.index(name) + 1), _word(name)) if name in given else (_word(name),)
 
-    def items(self, dataset):
+    def items(self, dataset: h5py.Dataset) -> Any:
         """Names of the things that the first axis counts."""
         scale = scale_of(dataset, 1) if dataset.ndim > 1 else None
         return tuple(self._names(scale)) if scale is not None and is_number(scale) else ()
 
-    def units(self, dataset, group):
+    def units(self, dataset: h5py.Dataset, group: str) -> tuple[str, ...]:
         """Unit of the dataset, or one for every element of its first axis (coordinates: rad or m)."""
         stated = attribute(dataset, "units", "1")
         if " or " not in stated or dataset.ndim < 2 or f"{group}/unit" not in self._result:
@@ -232,7 +237,7 @@ class _Labels:
         return tuple(next((c for c in choices if c.split("/")[0] in pair), stated) for pair in wanted)
 
 
-def _with_angles(given):
+def _with_angles(given: list[tuple[str, str]]) -> list[tuple[str, ...]]:
     """`theta2` is the rotation of body 2, when its hinge has but one."""
     rotations = [re.fullmatch(r"body (\d+) rotation \d", name) for _, name in given]
     bodies = [match[1] if match else None for match in rotations]
@@ -242,6 +247,6 @@ def _with_angles(given):
     ]
 
 
-def _word(text):
+def _word(text: str) -> str:
     """A point inside a name would part it."""
     return text.replace(".", "_")

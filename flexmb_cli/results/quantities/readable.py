@@ -1,7 +1,13 @@
 """Names of quantities as people write them: "velocity x of body 3", "kinetic energy"."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...quick_dataclass import dataclass
 from .quantities import Quantity
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # The quantity of names that leave it out: body.3.z is a position.
 _LEFT_OUT = {"body": "position", "point": "position", "coordinate": "coordinate", "elastic": "displacement"}
@@ -55,7 +61,7 @@ def readable(quantity: Quantity) -> Readable:
     return _of_thing(group, named, words[1:])
 
 
-def _of_thing(group, named, words):
+def _of_thing(group: str, named: str, words: list[str]) -> Readable:
     if not words:
         return Readable(_LEFT_OUT.get(group, group), named, "")
     if len(words) == 1 and group in ("body", "point"):
@@ -66,7 +72,7 @@ def _of_thing(group, named, words):
     return Readable(" ".join(map(_word, quantity)), named, last)
 
 
-def _of_body(group, words):
+def _of_body(group: "Any", words: "Any") -> "Any":
     """stress.2.node45.xx, strain.2.element3.energy, stress.2.max.von_mises, modal.1.amplitude.2."""
     body, *rest = words
     if group == "modal":
@@ -84,5 +90,5 @@ def _of_body(group, words):
     )
 
 
-def _word(word):
+def _word(word: str) -> Any:
     return _WORDS.get(word, word.replace("_", " "))

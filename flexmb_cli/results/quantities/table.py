@@ -8,12 +8,17 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from .quantities import Quantity, ResultError, read, time_at, time_quantity
 from .quantity_names import TIME
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 FORMATS = ("csv", "tsv", "jsonl", "text")
 SEPARATOR = {"csv": ",", "tsv": "\t"}
@@ -85,20 +90,20 @@ def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
     if style == "jsonl":
         return "".join(json.dumps(dict(zip(heads, row, strict=True))) + "\n" for row in rows)
     if style != "text":
-        return _separated_lines([heads, *rows], style)
+        return _separated_lines([heads, *rows], style)  # type: ignore[list-item]
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
     return "".join(
         f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows
     )
 
 
-def _block_length(result, columns):
+def _block_length(result: h5py.File, columns: list[Quantity]) -> int:
     paths = {column.dataset for column in columns}
     width = sum(prod(result[path].shape[1:]) for path in paths)
     return max(1, min(BLOCK_ROWS, BLOCK_NUMBERS // width))
 
 
-def _lines(heads, values, style):
+def _lines(heads: list[str], values: list[list[float]], style: str) -> str:
     if style == "text":
         return "".join(_text_line([TEXT_NUMBER.format(value) for value in row], heads) for row in values)
     if style == "jsonl":
@@ -107,17 +112,17 @@ def _lines(heads, values, style):
     return "".join(SEPARATOR[style].join(map(repr, row)) + "\n" for row in values)
 
 
-def _record(heads, row):
+def _record(heads: list[str], row: list[float]) -> "dict[Any, Any]":
     """JSON knows no nan and no infinity: null."""
     return {head: value if math.isfinite(value) else None for head, value in zip(heads, row, strict=True)}
 
 
-def _text_line(cells, heads):
+def _text_line(cells: list[str], heads: list[str]) -> str:
     pairs = zip(cells, heads, strict=True)
     return "  ".join(cell.rjust(max(len(head), TEXT_WIDTH)) for cell, head in pairs) + "\n"
 
 
-def _separated_lines(rows, style):
+def _separated_lines(rows: list[list[str]], style: str) -> Any:
     page = io.StringIO()
     csv.writer(page, delimiter=SEPARATOR[style], lineterminator="\n").writerows(rows)
     return page.getvalue()

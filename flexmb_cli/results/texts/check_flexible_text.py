@@ -1,10 +1,16 @@
 """Text of what `flexmb check` found of a mechanism of flexible bodies (`run.check.CheckReport`)."""
 
+from typing import TYPE_CHECKING
+
 from ...errors import visible
 from .check_text import assembly_lines, few, redundant_lines
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
 
-def check_flexible_text(report) -> str:
+
+def check_flexible_text(report: "Any") -> str:
     """Counts, bodies, assembly and rank of a deck that could be read, one fact a line."""
     counts = report.counts
     joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
@@ -25,13 +31,13 @@ def check_flexible_text(report) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _free_line(free):
+def _free_line(free: list[list[str]]) -> "Iterator[str]":
     """The motions left, each by the first of its coordinates."""
     if free:
         yield f"  free motions {len(free)}, such as those of: " + few([names[0] for names in free])
 
 
-def _body_line(body):
+def _body_line(body: "dict[str, Any]") -> str:
     centre = " ".join(f"{value + 0.0:.6g}" for value in body["centre"])
     line = f"  {body['name']}: {body['kind']}, mass {body['mass']:.6g} kg, centre of mass {centre} m"
     if not body["modes"]:

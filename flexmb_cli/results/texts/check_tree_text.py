@@ -1,11 +1,18 @@
 """Text of what `flexmb check` found of a tree (`run.check.tree.TreeFindings`)."""
 
+from typing import TYPE_CHECKING
+
 from ...errors import visible
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 MOST_COORDINATES = 24
 
 
-def check_tree_text(report) -> str:
+def check_tree_text(report: "Any") -> str:
     """Counts, coordinates, inertia, closures and energies at the start, one fact a line."""
     counts, found = report.counts, report.tree
     lines = [
@@ -25,16 +32,16 @@ def check_tree_text(report) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _one_way(counts):
+def _one_way(counts: dict[str, int]) -> str:
     return ", one-way: elastic motion does not act on rigid motion" if counts["one_way"] else ""
 
 
-def _dof(counts):
+def _dof(counts: dict[str, int]) -> str:
     dof = counts.get("degrees_of_freedom")
     return "" if dof is None else f"degrees of freedom {dof}, "
 
 
-def _elastic_lines(bodies):
+def _elastic_lines(bodies: list[tuple[str, int, int, float, float]]) -> "Iterator[str]":
     for name, nodes, coordinates, lowest, highest in bodies:
         yield (
             f"  {name}: nodes {nodes}, elastic coordinates {coordinates}, "
@@ -42,7 +49,7 @@ def _elastic_lines(bodies):
         )
 
 
-def _coordinate_lines(coordinates):
+def _coordinate_lines(coordinates: list[tuple[str, str, float, float]]) -> "Iterator[str]":
     yield "  at the start: coordinate, its speed"
     width = max(len(name) for name, *_ in coordinates)
     for name, unit, q, u in coordinates[:MOST_COORDINATES]:
@@ -51,7 +58,7 @@ def _coordinate_lines(coordinates):
         yield f"    and {len(coordinates) - MOST_COORDINATES} more; --json lists all"
 
 
-def _closure_lines(found):
+def _closure_lines(found: "Any") -> "Iterator[str]":
     if not found.gaps:
         return
     yield "  gap of the loops, as given → assembled"
@@ -61,7 +68,7 @@ def _closure_lines(found):
         yield f"    closed by others too: {name}"
 
 
-def _inertia_lines(found):
+def _inertia_lines(found: "Any") -> "Iterator[str]":
     if found.lightest is not None:
         name, share = found.lightest
         yield (
@@ -69,7 +76,7 @@ def _inertia_lines(found):
         )
 
 
-def _energy_lines(energies):
+def _energy_lines(energies: dict[str, float]) -> "Iterator[str]":
     if energies:
         yield "  energies at the start: " + ", ".join(
             f"{name} {value:.6g} J" for name, value in energies.items()

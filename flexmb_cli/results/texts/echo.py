@@ -1,6 +1,6 @@
 """The echo of a deck: every number as it was understood, for `--echo`."""
 
-from ...deck.record import Deck
+from ...deck.record import Deck, Number, Record
 from ...dialects.recognise import dialect_named
 from ...errors import visible
 
@@ -19,20 +19,20 @@ def echo(deck: Deck) -> str:
     return "".join(f"{line}\n" for line in (_title(deck), *(_aligned(row, widths) for row in rows)))
 
 
-def _title(deck):
+def _title(deck: Deck) -> str:
     dialect = dialect_named(deck.dialect)
     name = visible(deck.source.name)
     return f"{name}: read as a {dialect.title} deck, which begins with {dialect.begins}"
 
 
-def _row(record, number):
+def _row(record: Record, number: Number) -> tuple[str, ...]:
     line = str(number.place.line) if number.place else "--set"
     value = number.text or str(record.made.get(number.key, number.value))
     cells = f"{record.prefix}.{number.key}", value, number.unit or "-", number.meaning
     return line, *map(visible, cells)
 
 
-def _aligned(row, widths):
+def _aligned(row: tuple[str, ...], widths: list[int]) -> str:
     cells = [
         cell.rjust(width) if right else cell.ljust(width)
         for cell, width, right in zip(row, widths, _ALIGN_RIGHT, strict=True)

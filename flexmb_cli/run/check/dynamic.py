@@ -3,11 +3,16 @@
 Where drivers move it (inverse dynamics), it is diagnosed as in kinematics.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, gaps_of, parts_of, refuse_jacobian
+
+if TYPE_CHECKING:
+    from ...solvers.constrained.young_dynamics import ForwardDynamics
 
 
 def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
@@ -17,22 +22,22 @@ def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | No
         refuse_jacobian(
             jacobian, "it is printed of kinematics and inverse dynamics without elements at joints"
         )
-        _check_forward(report, model, run)
+        from ...solvers.compilation import interpreting
+
+        with interpreting():
+            _check_forward(report, model, run)
         return
     from . import kinematic
 
     kinematic.check(report, model.mechanism, run, jacobian)
 
 
-def _check_forward(report, model, run):
-    from ...solvers import compilation
-
-    compilation.interpret()
+def _check_forward(report: Any, model: Any, run: Any) -> None:
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
-    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
+    arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds  # type: ignore[attr-defined]
     before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.angles)
     try:
         found = analysis.start()
@@ -58,7 +63,7 @@ def _check_forward(report, model, run):
 class _Gaps:
     """An analysis as `gaps_of` looks at it: the gaps of all its equations."""
 
-    def __init__(self, analysis):
+    def __init__(self, analysis: "ForwardDynamics"):
         from ...solvers.constrained.flexible_start import PositionGaps
 
         self.mechanism = analysis.mechanism

@@ -1,12 +1,18 @@
 """Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, refuse_jacobian, report_times
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 ROUND_OFF = 1e-12
 
@@ -15,9 +21,14 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     refuse_jacobian(jacobian, "it is printed of mechanisms that drivers move, and of rigid bodies only")
     run.outcome.faults += unit_doubts(mechanism)
-    from ...solvers import compilation
+    from ...solvers.compilation import interpreting
 
-    compilation.interpret()
+    with interpreting():
+        _diagnose(report, mechanism)
+    run.warn(())
+
+
+def _diagnose(report: Any, mechanism: "Any") -> None:
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)
@@ -39,10 +50,9 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
-    run.warn(())
 
 
-def _parts(mechanism):
+def _parts(mechanism: FlexibleMechanism) -> dict[str, dict[str, int] | int]:
     kinds: dict[str, int] = {}
     for joint in mechanism.joints:
         kinds[joint.kind] = kinds.get(joint.kind, 0) + 1
@@ -59,7 +69,7 @@ def _parts(mechanism):
     }
 
 
-def _body(body):
+def _body(body: FloatingBody) -> "dict[str, Any]":
     """Return what is reported of a body; frequencies in Hz."""
     record = {"name": body.name, "mass": body.m, "centre": _centre(body), "modes": body.modes}
     if body.flexible is None:
@@ -75,16 +85,16 @@ def _body(body):
     }
 
 
-def _centre(body):
+def _centre(body: FloatingBody) -> list[float]:
     """Centre of mass, m, components that are round-off of the body's size as 0."""
     centre = body.s0 / body.m
     size = max(np.abs(centre).max(), np.sqrt(np.trace(body.J0) / body.m))
     return np.where(np.abs(centre) > ROUND_OFF * size, centre, 0.0).tolist()
 
 
-def _gaps(analysis, q):
+def _gaps(analysis: Any, q: np.ndarray) -> dict[tuple[str, str], float]:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
-    arrays, gaps = analysis.arrays, {}
+    arrays, gaps = analysis.arrays, {}  # type: ignore[var-annotated]
     scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
     for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
         key = equation.owner, equation.unit

@@ -3,14 +3,22 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...model.mechanism import Mechanism
+from ...model.mechanism import Mechanism, TimeGrid
 from ...quick_dataclass import replace
 from ..context import Run
 from .check import CheckReport, LabelledJacobian
 from .parts import FARTHEST_STEPS, before_and_after, gaps_of, parts_of
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...solvers.kinematics.analysis import KinematicAnalysis
+
 
 INTERPRETED_LIMIT = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
@@ -24,8 +32,8 @@ def check(report: CheckReport, mechanism: Mechanism, run: Run, jacobian: str | N
     run.warn(())
 
 
-def _diagnose(report: CheckReport, mechanism, jacobian):
-    from ...solvers import compilation
+def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -> None:
+    from ...solvers.compilation import interpreting
 
     equations = 7 * len(mechanism.bodies)
     if equations > ASSEMBLY_LIMIT:
@@ -33,8 +41,11 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
         message = f"{equations} coordinates are more than the {ASSEMBLY_LIMIT} that check assembles; run does"
         report.outcome.faults.append(Fault("note", message, id="RUN-002"))
         return
-    if equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian):
-        compilation.interpret()
+    with interpreting(equations <= INTERPRETED_LIMIT and not _is_far(mechanism.time, jacobian)):
+        _assemble(report, mechanism, jacobian, equations)
+
+
+def _assemble(report: CheckReport, mechanism: "Any", jacobian: "Any", equations: "Any") -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 
@@ -57,12 +68,12 @@ def _diagnose(report: CheckReport, mechanism, jacobian):
         report.jacobian = _jacobian_at(mechanism, float(jacobian))
 
 
-def _is_far(grid, jacobian):
+def _is_far(grid: TimeGrid, jacobian: str | None) -> bool:
     """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 
-def _counts(mechanism, analysis):
+def _counts(mechanism: Mechanism, analysis: "KinematicAnalysis") -> dict[str, dict[str, int] | int]:
     equations, coordinates = len(analysis.arrays.equations), analysis.arrays.q.size
     return parts_of(mechanism) | {
         "equations": equations,
@@ -71,7 +82,7 @@ def _counts(mechanism, analysis):
     }
 
 
-def _look_at_rank(report, analysis):
+def _look_at_rank(report: CheckReport, analysis: "KinematicAnalysis") -> None:
     from ...solvers.singular.mobility import mobility
 
     found = mobility(analysis.evaluator, analysis.state[0], report.time, analysis.motion[:, 0])
@@ -81,7 +92,7 @@ def _look_at_rank(report, analysis):
     report.free = [list(names) for names in found.free]
 
 
-def _jacobian_at(mechanism, time):
+def _jacobian_at(mechanism: Mechanism, time: float) -> LabelledJacobian:
     """Φ_q at any time from the start on; the mechanism is moved there first."""
     from ...solvers.kinematics.analysis import KinematicAnalysis
 
@@ -101,7 +112,7 @@ def _jacobian_at(mechanism, time):
     return _labelled(analysis, analysis.state[0], time)
 
 
-def _labelled(analysis, q, time):
+def _labelled(analysis: "KinematicAnalysis", q: np.ndarray, time: float | None) -> LabelledJacobian:
     evaluator, arrays = analysis.evaluator, analysis.arrays
     evaluator.residual(q, analysis.mechanism.time.start, arrays.screw_angles)
     matrix = evaluator.matrix(q) * arrays.row_scale[:, None] / arrays.column_scale

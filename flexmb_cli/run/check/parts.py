@@ -1,13 +1,23 @@
 """What the checks of all models share: parts counted, gaps before and after assembly."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...errors import Fault, ModelError
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
+    from ...model.mechanism import Mechanism, TimeGrid
+
 
 # Report steps to a time that a Jacobian or modes are asked for: seconds of computing for a four-bar, and
 # nothing tells how far it is.
 FARTHEST_STEPS = 100_000
 
 
-def parts_of(mechanism) -> dict:
+def parts_of(mechanism: "Mechanism") -> dict:
     """Return how many of each thing a mechanism has."""
     joints: dict[str, int] = {}
     for joint in mechanism.joints:
@@ -24,12 +34,12 @@ def parts_of(mechanism) -> dict:
     }
 
 
-def report_times(grid) -> dict:
+def report_times(grid: "TimeGrid") -> dict:
     """Return how many report times there are, and the last where it is not the end that the deck gives."""
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis, arrays, q, expected) -> dict:
+def gaps_of(analysis: "Any", arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> dict:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}; expected: the angles
     expected.
     """
@@ -41,7 +51,7 @@ def gaps_of(analysis, arrays, q, expected) -> dict:
     return gaps
 
 
-def before_and_after(before, after) -> list:
+def before_and_after(before: dict[tuple[str, str], float], after: dict[tuple[str, str], float]) -> list:
     """Rows (owner, gap of the estimates, of the assembled position, unit)."""
     return [(owner, before[owner, unit], after[owner, unit], unit) for owner, unit in before]
 

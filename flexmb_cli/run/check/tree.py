@@ -3,6 +3,8 @@
 Small trees are evaluated by the same kernels left uncompiled, so that `check` answers at once.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError
@@ -13,6 +15,13 @@ from ...quick_dataclass import dataclass, replace
 from ..context import Run
 from .check import CheckReport
 from .parts import refuse_jacobian
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...model.arrays.tree import TreeArrays
+    from ...solvers.tree.analysis import TreeAnalysis
+
 
 INTERPRETED_LIMIT = 400  # coordinates
 
@@ -56,14 +65,13 @@ def check(report: CheckReport, tree: Tree, run: Run, jacobian: str | None) -> No
     report.counts = _counts(tree)
     elastic = [_spectrum(body) for body in tree.bodies if body.elastic is not None]
     report.tree = TreeFindings(_start(tree, tree.q, tree.y), None, [], [], {}, elastic)
-    if len(tree.coordinates) <= INTERPRETED_LIMIT:
-        from ...solvers import compilation
+    from ...solvers.compilation import interpreting
 
-        compilation.interpret()
-    _evaluate_start(report, tree)
+    with interpreting(len(tree.coordinates) <= INTERPRETED_LIMIT):
+        _evaluate_start(report, tree)
 
 
-def _counts(tree: Tree):
+def _counts(tree: Tree) -> dict[str, int]:
     motions = [c.motion for c in tree.coordinates]
     return {
         "bodies": len(tree.bodies),
@@ -80,7 +88,7 @@ def _counts(tree: Tree):
     }
 
 
-def _evaluate_start(report, tree):
+def _evaluate_start(report: CheckReport, tree: Tree) -> None:
     from ...solvers.tree.analysis import GO_ON, TreeAnalysis
 
     start = tree.time.start
@@ -107,27 +115,27 @@ def _evaluate_start(report, tree):
     report.counts["degrees_of_freedom"] = len(tree.coordinates) - len(tree.prescribed) - closed
 
 
-def _start(tree, q, y):
+def _start(tree: Tree, q: np.ndarray, y: np.ndarray) -> Any:
     return [
         (c.name, "rad" if c.motion == "rotation" else "m", float(a), float(b))
         for c, a, b in zip(tree.coordinates, q, y, strict=True)
     ]
 
 
-def _gaps(tree, rows):
+def _gaps(tree: Tree, rows: np.ndarray) -> list[tuple[str, float]]:
     """Largest gap of each closure, m."""
     gaps = iter(np.abs(rows["gap"]))
     return [(closure.name, float(max(next(gaps) for _ in closure.directions))) for closure in tree.closures]
 
 
-def _redundant(tree, arrays):
+def _redundant(tree: Tree, arrays: "TreeArrays") -> list[str]:
     """Directions whose pivots the elimination found to be zero."""
     pivots = np.diag(arrays.closure_matrix)
     names = [f"{closure.name} direction {axis}" for closure in tree.closures for axis in closure.directions]
     return [name for name, pivot in zip(names, pivots, strict=True) if pivot == 0.0]
 
 
-def _lightest(tree, analysis):
+def _lightest(tree: Tree, analysis: "TreeAnalysis") -> tuple[str, float] | None:
     """Coordinate with the least inertia left, all that hangs on it being free, as a share of its body's."""
     pivots = analysis.coordinates["pivot"]
     shares = np.where(pivots > 0, pivots / analysis.arrays.inertia_scale, np.inf)
@@ -135,7 +143,7 @@ def _lightest(tree, analysis):
     return (tree.coordinates[least].name, float(shares[least])) if np.isfinite(shares[least]) else None
 
 
-def _spectrum(body):
+def _spectrum(body: Any) -> tuple[str, int, int, float, float]:
     """Frequencies of an elastic body with its root held: what the step length must follow."""
     elastic = body.elastic
     roots = np.sqrt(np.repeat(elastic.masses, len(elastic.axes)))
@@ -144,5 +152,5 @@ def _spectrum(body):
     return body.name, len(elastic.masses), elastic.coordinates, lowest, highest
 
 
-def _named(keys, rows):
+def _named(keys: tuple[str, ...], rows: "list[Any]") -> "list[dict[str, Any]]":
     return [dict(zip(keys, row, strict=True)) for row in rows]

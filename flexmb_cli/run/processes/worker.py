@@ -10,8 +10,12 @@ import traceback
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from multiprocessing import connection, get_context
+from typing import TYPE_CHECKING
 
 from .signal_mask import signals_masked
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class Worker:
@@ -22,21 +26,21 @@ class Worker:
     unblocks them.  Raises OSError when no process can be started.
     """
 
-    def __init__(self, serve: Callable, *given):
+    def __init__(self, serve: Callable, *given: "Any"):
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
         with theirs, signals_masked():
             self.process.start()
 
-    def send(self, message) -> bool:
+    def send(self, message: "Any") -> bool:
         """Whether it was there to be notified."""
         with suppress(OSError):
             self.line.send(message)
             return True
         return False
 
-    def answer(self):
+    def answer(self) -> "Any":
         """What the process has sent; None when it has ended, and nothing is left to be read."""
         with suppress(EOFError, OSError):
             if self.line.poll():
@@ -47,7 +51,7 @@ class Worker:
     def signal(self, number: int) -> None:
         """Pass a stop on.  Windows tells it every process of the console, and knows no other signals."""
         if os.name != "nt" and self.process.is_alive():
-            os.kill(self.process.pid, number)
+            os.kill(self.process.pid, number)  # type: ignore[arg-type]
 
     def end(self) -> None:
         """Wait for a process that ends when nothing more can come."""
@@ -60,7 +64,7 @@ class Worker:
         self.end()
 
 
-def _served(serve, line, *given):
+def _served(serve: "Any", line: "Any", *given: "Any") -> None:
     """Return what a process does."""
     try:
         serve(line, *given)

@@ -1,6 +1,7 @@
 """Dynamics of a mechanism with masses and loads: forward, or inverse where drivers move it."""
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 from ...errors import Fault, ModelError
 from ...model.loads import AlphaSteps, DynamicModel
@@ -14,6 +15,15 @@ from ..error_estimate import finer_motion, nothing_to_refine
 from ..integration_options import set_tolerances
 from ..solution import Solution
 from ..step_count import StepCount
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from ...solvers.constrained.young_dynamics import ForwardDynamics
+    from ...solvers.kinematics.inverse_dynamics import InverseDynamics
+    from ..outcome import RunOptions
+
 
 RADIUS = 0.9  # spectral radius at infinity of the generalised-alpha method, where a deck gives none
 TOO_COARSE = (
@@ -34,7 +44,7 @@ def solution(model: DynamicModel, run: Run) -> Solution:
     analysis = (_stepped if stepped else _inverse)(model, run)
     # Results of a prescribed motion hold no energies.
     drift = ConstrainedDrift(TOO_COARSE) if model.analysis == "forward" else None
-    count = StepCount(analysis.clock if stepped else None, drift)
+    count = StepCount(analysis.clock if stepped else None, drift)  # type: ignore[union-attr]
     layout, values = _contents(model)
     return Solution(
         analysis,
@@ -46,11 +56,11 @@ def solution(model: DynamicModel, run: Run) -> Solution:
         analysis.warnings,
         partial(finer_motion, partial(_stepped, model), values) if stepped else nothing_to_refine,
         dict(run.options.integration if stepped else run.options.solver),
-        stepped or not analysis.one_block,
+        stepped or not analysis.one_block,  # type: ignore[union-attr]
     )
 
 
-def _as_asked(model, options):
+def _as_asked(model: DynamicModel, options: "RunOptions") -> DynamicModel:
     """The model with the method and the tolerance of the options."""
     given = options.integration
     if "rtol" in given:
@@ -62,7 +72,7 @@ def _as_asked(model, options):
     return replace(model, radau=method == "radau", alpha_steps=alpha)
 
 
-def _contents(model):
+def _contents(model: DynamicModel) -> "tuple[Callable[..., Any], Callable[..., Any]]":
     """Functions of the layout of the HDF5 file and of its values from report rows."""
     if not model.elements:
         return partial(dynamic_layout, model), partial(dynamic_values, model)
@@ -71,7 +81,7 @@ def _contents(model):
     return partial(element_layout, model), partial(element_values, model)
 
 
-def _stepped(model, run):
+def _stepped(model: DynamicModel, run: Run) -> "ForwardDynamics":
     """The analysis that takes time steps: forward, or prescribed by drivers beside elements at joints."""
     from ...solvers.constrained.driven_dynamics import DrivenDynamics
     from ...solvers.constrained.young_dynamics import ForwardDynamics
@@ -84,7 +94,7 @@ def _stepped(model, run):
     return analysis
 
 
-def _inverse(model, run):
+def _inverse(model: DynamicModel, run: Run) -> "InverseDynamics":
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics
     from ...solvers.kinematics.settings import KinematicSettings
 

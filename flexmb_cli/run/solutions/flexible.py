@@ -2,6 +2,7 @@
 
 from functools import partial
 from hashlib import sha256
+from typing import TYPE_CHECKING, Any
 
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
@@ -17,6 +18,10 @@ from ..error_estimate import finer_motion
 from ..integration_options import set_tolerances
 from ..solution import Solution
 from ..step_count import StepCount
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # The words of INTG cards for the methods of the command line.
 WORDS = {"dop853": "RK45", "radau": "RAD5", "alpha": "GALF"}
@@ -34,7 +39,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
         analysis,
         mechanism.time.rows,
         lambda: flexible_layout(mechanism),
-        values,
+        values,  # type: ignore[arg-type]
         StepCount(analysis.clock, ConstrainedDrift(TOO_COARSE)),
         partial(unit_doubts, mechanism),
         analysis.warnings,
@@ -43,7 +48,7 @@ def solution(mechanism: FlexibleMechanism, run: Run) -> Solution:
     )
 
 
-def _as_asked(mechanism, options):
+def _as_asked(mechanism: Any, options: Any) -> FlexibleMechanism:
     """The mechanism with the method and the tolerance of the options."""
     given, integrator = options.integration, mechanism.integrator
     method = WORDS.get(given.get("method"), integrator.method)
@@ -54,7 +59,7 @@ def _as_asked(mechanism, options):
     return replace(mechanism, integrator=integrator)
 
 
-def _digest(system):
+def _digest(system: "Any") -> str:
     """A digest of the reduced bodies: a deck names files that may have changed since."""
     digest = sha256()
     for array in system:
@@ -62,7 +67,7 @@ def _digest(system):
     return digest.hexdigest()
 
 
-def _analysis(mechanism, run):
+def _analysis(mechanism: FlexibleMechanism, run: Run) -> FlexibleDynamics:
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
     tell_of_compiling(run.listener, analysis.integrator.entry)

@@ -1,5 +1,7 @@
 """Kinematics of a mechanism that its drivers move."""
 
+from typing import TYPE_CHECKING, Any
+
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
 from ...solvers.compilation import tell_of_compiling
@@ -7,6 +9,9 @@ from ...solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
 from ..context import Run
 from ..error_estimate import nothing_to_refine
 from ..solution import NoCount, Solution
+
+if TYPE_CHECKING:
+    pass
 
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:
@@ -18,12 +23,12 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     return _solution(mechanism, analysis, run, not analysis.one_block)
 
 
-def _solution(mechanism, analysis, run, resumable):
+def _solution(mechanism: Any, analysis: Any, run: Any, resumable: Any) -> Solution:
     return Solution(
         analysis,
         mechanism.time.rows,
         lambda: kinematic_layout(mechanism),
-        kinematic_values,
+        kinematic_values,  # type: ignore[arg-type]
         NewtonCount(),
         warnings=analysis.warnings,
         finer=nothing_to_refine,
@@ -32,7 +37,7 @@ def _solution(mechanism, analysis, run, resumable):
     )
 
 
-def _as_printed(mechanism, run):
+def _as_printed(mechanism: Mechanism, run: Run) -> Solution:
     """The numbers of the program of 1996, errors included; each row takes moments."""
     from ...solvers.as_printed.analysis import AsPrinted
 
@@ -43,7 +48,7 @@ def _as_printed(mechanism, run):
 class NewtonCount(NoCount):
     """Iterations and residuals so far."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.iterations = self.most = 0
         self.residual = 0.0
 

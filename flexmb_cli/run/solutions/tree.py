@@ -1,6 +1,7 @@
 """Dynamics of a tree: by Kane's equations, or in absolute coordinates."""
 
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault
 from ...model.tree import Tree
@@ -14,6 +15,14 @@ from ..energy_drift import EnergyDrift
 from ..error_estimate import FINER, finer, why_no_estimate
 from ..outcome import ABSOLUTE
 from ..solution import NoCount, Solution
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    import numpy as np
+
+    from ...solvers.tree.analysis import TreeAnalysis
 
 
 def solution(tree: Tree, run: Run) -> Solution:
@@ -36,12 +45,12 @@ def solution(tree: Tree, run: Run) -> Solution:
     )
 
 
-def values_of(tree: Tree, rows) -> dict:
+def values_of(tree: Tree, rows: Any) -> dict:
     """Return report rows by the paths of their datasets."""
-    return tree_values(tree, rows, point_motion(tree, rows))
+    return tree_values(tree, rows, point_motion(tree, rows))  # type: ignore[return-value]
 
 
-def kane_analysis(tree: Tree, run: Run):
+def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
     """Return the analysis by Kane's equations."""
     from ...solvers.tree.analysis import TreeAnalysis
 
@@ -49,7 +58,7 @@ def kane_analysis(tree: Tree, run: Run):
     return TreeAnalysis(tree)
 
 
-def absolute_analysis(tree: Tree, run: Run):
+def absolute_analysis(tree: Tree, run: Run) -> "Any":
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
@@ -57,14 +66,14 @@ def absolute_analysis(tree: Tree, run: Run):
     return AbsoluteTree(tree)
 
 
-def _unused_method(tree):
+def _unused_method(tree: Any) -> "Iterator[Any]":
     """The choice of an integrator is one of Kane's equations."""
     if tree.integration.method != "dop853":
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
         yield Fault("warning", message, id="RUN-010")
 
 
-def _finer_blocks(tree, run):
+def _finer_blocks(tree: Any, run: Any) -> "Any":
     """Blocks of values of a second run at a tighter tolerance."""
     given = tree.integration
     run.outcome.faults += why_no_estimate(given.rtol)
@@ -76,7 +85,7 @@ def _finer_blocks(tree, run):
 class TreeCount(NoCount):
     """Evaluations, and how far the energy drifts; that of a one-way tree is not constant."""
 
-    def __init__(self, clock, tree: Tree, absolute: bool):
+    def __init__(self, clock: "np.ndarray", tree: Tree, absolute: bool):
         self.clock, self.one_way, self.absolute = clock, tree.one_way, absolute
         self.drift = EnergyDrift()
 
@@ -85,7 +94,7 @@ class TreeCount(NoCount):
         self.drift.add(values)
 
     @property
-    def doubts(self) -> tuple[Fault, ...]:
+    def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
         """What the energy of the rows makes doubtful."""
         return () if self.one_way else self.drift.doubts
 

@@ -21,7 +21,9 @@ class Difference:
         return self.difference / self.scale if self.scale else self.difference
 
 
-def largest_difference(name: str, unit: str, time, one, other, scale: float | None = None) -> Difference:
+def largest_difference(
+    name: str, unit: str, time: np.ndarray, one: np.ndarray, other: np.ndarray, scale: float | None = None
+) -> Difference:
     """Return the largest difference of two series (T, ...) at the times (T,), and where it is."""
     apart = np.abs(one - other).reshape(len(one), -1).max(axis=1, initial=0.0)
     row = int(np.argmax(apart))

@@ -3,6 +3,8 @@
 Both begin at the position that flexmb assembles.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...deck.record import Deck
@@ -13,6 +15,10 @@ from ...quick_dataclass import replace
 from ..context import Run
 from ..outcome import Stop
 from .difference import Difference, largest_difference
+
+if TYPE_CHECKING:
+    from ...solvers.constrained.rows import DynamicRows
+
 
 FORMULATIONS = "Euler parameters and natural coordinates"
 TOLERANCE = 1e-11  # of the explicit steps
@@ -31,7 +37,9 @@ def differences(model: DynamicModel, deck: Deck, run: Run) -> tuple[Difference, 
     return compare(ForwardDynamics(model), model.mechanism, model, run)
 
 
-def compare(analysis, mechanism: Mechanism, model: DynamicModel | None, run: Run) -> tuple[Difference, ...]:
+def compare(
+    analysis: Any, mechanism: Mechanism, model: DynamicModel | None, run: Run
+) -> tuple[Difference, ...]:
     """Return what the motion of an analysis and that in natural coordinates differ in."""
     from ...solvers.natural_coordinates.motion import NaturalMotion, coordinates_of, speeds_of
 
@@ -50,7 +58,7 @@ def compare(analysis, mechanism: Mechanism, model: DynamicModel | None, run: Run
     return _differences(_joined(blocks), rows, motion)
 
 
-def _refuse_elements(model):
+def _refuse_elements(model: Any) -> None:
     """Natural coordinates know the joints and loads of the dissertation, and no functions."""
     factors = [item.name for item in (*model.forces, *model.torques) if item.factor is not None]
     ends = [item.name for item in model.springs if -1 in (item.i, item.j)]
@@ -62,12 +70,12 @@ def _refuse_elements(model):
         raise ModelError([Fault("error", message, id="RUN-030")])
 
 
-def _joined(blocks):
+def _joined(blocks: "list[DynamicRows]") -> dict[str, np.ndarray]:
     names = vars(blocks[0])
     return {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
 
 
-def _differences(found, rows, motion):
+def _differences(found: dict[str, np.ndarray], rows: Any, motion: Any) -> tuple[Difference, ...]:
     """Return the differences of positions, attitudes and their derivatives, and of efforts."""
     from ...solvers.natural_coordinates.equations import rotation_of
 
@@ -92,14 +100,16 @@ def _differences(found, rows, motion):
         pairs.append(
             ("driver effort", "N, N m", np.where(known, efforts, 0.0), np.where(known, rows.effort, 0.0))
         )
-    return tuple(_difference(rows.time, *pair) for pair in pairs)
+    return tuple(_difference(rows.time, *pair) for pair in pairs)  # type: ignore[arg-type]
 
 
-def _difference(time, name, unit, one, other, least=0.0):
+def _difference(
+    time: np.ndarray, name: Any, unit: str, one: np.ndarray, other: np.ndarray, least: float = 0.0
+) -> Any:
     """Return a difference; what should be zero is measured by `least`, the size of what it is made of."""
     return largest_difference(name, unit, time, one, other, max(least, float(np.max(np.abs(one)))))
 
 
-def _omega(X, rates):
+def _omega(X: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """Return Σ d_a × (dd_a/dt) / 2: angular velocities of rates, angular accelerations of their rates."""
     return 0.5 * np.cross(X[:, :, 1:], rates[:, :, 1:]).sum(axis=2)

@@ -3,6 +3,8 @@
 With all modes both hold the same deformations: the two models are one and the same.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...deck.record import Deck
@@ -15,6 +17,11 @@ from ..context import Run
 from ..model import folder_of
 from ..outcome import Stop
 from .difference import Difference, largest_difference
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"
 TOLERANCE = 1e-9
@@ -44,7 +51,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     return tuple(_differences(mechanism, one, other, unique))
 
 
-def _finely(mechanism, options):
+def _finely(mechanism: "Any", options: Any) -> "Any":
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
@@ -52,7 +59,7 @@ def _finely(mechanism, options):
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 
-def _rows(mechanism):
+def _rows(mechanism: Any) -> "Any":
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
@@ -62,10 +69,10 @@ def _rows(mechanism):
         Stop.heed()
     names = [each.name for each in fields(blocks[0]) if not each.name.startswith("amplitude")]
     rows = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
-    return rows, not analysis.found.redundant
+    return rows, not analysis.found.redundant  # type: ignore[union-attr]
 
 
-def _differences(mechanism, one, other, unique):
+def _differences(mechanism: "Any", one: "Any", other: "Any", unique: "Any") -> "Iterator[Any]":
     time = one["time"]
     for name, unit, key in SERIES + (FORCES if unique else ()):
         if one[key].size:

@@ -1,5 +1,7 @@
 """A tree by two formulations: Kane's equations and absolute coordinates."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...deck.record import Deck
@@ -9,6 +11,11 @@ from ..context import Run
 from ..outcome import Stop
 from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .difference import Difference, largest_difference
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 FORMULATIONS = "Kane's equations and absolute coordinates"
 # Both integrate more closely than they are compared; deflections are small against a metre.
@@ -27,7 +34,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     return found
 
 
-def _motions(tree, run):
+def _motions(tree: Any, run: Any) -> "Any":
     """Values of both formulations, whole runs by the paths of their datasets."""
     analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
@@ -38,14 +45,14 @@ def _motions(tree, run):
     return kane, absolute
 
 
-def _heard(blocks, listener):
+def _heard(blocks: "Any", listener: "Any") -> "Iterator[Any]":
     for block in blocks:
         yield block
         Stop.heed()
         listener.advance(len(block.time))
 
 
-def _joined(blocks):
+def _joined(blocks: "Any") -> "Any":
     return {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]}
 
 
@@ -69,7 +76,7 @@ def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
     return tuple(found)
 
 
-def _coordinates(tree, kane, absolute):
+def _coordinates(tree: Any, kane: "Any", absolute: "Any") -> "Iterator[Any]":
     """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
@@ -83,5 +90,5 @@ def _coordinates(tree, kane, absolute):
                 yield _largest(f"{kind} {name}", unit + per, kane, *pair)
 
 
-def _largest(name, unit, kane, one, other, scale=None):
+def _largest(name: str, unit: "Any", kane: "Any", one: "Any", other: "Any", scale: "Any" = None) -> "Any":
     return largest_difference(name, unit, kane["time"], one, other, scale)

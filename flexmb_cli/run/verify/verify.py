@@ -72,6 +72,6 @@ def verify_deck(
         formulation = module_for(model, "verify")
         found.formulations = formulation.FORMULATIONS
         found.differences = formulation.differences(model, deck, run)
-        if not found.largest.relative <= tolerance:
+        if not found.largest.relative <= tolerance:  # type: ignore[union-attr]
             found.outcome.exit_code = ANALYSIS_FAILED
     return found

@@ -47,7 +47,7 @@ class AsPrinted:
             states, audit = (np.array(part) for part in zip(*found, strict=True))
             yield rows_of(self.mechanism, np.array(times), states, audit)
 
-    def _row(self, t):
+    def _row(self, t: float) -> tuple[np.ndarray, tuple[float, float, int]]:
         """States (3, 7 n), and residuals of positions and speeds with Newton's iterations."""
         state, iterations = self.program.advance(t)
         gap, rate = self.reference.residuals(state[0], state[1], t)

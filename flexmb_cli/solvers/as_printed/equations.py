@@ -5,11 +5,17 @@ length that the deck gives them.  Without errors the equations are those of the 
 errata, and give the motion that the kernels give.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from .errors import OVERRUN, TRANSPOSED, WRONG_INDEX
 from .vectors import dot, g_matrix, product, tilde, turned, turned_slope
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Joint
+
 
 MOST_BODIES = 10  # rows of the program's arrays M10X7
 EYE = np.eye(3)
@@ -43,15 +49,15 @@ class State:
         """Their rates."""
         return self.qd[body, 3:]
 
-    def vector(self, body: int, s) -> np.ndarray:
+    def vector(self, body: int, s: Any) -> np.ndarray:
         """A s, global axes."""
         return turned(self.p(body), s)
 
-    def slope(self, body: int, s) -> np.ndarray:
+    def slope(self, body: int, s: Any) -> np.ndarray:
         """∂(A s)/∂p (3, 4)."""
         return 2.0 * turned_slope(self.p(body), s)
 
-    def remainder(self, body: int, s) -> np.ndarray:
+    def remainder(self, body: int, s: Any) -> np.ndarray:
         """The part of d²(A s)/dt² without second derivatives of p."""
         return 2.0 * turned(self.pd(body), s)
 
@@ -59,12 +65,12 @@ class State:
         """Angular velocity 2 G ṗ (3.35), global axes."""
         return 2.0 * product(g_matrix(self.p(body)), self.pd(body))
 
-    def rate(self, body: int, s) -> np.ndarray:
+    def rate(self, body: int, s: Any) -> np.ndarray:
         """d(A s)/dt, to which the program adds a velocity with its indices exchanged."""
         rate = product(tilde(self.omega(body)), self.vector(body, s))
         return rate + self._phantom(body) if TRANSPOSED in self.errors else rate
 
-    def _phantom(self, body):
+    def _phantom(self, body: int) -> np.ndarray:
         memory = np.zeros(7 * (MOST_BODIES + 1))
         memory[: self.qd.size] = self.qd.ravel()
         return memory[body : body + 21 : 7]
@@ -82,7 +88,7 @@ class Rows:
     of_j: np.ndarray
     gamma: np.ndarray
 
-    def chosen(self, rows) -> "Rows":
+    def chosen(self, rows: list[int]) -> "Rows":
         """Some of the rows."""
         return Rows(self.residual[rows], self.of_i[rows], self.of_j[rows], self.gamma[rows])
 
@@ -97,7 +103,7 @@ def stacked(*parts: Rows) -> Rows:
     )
 
 
-def coincident(state: State, joint) -> Rows:
+def coincident(state: State, joint: "Joint") -> Rows:
     """P_i and P_j coincide, (4.7) to (4.13)."""
     i, j = joint.i, joint.j
     gap = state.q[i, :3] + state.vector(i, joint.P_i) - state.vector(j, joint.P_j) - state.q[j, :3]
@@ -107,7 +113,7 @@ def coincident(state: State, joint) -> Rows:
     return Rows(gap, of_i, of_j, gamma)
 
 
-def scalar_product(state: State, i: int, j: int, u_i, u_j) -> Rows:
+def scalar_product(state: State, i: int, j: int, u_i: Any, u_j: Any) -> Rows:
     """u_i · u_j, (4.16) to (4.19)."""
     a, b = state.vector(i, u_i), state.vector(j, u_j)
     of_i, of_j = np.zeros((1, 7)), np.zeros((1, 7))
@@ -118,7 +124,9 @@ def scalar_product(state: State, i: int, j: int, u_i, u_j) -> Rows:
     return Rows(np.array([dot(a, b)]), of_i, of_j, np.array([gamma]))
 
 
-def orthogonal(state: State, i: int, j: int, u_i, u_j) -> Rows:
+def orthogonal(
+    state: State, i: int, j: int, u_i: tuple[float, float, float], u_j: tuple[float, float, float]
+) -> Rows:
     """u_i · u_j = 0, where the program's columns of e3 overrun their arrays."""
     rows = scalar_product(state, i, j, u_i, u_j)
     if OVERRUN in state.errors:
@@ -128,7 +136,7 @@ def orthogonal(state: State, i: int, j: int, u_i, u_j) -> Rows:
     return rows
 
 
-def parallel(state: State, joint, indices_wrong: bool) -> Rows:
+def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
     """s_i × s_j = 0, (4.22) to (4.25): three rows, of which two are used."""
     i, j, s_i, s_j = joint.i, joint.j, joint.s_i, joint.s_j
     a, b = tilde(state.vector(i, s_i)), tilde(state.vector(j, s_j))
@@ -136,18 +144,18 @@ def parallel(state: State, joint, indices_wrong: bool) -> Rows:
     of_i = np.concatenate([still, -product(b, state.slope(i, s_i))], axis=1)
     of_j = np.concatenate([still, product(a, state.slope(j, s_j))], axis=1)
     parts = (a, -state.remainder(j, s_j)), (b, state.remainder(i, s_i))
-    parts = (*parts, (tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j)))
+    parts = (*parts, (tilde(state.rate(i, s_i)), -2.0 * state.rate(j, s_j)))  # type: ignore[assignment]
     multiply = _row_sums if indices_wrong else product
     gamma = sum(multiply(matrix, vector) for matrix, vector in parts)
-    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)
+    return Rows(product(a, state.vector(j, s_j)), of_i, of_j, gamma)  # type: ignore[arg-type]
 
 
-def _row_sums(matrix, vector):
+def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """What the program has in place of a product: component M of the vector where N is meant."""
     return (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
 
 
-def along(state: State, joint) -> Rows:
+def along(state: State, joint: "Joint") -> Rows:
     """s_i × d = 0, (4.28) to (4.31): three rows, of which two are used.
 
     With WRONG_INDEX the cylindrical joint takes s_j for s_i in the derivative with respect to p_i; the
@@ -167,13 +175,13 @@ def along(state: State, joint) -> Rows:
     return Rows(product(a, d), of_i, of_j, gamma)
 
 
-def separation(state: State, joint) -> np.ndarray:
+def separation(state: State, joint: "Joint") -> np.ndarray:
     """d, the vector from P_i to P_j."""
     i, j = joint.i, joint.j
     return state.q[j, :3] + state.vector(j, joint.P_j) - state.q[i, :3] - state.vector(i, joint.P_i)
 
 
-def separation_rate(state: State, joint, wrong: bool = False) -> np.ndarray:
+def separation_rate(state: State, joint: "Joint", wrong: bool = False) -> np.ndarray:
     """dd/dt, for which the program takes x, y, z, e0 in place of the four Euler parameters."""
     taken = slice(0, 4) if wrong else slice(3, 7)
     i, j = joint.i, joint.j

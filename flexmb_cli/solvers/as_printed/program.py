@@ -5,6 +5,8 @@ where no coordinate changes by more than FEPS.  Velocities and accelerations are
 of that position, errors included.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -16,6 +18,10 @@ from .errors import ALL_ERRORS, WRONG_INDEX
 from .screw import ScrewZero, screw_row, screw_zero
 from .single import driven, held, normalised
 from .vectors import product, solved, tilde
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # NRMAX, FEPS, EPSLU by the names of `KinematicSettings`.
 LIMITS = {"most_iterations": 250, "tolerance": 1e-4, "smallest_pivot": 1e-5}
@@ -69,7 +75,7 @@ class Program:
         rates = product(system.jacobian, qd.ravel()) - system.nu
         return float(np.max(np.abs(system.residual))), float(np.max(np.abs(rates)))
 
-    def _position(self, t):
+    def _position(self, t: float) -> int:
         for iteration in range(1, self.limits["most_iterations"] + 1):
             system = self._system(t)
             change = self._solve(system.jacobian, system.residual, t)
@@ -79,13 +85,13 @@ class Program:
                 return iteration
         raise _failure(t, f"the position still changes by {largest:.2g} after {iteration} iterations")
 
-    def _solve(self, matrix, right, t):
+    def _solve(self, matrix: np.ndarray, right: np.ndarray, t: float) -> np.ndarray:
         found = solved(matrix, right, self.limits["smallest_pivot"])
         if found is None:
             raise _failure(t, f"a pivot is not larger than EPSLU = {self.limits['smallest_pivot']:g}")
         return found
 
-    def _system(self, t):
+    def _system(self, t: float) -> Equations:
         n, state = self.state.q.size, self.state
         jacobian, residual, nu, gamma = np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n)
         row = 0
@@ -103,7 +109,7 @@ class Program:
             row += 1
         return Equations(jacobian, residual, nu, gamma)
 
-    def _joint(self, number, joint: Joint) -> Rows:
+    def _joint(self, number: int, joint: Joint) -> Rows:
         state = self.state
         if joint.kind == "spherical":
             return coincident(state, joint)
@@ -124,7 +130,7 @@ class Program:
             rows.append(screw_row(state, joint, self._zeros[number]))
         return stacked(*rows)
 
-    def _pair(self, number, joint):
+    def _pair(self, number: int, joint: Joint) -> list[int]:
         """The two of three rows that the program chooses at its first evaluation, and keeps."""
         if number not in self._pairs:
             entries = np.abs(tilde(self.state.vector(joint.i, joint.s_i))) > NEGLIGIBLE
@@ -142,7 +148,7 @@ def _two_rows(first: int, second: int, third: int) -> list[int]:
     return pair
 
 
-def _failure(t, reported):
+def _failure(t: float, reported: "Any") -> "Any":
     return AnalysisError(
         Fault("error", f"at t = {t:.6g} s the program of 1996 fails: {reported}", id="SOLVE-033"), t
     )

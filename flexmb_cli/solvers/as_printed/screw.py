@@ -6,6 +6,7 @@ second derivative from its accelerations.
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +15,10 @@ from ...quick_dataclass import dataclass, replace
 from .equations import Rows, State, scalar_product, separation, separation_rate
 from .errors import SCREW
 from .vectors import dot, product
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Joint
+
 
 PI = 3.14159  # as the program has it
 
@@ -28,7 +33,7 @@ class ScrewZero:
     last: float = 0.0
 
 
-def screw_zero(state: State, joint) -> ScrewZero:
+def screw_zero(state: State, joint: "Joint") -> ScrewZero:
     """What the program keeps of its first evaluation."""
     if SCREW in state.errors:
         joint = _as_read(joint)
@@ -39,29 +44,29 @@ def screw_zero(state: State, joint) -> ScrewZero:
     return ScrewZero(sense * slide.residual[0], turn, sense, turn)
 
 
-def screw_row(state: State, joint, zero: ScrewZero) -> Rows:
+def screw_row(state: State, joint: "Joint", zero: ScrewZero) -> Rows:
     """δ - δ0 - α (θ - θ0) = 0."""
     if SCREW in state.errors:
         return _printed_row(state, _as_read(joint), zero)
     return _row(replace(state, errors=frozenset()), joint, zero)
 
 
-def _as_read(joint):
+def _as_read(joint: "Joint") -> "Joint":
     """The program does not subtract P from Q and H."""
     pairs = {"s_i": joint.P_i, "s_j": joint.P_j, "h_i": joint.P_i, "h_j": joint.P_j}
     return replace(joint, **{name: np.add(getattr(joint, name), P) for name, P in pairs.items()})
 
 
-def _cosine(state, joint):
+def _cosine(state: State, joint: "Joint") -> tuple[float, float]:
     a, b = state.vector(joint.i, joint.h_i), state.vector(joint.j, joint.h_j)
     return dot(a, b), a[2] * b[2]
 
 
-def _length(d):
+def _length(d: np.ndarray) -> float:
     return math.sqrt(dot(d, d))
 
 
-def _turn(cosine, product_of_z, reduced=True):
+def _turn(cosine: float, product_of_z: float, reduced: bool = True) -> float:
     """The angle by the arc tangent, whose second quadrant comes out as π + |.| for π - |.|."""
     if cosine == 0.0:
         return PI * (1.5 if product_of_z < 0.0 else 0.5)
@@ -71,7 +76,7 @@ def _turn(cosine, product_of_z, reduced=True):
     return abs(turn) + PI if turn < 0.0 and reduced else turn
 
 
-def _printed_row(state, joint, zero):
+def _printed_row(state: State, joint: "Joint", zero: ScrewZero) -> Rows:
     i, j, pitch = joint.i, joint.j, joint.pitch
     d, (cosine, product_of_z) = separation(state, joint), _cosine(state, joint)
     slide = _length(d)
@@ -91,7 +96,7 @@ def _printed_row(state, joint, zero):
     return Rows(np.array([residual]), of_i, of_j, np.array([gamma]))
 
 
-def _turning_columns(state, joint, sine):
+def _turning_columns(state: State, joint: "Joint", sine: float) -> tuple[np.ndarray, np.ndarray]:
     """-α ∂θ/∂p of bodies i and j: by the cosine and twice too large, by the sine where that is 0."""
     i, j, pitch = joint.i, joint.j, joint.pitch
     slope_i, slope_j = state.slope(i, joint.h_i), state.slope(j, joint.h_j)
@@ -104,7 +109,7 @@ def _turning_columns(state, joint, sine):
     return pitch * product(across_j[None, :], slope_i)[0], -pitch * product(across_i[None, :], slope_j)[0]
 
 
-def _row(state, joint, zero):
+def _row(state: State, joint: "Joint", zero: ScrewZero) -> Rows:
     """The equation as it should be: the turn by both components, the slide with its sign."""
     slide, (x, y) = _slide(state, joint), _components(state, joint)
     pitch = joint.pitch
@@ -125,26 +130,26 @@ def _row(state, joint, zero):
     )
 
 
-def _rate(state, joint, rows):
+def _rate(state: State, joint: "Joint", rows: Rows) -> float:
     """The first derivative of a scalar."""
     return float(product(rows.of_i, state.qd[joint.i])[0] + product(rows.of_j, state.qd[joint.j])[0])
 
 
-def _across(joint):
+def _across(joint: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """û, and the unit vectors f and g across it fixed to body i: f along h_i, g = û × f."""
     axis = unit(joint.s_i)
     f = unit(np.array(joint.h_i) - dot(joint.h_i, axis) * axis)
     return axis, f, cross(axis, f)
 
 
-def _components(state, joint):
+def _components(state: State, joint: "Joint") -> Any:
     """f · h_j and g · h_j, cosine and sine of the turn."""
     _, f, g = _across(joint)
     h = unit(joint.h_j)
     return tuple(scalar_product(state, joint.i, joint.j, u, h) for u in (f, g))
 
 
-def _slide(state, joint):
+def _slide(state: State, joint: Any) -> Rows:
     """û · d."""
     i, j, axis = joint.i, joint.j, _across(joint)[0]
     u, d = state.vector(i, axis), separation(state, joint)

@@ -5,6 +5,7 @@ listing.  The function of a driver is taken as C + B t + A t²/2, where the scan
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -32,12 +33,12 @@ def held(mechanism: Mechanism, q: np.ndarray) -> list[Single]:
     return found
 
 
-def _value(q, body, direction, value):
+def _value(q: np.ndarray, body: int, direction: int, value: float) -> Any:
     coordinate, target = held_coordinate(direction, value)
     return Single({7 * body + coordinate: 1.0}, q[body, coordinate] - target)
 
 
-def _difference(q, item):
+def _difference(q: np.ndarray, item: Any) -> Any:
     coordinate = item.direction - 1 if item.direction <= 3 else item.direction
     gap = q[item.i, coordinate] - q[item.j, coordinate] - item.value
     return Single({7 * item.i + coordinate: 1.0, 7 * item.j + coordinate: -1.0}, gap)
@@ -61,7 +62,7 @@ def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> lis
     return found
 
 
-def normalised(bodies, q: np.ndarray, qd: np.ndarray) -> list[Single]:
+def normalised(bodies: list[int], q: np.ndarray, qd: np.ndarray) -> list[Single]:
     """|p|² = 1 of the bodies."""
     found = []
     for body in bodies:

@@ -1,6 +1,7 @@
 """Motion of a constrained mechanism through its report times, block by block; what all dialects share."""
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,10 +19,16 @@ from ..singular.dynamic_singularities import (
 from ..singular.mobility import Mobility
 from .coinciding_ends import refuse_coinciding_ends
 from .failures import repetition, step_failure
-from .integrators import ExplicitSteps
+from .integrators import ExplicitSteps, Steps
 from .start import order_of_elimination
 from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...kernels.constrained.report import Report
+
 
 CALL_EVALUATIONS = 4000  # of the equations, handed to the kernel at a time: an interrupt waits for them
 LARGEST_BLOCK = 256  # rows
@@ -40,7 +47,9 @@ class ConstrainedMotion:
     springs = ()
     turns_in_body_axes = False
 
-    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator=None):
+    def __init__(
+        self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator: Steps | None = None
+    ):
         self.arrays = arrays
         self.grid = grid
         self.integrator = integrator or ExplicitSteps()
@@ -57,11 +66,11 @@ class ConstrainedMotion:
         self.clock = self.integration.clock
         self.clock["rtol"] = self.clock["atol"] = tolerance
 
-    def usual_repetitions(self, q) -> int | None:
+    def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Number of equations that repeat others in every mechanism of this kind; None: of no such kind."""
         return None
 
-    def given_rates(self, q):
+    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
         """Rows (r, n) on speeds, right-hand sides (r,) and names of equations that hold at the start only."""
         return np.zeros((0, self.arrays.speeds)), np.zeros(0), ()
 
@@ -74,7 +83,7 @@ class ConstrainedMotion:
         """
         behind = float(self.clock["stop"][0]) if self.resumed else -np.inf
         if not self.resumed:
-            self.row, self.singularities = 0, PassedDynamicSingularities(self)
+            self.row, self.singularities = 0, PassedDynamicSingularities(self)  # type: ignore[assignment]
             self.start()
         self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
@@ -86,9 +95,9 @@ class ConstrainedMotion:
                 continue
             self.clock["stop"] = stop
             for report in self._reports(times[rows[rows >= self.row]]):
-                self.singularities.look(report.times, report.states)
+                self.singularities.look(report.times, report.states)  # type: ignore[attr-defined]
                 self.row += report.times.size
-                yield self.block(report)
+                yield self.block(report)  # type: ignore[attr-defined]
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
@@ -103,7 +112,7 @@ class ConstrainedMotion:
             "row": np.array(self.row),
             "warnings": reported(self.warnings),
             **arrays_in(integration=self.integration, work=self.work),
-            **self.singularities.checkpoint,
+            **self.singularities.checkpoint,  # type: ignore[attr-defined]
         }
 
     def restore(self, checkpoint: Mapping) -> None:
@@ -115,13 +124,13 @@ class ConstrainedMotion:
         self.row, self.resumed, self.singularities = (
             row_of(checkpoint),
             True,
-            PassedDynamicSingularities(self),
+            PassedDynamicSingularities(self),  # type: ignore[assignment]
         )
         self.warnings[:] = faults_reported(checkpoint)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
-        self.singularities.restore(checkpoint)
+        self.singularities.restore(checkpoint)  # type: ignore[attr-defined]
 
-    def _reports(self, times):
+    def _reports(self, times: np.ndarray) -> "Iterator[Report]":
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
         while times.size:
             report = blank_report(self.arrays, times[:LARGEST_BLOCK])
@@ -135,13 +144,13 @@ class ConstrainedMotion:
             elif answer not in (codes.ROWS_FULL, codes.PAUSED):
                 raise step_failure(self, answer, times[0] if times.size else np.inf)
 
-    def _excuse_short_steps(self):
+    def _excuse_short_steps(self) -> None:
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
         if is_singular(self, self.integration.z[: self._first.size], self._first):
             raise step_failure(self, codes.STEP_VANISHED)
         self.clock["excused"] = 1
 
-    def _breakpoints(self, end) -> list[float]:
+    def _breakpoints(self, end: Any) -> list[float]:
         """Points of tables before `end`, s, at which steps end.
 
         What a table does between two steps of any length would be stepped over, and no method keeps its
@@ -149,7 +158,7 @@ class ConstrainedMotion:
         """
         if not self.integrator.chosen:
             return []
-        start, found = self.grid.start, []
+        start, found = self.grid.start, []  # type: ignore[var-annotated]
         apart = SAME * max(abs(start), abs(end))
         for t in sorted({t for function in self._tables for t in function.tolist()}):
             # A step between two numbers for one time would be shorter than any can be.
@@ -164,13 +173,13 @@ class ConstrainedMotion:
         found = [break_times(function, system.knots) for function in system.functions]
         return [times for times in found if times.size]
 
-    def _warn_of_fine_tables(self):
+    def _warn_of_fine_tables(self) -> None:
         """Steps of given length end where they end, whatever a table does between."""
         apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
         finest = min(apart, default=np.inf)
-        if not self.integrator.chosen and finest < self.integrator.length:
+        if not self.integrator.chosen and finest < self.integrator.length:  # type: ignore[attr-defined]
             message = (
-                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "
+                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "  # type: ignore[attr-defined]
                 f"may pass "
                 "over them: take a step below that, or 0 for steps that end at them"
             )
@@ -182,7 +191,7 @@ class ConstrainedMotion:
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
         grid, integration = self.grid, self.integration
-        q = self.assembled(grid.start)
+        q = self.assembled(grid.start)  # type: ignore[attr-defined]
         integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(
             q
         )
@@ -202,17 +211,17 @@ class ConstrainedMotion:
             raise step_failure(self, answer)
         return found
 
-    def _call(self, task, report):
+    def _call(self, task: int, report: "Report") -> int:
         return self.integrator.integrate_rows(
             task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
         )
 
-    def screw_angles(self, q):
+    def screw_angles(self, q: np.ndarray) -> np.ndarray:
         """Angles that count turns at q, those nearest to the deck's estimates."""
         angles = self.arrays.angles.copy()
         fill_angles(self.system, self.work, q, self.arrays.angles, angles)
         return angles
 
 
-def _first(report, filled):
+def _first(report: "Report", filled: int) -> dict[str, np.ndarray]:
     return {name: array[:filled] for name, array in report._asdict().items()}

@@ -1,15 +1,26 @@
 """Springs in line whose ends coincide at the start: with a free length they have no direction to push in."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...kernels.constrained.body_vectors import BODY_VECTOR
 from ...model.arrays.records import LINE
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...kernels.constrained.system import System, Work
+    from ...model.loads import SpringDamper
+
+
 COINCIDING = 1e-9  # of the free length: what assembly leaves between points that joints bring together
 
 
-def refuse_coinciding_ends(system, work, springs, t: float) -> None:
+def refuse_coinciding_ends(
+    system: "System", work: "Work", springs: "tuple[SpringDamper, ...]", t: float
+) -> None:
     """Raise ModelError for stretched springs without a direction at the position at hand.
 
     `springs`: the springs in line of the model, in the order of their loads.
@@ -24,7 +35,7 @@ def refuse_coinciding_ends(system, work, springs, t: float) -> None:
         raise ModelError(faults)
 
 
-def _fault(spring, free_length, t):
+def _fault(spring: "Any", free_length: "Any", t: float) -> Any:
     message = (
         f"its ends coincide at t = {t:.6g} s, where its free length of {free_length:.6g} m gives it a force "
         "without a direction; move an end, or give it the free length 0"

@@ -1,5 +1,7 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -18,15 +20,19 @@ from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
 from .initial_gaps import gap_warnings
-from .integrators import METHODS
+from .integrators import METHODS, Steps
 from .joint_rates import rate_equations
 from .rows import global_axes
 from .start_speeds import given_speeds
 
+if TYPE_CHECKING:
+    pass
+
+
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
 
-def integrator_of(integrator: Integrator):
+def integrator_of(integrator: Integrator) -> tuple[Steps, float]:
     """The integrator that a deck asks for, and its tolerance."""
     method = METHODS[integrator.method]
     steps = method.make(integrator.parameter, integrator.step)
@@ -42,7 +48,7 @@ class FlexibleDynamics(ConstrainedMotion):
         steps, tolerance = integrator_of(mechanism.integrator)
         super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps)
         self.mechanism = mechanism
-        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
+        self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs  # type: ignore[assignment]
 
     @property
     def evaluator(self) -> PositionGaps:
@@ -55,7 +61,7 @@ class FlexibleDynamics(ConstrainedMotion):
         self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 
-    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the given speeds and their values: those of the deck, and no rate of deformation."""
         bodies = self.arrays.bodies
         given, wanted = given_speeds(self.velocities, bodies, q)
@@ -66,7 +72,7 @@ class FlexibleDynamics(ConstrainedMotion):
     def terms(self) -> Terms:
         """Names of loads, drivers, joints and points."""
         m = self.mechanism
-        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]
+        loads = [(item.name, True) for item in (*m.forces, *m.torques, *m.springs)]  # type: ignore[attr-defined]
         loads += [(item.name, m.joints[item.joint].kind == "translational") for item in m.joint_springs]
         return Terms(
             tuple(loads),

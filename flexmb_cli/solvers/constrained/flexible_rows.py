@@ -1,11 +1,13 @@
 """Report rows of a mechanism of rigid and flexible bodies."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
 from ...model.arrays.node_joints import reaction_point
 from ...model.arrays.system import SystemArrays
-from ...model.flexible_mechanism import FlexibleMechanism, NodePoint
+from ...model.flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
 from ...model.vectors import cross_rows
 from ...quick_dataclass import dataclass
 from .rows import coordinate_accelerations, coordinate_rates, global_axes
@@ -61,13 +63,13 @@ class _Motion:
     modal: tuple[np.ndarray, np.ndarray, np.ndarray]  # (T, E) each
     first: np.ndarray  # (b + 1,)
 
-    def of(self, point: NodePoint):
+    def of(self, point: NodePoint) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Arm of a point with its first two derivatives relative to the body (T, 3), body axes."""
         part = slice(self.first[point.body], self.first[point.body] + point.shape.shape[1])
         s, sd, sdd = (eta[:, part] @ point.shape.T for eta in self.modal)
         return point.r0 + s, sd, sdd
 
-    def point(self, point: NodePoint):
+    def point(self, point: NodePoint) -> Any:
         """Position, velocity and acceleration (T, 3) of a point, global axes."""
         if point.body < 0:
             rest = np.zeros((len(self.q), 3))
@@ -117,7 +119,7 @@ def flexible_rows(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Re
     )
 
 
-def _motion(mechanism, arrays, report) -> _Motion:
+def _motion(mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report) -> _Motion:
     b, n, times = arrays.bodies, arrays.speeds, len(report.times)
     states, end = report.states, n + arrays.bodies
     modal = states[:, 7 * b : end], states[:, end + 6 * b : end + n], report.rates[:, 6 * b :]
@@ -130,11 +132,11 @@ def _motion(mechanism, arrays, report) -> _Motion:
     )
 
 
-def _stacked(items, times):
+def _stacked(items: list[np.ndarray], times: int) -> Any:
     return np.stack(items, axis=1) if items else np.zeros((times, 0, 3))
 
 
-def _by_body(mechanism, motion, modal):
+def _by_body(mechanism: FlexibleMechanism, motion: _Motion, modal: np.ndarray) -> tuple[np.ndarray, ...]:
     """Modal coordinates, or their rates, of every flexible body."""
     return tuple(
         modal[:, motion.first[k] : motion.first[k + 1]].copy()
@@ -143,7 +145,9 @@ def _by_body(mechanism, motion, modal):
     )
 
 
-def _forces(mechanism, arrays, motion, report):
+def _forces(
+    mechanism: FlexibleMechanism, arrays: SystemArrays, motion: _Motion, report: Report
+) -> dict[str, np.ndarray]:
     """Reactions of joints, forces of pins, efforts of motions."""
     joints, pins = len(mechanism.joints), len(mechanism.pins)
     reactions = [_reaction(motion, mechanism.joints[k], report.wrenches[:, k]) for k in range(joints)]
@@ -157,7 +161,7 @@ def _forces(mechanism, arrays, motion, report):
     }
 
 
-def _reaction(motion, joint, wrenches):
+def _reaction(motion: _Motion, joint: PointJoint, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Force and torque (T, 3) on body b at its first point: what its body bears, or the other's opposite."""
     point = reaction_point(joint)
     side, sign, body = (1, 1.0, point.body) if point.body >= 0 else (0, -1.0, joint.a[0].body)

@@ -1,13 +1,19 @@
 """The first position of a mechanism of flexible bodies: found by rigid motion, by deformation if it must."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.projection import evaluate_residual
 from ...kernels.constrained.speeds import move
-from ...kernels.constrained.system import PHI
+from ...kernels.constrained.system import PHI, System, Work
 from ..kinematics.assembly import assembly_failure
 from ..singular.mobility import CLOSED
+
+if TYPE_CHECKING:
+    from ...model.arrays.system import SystemArrays
+
 
 MOST_STEPS = 60
 LARGEST_STEP = 0.3  # scaled: of the length scale, rad
@@ -20,15 +26,15 @@ NUDGE = 0.05
 class PositionGaps:
     """Scaled residuals of the equations, for messages and searches."""
 
-    def __init__(self, arrays, system, work):
+    def __init__(self, arrays: "SystemArrays", system: System, work: Work):
         self.arrays, self.system, self.work = arrays, system, work
 
-    def residual(self, q, t, expected) -> np.ndarray:
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (m,) at q; expected: the angles expected."""
         evaluate_residual(self.system, self.work, q, t, expected)
         return self.work.rows[PHI] / self.arrays.row_scale
 
-    def jacobian(self, q) -> np.ndarray:
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (m, n) on speeds."""
         evaluate_jacobian(self.system, self.work, q)
         return self.work.jacobian.copy()
@@ -54,10 +60,10 @@ def assemble(gaps: PositionGaps, t: float) -> np.ndarray:
                 return start
             if left < least:
                 best, least = start, left
-    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)
+    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)  # type: ignore[arg-type]
 
 
-def _search(gaps, q, t, columns):
+def _search(gaps: PositionGaps, q: np.ndarray, t: float, columns: np.ndarray) -> tuple[np.ndarray, float]:
     """Gauss-Newton with the shortest corrections in some of the columns; the position and its largest gap."""
     arrays = gaps.arrays
     gap = gaps.residual(q, t, arrays.angles)
@@ -73,7 +79,7 @@ def _search(gaps, q, t, columns):
     return q, np.max(np.abs(gap), initial=0.0)
 
 
-def _shortened(gaps, q, t, step, size):
+def _shortened(gaps: PositionGaps, q: np.ndarray, t: float, step: np.ndarray, size: Any) -> Any:
     """The position after so much of the step that the gaps get smaller, or None."""
     arrays = gaps.arrays
     factor = min(1.0, LARGEST_STEP / max(np.max(np.abs(step), initial=0.0), 1e-300))

@@ -1,6 +1,7 @@
 """How far the positions of a VSDF deck leave its joints apart, and what bringing them together has moved."""
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,18 +10,25 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ..singular.mobility import about, worst_gaps
 from .flexible_start import PositionGaps
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ...model.arrays.system import SystemArrays
+    from ...model.equations import Equation
+
+
 APART = 1e-2  # of the mechanism's size; of unit vectors
 DEFORMED = 1e-6  # of the length scale: more than round-off
 ROUND_OFF = 1e-7  # an angle below it is lost in its cosine
 PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may well begin elsewhere
 
 
-def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q, t: float) -> list[Fault]:
+def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q: np.ndarray, t: float) -> list[Fault]:
     """Warnings where assembly moved bodies far, or deformed them; q: coordinates that meet all equations."""
     return [*_apart(mechanism, gaps, q, t), *_deformed(mechanism, gaps.arrays, q)]
 
 
-def _apart(mechanism, gaps, q, t):
+def _apart(mechanism: FlexibleMechanism, gaps: Any, q: np.ndarray, t: float) -> "Iterator[Fault]":
     arrays = gaps.arrays
     scaled = gaps.residual(arrays.q, t, arrays.angles)
     limits = np.array([_limit(mechanism, equation) for equation in arrays.equations])
@@ -35,14 +43,14 @@ def _apart(mechanism, gaps, q, t):
     yield about("warning", message, *(gap.equation for gap in worst))
 
 
-def _limit(mechanism, equation):
+def _limit(mechanism: FlexibleMechanism, equation: "Equation") -> float:
     """Residual from which a gap is reported, m or 1; inf for motions that say where the mechanism begins."""
     if any(item.name == equation.owner and item.kind in PRESCRIBED for item in mechanism.motions):
         return math.inf
     return APART * (_size(mechanism) if equation.is_length else 1.0)
 
 
-def _size(mechanism):
+def _size(mechanism: FlexibleMechanism) -> float:
     """The largest distance of a joint or node of a body from its origin, m."""
     points = [p for joint in mechanism.joints for p in (*joint.a, *joint.b)]
     points += [pin.point for pin in mechanism.pins]
@@ -51,7 +59,7 @@ def _size(mechanism):
     return max(sizes, default=0.0) or 1.0
 
 
-def _moved(arrays, q):
+def _moved(arrays: "SystemArrays", q: np.ndarray) -> str:
     """The body that was moved most, in words."""
     size = 7 * arrays.bodies
     before, after = (x[:size].reshape(-1, 7) for x in (arrays.q, q))
@@ -63,7 +71,7 @@ def _moved(arrays, q):
     return f"{arrays.body_names[k]} is moved by {metres:.3g} m and turned by {radians:.3g} rad"
 
 
-def _deformed(mechanism, arrays, q):
+def _deformed(mechanism: FlexibleMechanism, arrays: "SystemArrays", q: np.ndarray) -> "Iterator[Fault]":
     """Bodies that could be joined by bending them only."""
     first, length = 7 * arrays.bodies, arrays.coordinate_scale[0] if arrays.bodies else 1.0
     for body in mechanism.bodies:

@@ -5,9 +5,18 @@ Each imports its own kernels when it is used.
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...errors import Fault
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+
+    from ...kernels.constrained.system import Work
+    from ...kernels.integrators.generalised_alpha import AlphaIntegration
+
 
 KERNELS = "flexmb_cli.kernels.integrators"
 
@@ -34,11 +43,11 @@ class Steps:
         """The kernel."""
         return import_module(self._module).integrate_rows
 
-    def new_integration(self, work, angles: int):
+    def new_integration(self, work: Any, angles: int) -> "Any":
         """Return an integration at time 0 with an empty state, for this work and so many angles."""
         return import_module(self._module).new_integration(work, angles)
 
-    def doubts(self, clock) -> list[Fault]:
+    def doubts(self, clock: "Any") -> list[Fault]:
         """Return what is doubtful about the steps taken."""
         return []
 
@@ -46,14 +55,14 @@ class Steps:
 class ExplicitSteps(Steps):
     """DOP853."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__("constrained_dop853")
 
 
 class RadauSteps(Steps):
     """Radau IIA of order 5, however stiff modes, springs and dampers are."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__("radau5")
 
 
@@ -68,17 +77,17 @@ class GeneralisedAlpha(Steps):
         self.radius, self.length = radius, length
 
     @property
-    def chosen(self) -> bool:
+    def chosen(self) -> bool:  # type: ignore[override]
         """Whether the lengths of its steps are its own choice."""
         return self.length == 0.0
 
-    def new_integration(self, work, angles: int):
+    def new_integration(self, work: "Work", angles: int) -> "AlphaIntegration":
         """Return an integration with the settings of the method."""
         integration = super().new_integration(work, angles)
         integration.memory["rho"], integration.memory["fixed"] = self.radius, self.length
         return integration
 
-    def doubts(self, clock) -> list[Fault]:
+    def doubts(self, clock: "np.void") -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""
         if not self.length or not clock["rejections"]:
             return []

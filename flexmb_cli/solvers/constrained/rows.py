@@ -1,5 +1,7 @@
 """Report rows of a dynamic analysis: the motion, and the forces and energies that go with it."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -58,37 +60,37 @@ def dynamic_rows(mechanism: Mechanism, report: Report) -> DynamicRows:
     )
 
 
-def parameter_rates(p, w):
+def parameter_rates(p: np.ndarray, w: np.ndarray) -> np.ndarray:
     """½ Lᵀ w (…, 4) for Euler parameters p (…, 4) and w (…, 3) in body axes."""
     e0, e = p[..., :1], p[..., 1:]
     return 0.5 * np.concatenate([-np.sum(e * w, -1, keepdims=True), e0 * w + cross_rows(e, w)], axis=-1)
 
 
-def coordinate_rates(q, u):
+def coordinate_rates(q: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Rates (…, 7) of the coordinates q (…, 7) of bodies with speeds u (…, 6)."""
     return np.concatenate([u[..., :3], parameter_rates(q[..., 3:], u[..., 3:])], axis=-1)
 
 
-def coordinate_accelerations(q, u, ud):
+def coordinate_accelerations(q: np.ndarray, u: np.ndarray, ud: np.ndarray) -> np.ndarray:
     """Second derivatives (…, 7) of the coordinates, from speeds and their rates (…, 6)."""
     p, w = q[..., 3:], u[..., 3:]
     turning = 0.25 * np.sum(w * w, -1, keepdims=True) * p
     return np.concatenate([ud[..., :3], parameter_rates(p, ud[..., 3:]) - turning], axis=-1)
 
 
-def body_axes(p, v):
+def body_axes(p: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors v (…, 3), global axes, in the axes of bodies with Euler parameters p (…, 4)."""
     conjugate = p * np.array([1.0, -1.0, -1.0, -1.0])
     return global_axes(conjugate, v)
 
 
-def global_axes(p, v):
+def global_axes(p: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Vectors v (…, 3) in body axes, in global axes."""
     e0, e = p[..., :1], p[..., 1:]
     return v + 2.0 * cross_rows(e, cross_rows(e, v) + e0 * v)
 
 
-def _forces(mechanism, wrenches, p):
+def _forces(mechanism: Mechanism, wrenches: np.ndarray, p: np.ndarray) -> dict[str, np.ndarray]:
     """Reactions, efforts and holding forces from the wrenches (T, constraints, 2, 6)."""
     joints, simplified = len(mechanism.joints), len(mechanism.simplified)
     held_pairs, drivers = len(mechanism.distances), len(mechanism.drivers)
@@ -109,7 +111,7 @@ def _forces(mechanism, wrenches, p):
     }
 
 
-def _add_fourth_parameters(mechanism, others, holding):
+def _add_fourth_parameters(mechanism: Any, others: Any, holding: Any) -> None:
     """A body whose e1, e2, e3 are held has an equation for e0; its force is its holder's.
 
     others (T, bodies so held, 6) in the order of the bodies.
@@ -128,7 +130,7 @@ def _add_fourth_parameters(mechanism, others, holding):
         holding[:, place[body]] += others[:, k]
 
 
-def _reactions(mechanism, wrench, p):
+def _reactions(mechanism: Mechanism, wrench: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     on = [joint.j for joint in mechanism.joints]
     P = np.array([joint.P_j for joint in mechanism.joints], dtype=float).reshape(-1, 3)
     force = wrench[..., :3].copy()
@@ -136,7 +138,7 @@ def _reactions(mechanism, wrench, p):
     return force, global_axes(p[:, on], wrench[..., 3:]) - cross_rows(arm, force)
 
 
-def _efforts(mechanism, wrench, p):
+def _efforts(mechanism: Mechanism, wrench: np.ndarray, p: np.ndarray) -> np.ndarray:
     on = [driver.body for driver in mechanism.drivers]
     force, torque = wrench[..., :3], global_axes(p[:, on], wrench[..., 3:])
     both = np.concatenate([force, torque], axis=-1)

@@ -1,5 +1,7 @@
 """The start of a forward run: an assembled position and independent equations."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -12,13 +14,21 @@ from ...model.by_size import by_size
 from ..kinematics.assembly import assemble_by_search, assembly_failure
 from ..singular.mobility import CLOSED, NAMED, Mobility, involved, sparse_basis
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...model.equations import Equation
+    from .analysis import ConstrainedMotion
+    from .young_dynamics import ForwardDynamics
+
+
 SINGULAR_VALUE = 1e-9  # of the largest
 MOST_STEPS = 60
 MET = 1e-14  # scaled gaps
 HOPELESS = 1e6
 
 
-def assembled(analysis, t: float) -> np.ndarray:
+def assembled(analysis: Any, t: float) -> np.ndarray:
     """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError.
 
     The nearest position first; where that leaves a gap, whole Newton steps from the estimates, which may
@@ -37,7 +47,7 @@ def assembled(analysis, t: float) -> np.ndarray:
     raise assembly_failure(analysis.evaluator, gap, t)
 
 
-def _by_newton(analysis, q, t, expected):
+def _by_newton(analysis: "ForwardDynamics", q: np.ndarray, t: float, expected: np.ndarray) -> Any:
     """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
     bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
     normalise(bodies, q)
@@ -52,7 +62,7 @@ def _by_newton(analysis, q, t, expected):
     return q if np.max(np.abs(evaluator.residual(q, t, expected))) <= CLOSED else None
 
 
-def order_of_elimination(analysis, q, t: float) -> Mobility:
+def order_of_elimination(analysis: "ConstrainedMotion", q: np.ndarray, t: float) -> Mobility:
     """Choose the independent equations at q, and tell which repeat others.
 
     Improves q to round-off on the way.
@@ -80,13 +90,13 @@ def order_of_elimination(analysis, q, t: float) -> Mobility:
     )
 
 
-def _of_one_attitude(group):
+def _of_one_attitude(group: "tuple[Equation, ...]") -> bool:
     """Return whether a dependency is that of one body's Euler parameters, which is no redundancy."""
     parts = {equation.part for equation in group}
     return "e0" in parts and parts <= {"e0", "e1", "e2", "e3"}
 
 
-def inertia_failure(analysis, t: float) -> AnalysisError:
+def inertia_failure(analysis: "Any", t: float) -> AnalysisError:
     """Some motion that the constraints leave free has no mass or inertia to resist it."""
     work, scale = analysis.work, analysis.arrays.speed_scale
     free = work.jacobian.shape[1] - int(work.rank[0])

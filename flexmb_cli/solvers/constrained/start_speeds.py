@@ -1,5 +1,7 @@
 """Speeds at the start of a forward run that fit the constraints and the speeds that the deck gives."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import Fault, ModelError
@@ -10,13 +12,22 @@ from ...kernels.constrained.system import GAMMA
 from ..singular.mobility import CLOSED, about
 from .rows import body_axes, global_axes
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ...model.equations import Equation
+    from ...model.loads import InitialVelocity
+    from .analysis import ConstrainedMotion
+    from .flexible_dynamics import FlexibleDynamics
+
+
 SINGULAR_VALUE = 1e-9  # of the largest
 FITS = 1e-6  # of the largest speed: what given speeds may be changed without a warning
 MASSLESS = 1e-13  # eigenvalue of the scaled mass matrix, of the largest
 WEIGHTLESS = 1e-7  # singular value, of the largest: the root of a mass matrix keeps no smaller one
 
 
-def start_speeds(analysis, q, t: float) -> np.ndarray:
+def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     """Return speeds (n,) that fit the constraints: those given as nearly as can be, the others smallest.
 
     Given speeds u* that fit are kept.  Otherwise the mass-weighted projection (u - u*)ᵀ M (u - u*) → min
@@ -47,7 +58,7 @@ def start_speeds(analysis, q, t: float) -> np.ndarray:
     return u
 
 
-def _nearest(motions, rest):
+def _nearest(motions: "Any", rest: "Any") -> "Any":
     """Return the smallest shares of `motions`, columns of which some speeds are known, that give `rest`."""
     # What moves none of the known speeds but by round-off has no share in them.
     if np.linalg.norm(motions) <= SINGULAR_VALUE:
@@ -55,7 +66,14 @@ def _nearest(motions, rest):
     return np.linalg.lstsq(motions, rest, rcond=1e-12)[0]
 
 
-def _after_impulse(analysis, q, particular, motions, wanted, given):
+def _after_impulse(
+    analysis: Any,
+    q: np.ndarray,
+    particular: np.ndarray,
+    motions: np.ndarray,
+    wanted: np.ndarray,
+    given: np.ndarray,
+) -> np.ndarray:
     """Return the mass-weighted projection of the given speeds, then the nearest, then the smallest speeds."""
     scale = analysis.arrays.speed_scale
     root = _root(_mass_matrix(analysis, q)[np.ix_(given, given)])
@@ -73,7 +91,7 @@ def _after_impulse(analysis, q, particular, motions, wanted, given):
     return u * scale
 
 
-def _mass_matrix(analysis, q):
+def _mass_matrix(analysis: "FlexibleDynamics", q: np.ndarray) -> np.ndarray:
     """Return the mass matrix (n, n) of scaled speeds at q."""
     mass_matrices(analysis.system, analysis.work, q)
     scale = np.diag(analysis.arrays.speed_scale)
@@ -83,14 +101,16 @@ def _mass_matrix(analysis, q):
     return scale @ M.T
 
 
-def _root(M):
+def _root(M: Any) -> np.ndarray:
     """Return a matrix R with Rᵀ R = M; what has no mass has no weight."""
     values, vectors = np.linalg.eigh(M)
     values[values <= MASSLESS * values.max(initial=0.0)] = 0.0
     return np.sqrt(values)[:, None] * vectors.T
 
 
-def given_speeds(velocities, bodies: int, q) -> tuple[np.ndarray, np.ndarray]:
+def given_speeds(
+    velocities: "tuple[InitialVelocity, ...]", bodies: int, q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return which of the speeds (6 bodies,) `velocities` give, and their values."""
     given, wanted = np.zeros((bodies, 6), dtype=bool), np.zeros((bodies, 6))
     p = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
@@ -101,7 +121,7 @@ def given_speeds(velocities, bodies: int, q) -> tuple[np.ndarray, np.ndarray]:
     return given.ravel(), wanted.ravel()
 
 
-def _refuse_contradiction(equations, rest, t):
+def _refuse_contradiction(equations: "tuple[Equation, ...]", rest: np.ndarray, t: float) -> None:
     if rest.size and np.max(np.abs(rest)) > CLOSED:
         worst = equations[int(np.argmax(np.abs(rest)))]
         message = (
@@ -111,7 +131,9 @@ def _refuse_contradiction(equations, rest, t):
         raise ModelError([about("error", message, worst)])
 
 
-def _changes(analysis, u, wanted, given):
+def _changes(
+    analysis: "ConstrainedMotion", u: np.ndarray, wanted: np.ndarray, given: np.ndarray
+) -> np.ndarray:
     """Return by how much the given speeds are changed, scaled (n,); 0 where they are kept."""
     scale = analysis.arrays.speed_scale
     change = np.abs(u - wanted) / scale * given
@@ -119,7 +141,7 @@ def _changes(analysis, u, wanted, given):
     return np.where(change > FITS * max(largest, FITS), change, 0.0)
 
 
-def _doubt_change(analysis, u, wanted, given):
+def _doubt_change(analysis: Any, u: np.ndarray, wanted: np.ndarray, given: np.ndarray) -> None:
     change = _changes(analysis, u, wanted, given)
     for item in analysis.velocities:
         own = slice(6 * item.body, 6 * item.body + 6)
@@ -128,7 +150,7 @@ def _doubt_change(analysis, u, wanted, given):
             analysis.warnings.append(Fault("warning", message, item.place, item.name, id="SOLVE-008"))
 
 
-def _shown(analysis, u, item):
+def _shown(analysis: Any, u: np.ndarray, item: "InitialVelocity") -> str:
     p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
     angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(

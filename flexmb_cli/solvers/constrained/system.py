@@ -1,5 +1,7 @@
 """What a dynamic analysis hands to the kernels."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.constrained.elements import COLUMNS
@@ -37,7 +39,7 @@ def new_work(arrays: SystemArrays) -> Work:
     return make_work(constrained_system(arrays), arrays.angles.size)
 
 
-def blank_report(arrays: SystemArrays, times) -> Report:
+def blank_report(arrays: SystemArrays, times: np.ndarray) -> Report:
     """A report for the given times."""
     rows, n = times.size, arrays.speeds
     return Report(
@@ -58,9 +60,9 @@ class AnyCountEvaluator(Evaluator):
     Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
     """
 
-    def residual(self, q, t, expected) -> np.ndarray:
+    def residual(self, q: Any, t: Any, expected: Any) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
-        rotations, phi = self.work.rotations[A], self.work.rows[PHI]
+        rotations, phi = self.work.rotations[A], self.work.rows[PHI]  # type: ignore[attr-defined]
         rotation_matrices(q, rotations)
         equations.residual(self.system.constraints, q, t, expected, rotations, phi)
         return phi[: self.arrays.row_scale.size] / self.arrays.row_scale

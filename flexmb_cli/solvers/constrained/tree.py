@@ -56,7 +56,7 @@ class AbsoluteTree(ConstrainedMotion):
         rigid = 7 * self.arrays.bodies
         return np.concatenate([self.arrays.q[:rigid], *(eta for eta, _ in self._elastic)])
 
-    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All speeds are given, by the tree's."""
         wanted = np.concatenate([self._speeds, *(rate for _, rate in self._elastic)])
         return np.ones(wanted.size, bool), wanted
@@ -64,7 +64,7 @@ class AbsoluteTree(ConstrainedMotion):
     def block(self, report: Report) -> TreeRows:
         """The rows of a report in the terms of the tree."""
         rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._last)
-        self._last = rows
+        self._last = rows  # type: ignore[assignment]
         return rows
 
 

@@ -1,5 +1,7 @@
 """Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...kernels.constrained.report import Report
@@ -21,6 +23,9 @@ from .start import assembled
 from .start_speeds import given_speeds
 from .system import AnyCountEvaluator
 
+if TYPE_CHECKING:
+    from typing import Any
+
 
 class ForwardDynamics(ConstrainedMotion):
     """One run over the report times of a dynamic model."""
@@ -29,15 +34,15 @@ class ForwardDynamics(ConstrainedMotion):
         super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _integrator(model))
         self.model = model
         self.mechanism = model.mechanism
-        self.velocities, self.springs = model.velocities, model.springs
+        self.velocities, self.springs = model.velocities, model.springs  # type: ignore[assignment]
         bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
-            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
+            part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)  # type: ignore[attr-defined]
 
     @property
     def evaluator(self) -> AnyCountEvaluator:
         """Residuals and Jacobians in coordinates."""
-        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)
+        return AnyCountEvaluator(self.arrays.kinematic, self.system, self.work)  # type: ignore[arg-type, attr-defined]
 
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates that meet all equations, near the deck's estimates; raises AnalysisError."""
@@ -45,18 +50,18 @@ class ForwardDynamics(ConstrainedMotion):
             return assemble(PositionGaps(self.arrays, self.system, self.work), t)
         return assembled(self, t)
 
-    def usual_repetitions(self, q) -> int | None:
+    def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Those of a planar mechanism, None of any other."""
         bodies = len(self.mechanism.bodies)
         grounds = [ground.body for ground in self.mechanism.grounds]
         attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
         return repeated_in_plane(self.mechanism.joints, grounds, attitudes)
 
-    def given_rates(self, q):
+    def given_rates(self, q: np.ndarray) -> "tuple[np.ndarray, np.ndarray, tuple[Any, ...]]":
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
         return rate_equations(self.mechanism.joints, self.model.elements.rates, q, self.arrays.speeds)
 
-    def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
+    def given_speeds(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return which of the speeds the deck gives, and their values."""
         return given_speeds(self.velocities, self.arrays.bodies, q)
 
@@ -65,7 +70,7 @@ class ForwardDynamics(ConstrainedMotion):
         """Names of loads, drivers, joints and points."""
         model, mechanism = self.model, self.mechanism
         drivers = without_driven(mechanism, model.elements).drivers
-        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]
+        loads = [(item.name, True) for item in (*model.forces, *model.torques, *model.springs)]  # type: ignore[attr-defined]
         joints = [(j.name, _point(j.i, j.P_i), _point(j.j, j.P_j)) for j in mechanism.joints]
         return Terms(
             tuple(loads),
@@ -75,7 +80,7 @@ class ForwardDynamics(ConstrainedMotion):
             tuple(k for k, driver in enumerate(mechanism.drivers) if driver in drivers),
         )
 
-    def driven_system(self, k: int, additions, t: float) -> System:
+    def driven_system(self, k: int, additions: list[float], t: float) -> System:
         """Return the system with additions to the value, rate and second rate of driver k at t."""
         value, rate, second = additions
         constraints = self.system.constraints.copy()
@@ -88,15 +93,15 @@ class ForwardDynamics(ConstrainedMotion):
     def block(self, report: Report) -> DynamicRows:
         """The rows of a report in the terms of the model."""
         if self.model.elements:
-            return element_rows(self.model, self.arrays, report)
+            return element_rows(self.model, self.arrays, report)  # type: ignore[arg-type]
         return dynamic_rows(self.mechanism, report)
 
 
-def _point(body, place):
+def _point(body: int, place: tuple[float, float, float]) -> NodePoint:
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
-def _integrator(model):
+def _integrator(model: DynamicModel) -> Any:
     if model.radau:
         return RadauSteps()
     steps = model.alpha_steps

@@ -1,6 +1,7 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +27,10 @@ from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
 from .system import kinematic_system, rows_of, with_dependent_columns
 
+if TYPE_CHECKING:
+    from typing import Any
+
+
 CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 LARGEST_BLOCK = 1024  # rows
 MOST_STEPS = 5000
@@ -49,7 +54,7 @@ class KinematicAnalysis:
         self.row = 0  # of the next block
         self._restart(self.arrays.q)
 
-    def _restart(self, q):
+    def _restart(self, q: np.ndarray) -> None:
         """Begin at the estimates q, which are assembled by the first step (a step of 0)."""
         self.state = np.zeros((3, q.size))
         self.state[0] = q
@@ -119,7 +124,7 @@ class KinematicAnalysis:
         self.warnings[:] = faults_reported(checkpoint)
         return first
 
-    def _next_block(self, row) -> tuple[Rows | None, AnalysisError | None]:
+    def _next_block(self, row: Any) -> tuple[Rows | None, AnalysisError | None]:
         """The next report rows, and why none follow; the last may stand at a bifurcation of two motions."""
         wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
         memory = self.singularities.memory()
@@ -134,7 +139,7 @@ class KinematicAnalysis:
                 count = reached if across is None else k
         part = None
         if count:
-            part = first_rows(block, count)
+            part = first_rows(block, count)  # type: ignore[arg-type]
             self.singularities.look(memory, part)
             keeps_axis(self.mechanism, part)
         if across is None:
@@ -145,7 +150,7 @@ class KinematicAnalysis:
         except AnalysisError as failure:
             return part, failure
 
-    def _row_across(self, row, memory) -> Rows | None:
+    def _row_across(self, row: int, memory: tuple[np.ndarray, np.ndarray, np.ndarray]) -> Rows | None:
         """The report row, if it stands where two motions cross; else the continuation stays where it was."""
         kept = self.state, self.motion, self.clock
         found = row_across(self, self.mechanism.time.time(row), memory)
@@ -153,12 +158,12 @@ class KinematicAnalysis:
             self.state, self.motion, self.clock = kept
         return found
 
-    def _at_once(self, most):
+    def _at_once(self, most: int) -> int:
         """Return how many steps or rows the kernel is given at a time: an interrupt waits for them."""
         return int(np.clip(CALL_WORK / self.arrays.q.size**2, 1, most))
 
     @property
-    def _budget(self):
+    def _budget(self) -> int:
         """Attempts of a call; that the way is barred shows in what is left, and an assembly takes one."""
         return self._at_once(MOST_STEPS) + 1
 
@@ -169,10 +174,18 @@ class KinematicAnalysis:
         if self._sparse is None:
             from .sparse import SparseContinuation
 
-            self._sparse = SparseContinuation(self.evaluator, *self._left_out)
-        return self._sparse.follow
+            self._sparse = SparseContinuation(self.evaluator, *self._left_out)  # type: ignore[assignment]
+        return self._sparse.follow  # type: ignore[attr-defined]
 
-    def carry(self, follow, state, motion, clock, t: float, attempts: int | None = None) -> bool:
+    def carry(
+        self,
+        follow: "Callable[..., Any]",
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        t: float,
+        attempts: int | None = None,
+    ) -> bool:
         """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
         out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
         while clock[continuation.TIME] < t:
@@ -182,7 +195,7 @@ class KinematicAnalysis:
                 break
         return clock[continuation.TIME] >= t
 
-    def _follow(self, times, out, audit):
+    def _follow(self, times: np.ndarray, out: np.ndarray, audit: np.ndarray) -> int:
         """Fill rows until all are reached or the way is barred; returns how many were."""
         reached, follow = 0, self.marcher()
         while reached < times.size:
@@ -193,7 +206,7 @@ class KinematicAnalysis:
                 break
         return reached
 
-    def _block(self, start, end) -> Rows | None:
+    def _block(self, start: int, end: int) -> Rows | None:
         """Report rows start … end - 1, fewer where one cannot be reached, None where none can."""
         times = np.array([self.mechanism.time.time(k) for k in range(start, end)])
         out = np.zeros((times.size, 3, self.arrays.q.size))
@@ -225,7 +238,7 @@ class KinematicAnalysis:
             return first
         return self._with_repetitions(q, found)
 
-    def _with_repetitions(self, q, found) -> Rows:
+    def _with_repetitions(self, q: Any, found: Any) -> Rows:
         """The first row where equations repeat others, if they still do a little later.
 
         Raises AnalysisError if they do not: the start is a dead centre or a branching.
@@ -243,4 +256,4 @@ class KinematicAnalysis:
             raise singular_start(self, q, t)
         self.state, self.motion, self.clock = start
         self.warnings.append(redundancy_warning(found))
-        return first
+        return first  # type: ignore[return-value]

@@ -1,11 +1,17 @@
 """First position of a mechanism when Newton from the deck's estimates fails, and what to say then."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
 from ..singular.mobility import CLOSED, Mobility, about, gap_norms, motion_text, nearest_position, worst_gaps
 from .position import Evaluator
 from .settings import KinematicSettings
+
+if TYPE_CHECKING:
+    from ...model.equations import Equation
+
 
 POLISHED = 1e-13
 TRIALS = 4
@@ -14,7 +20,9 @@ ENOUGH = KinematicSettings.most_iterations
 NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
 
 
-def assemble_by_search(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray, np.ndarray]:
+def assemble_by_search(
+    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """A position that meets the equations as well as can be, and its scaled residual.
 
     Least squares from the estimates, then from estimates a little off: axes that are exactly
@@ -31,7 +39,9 @@ def assemble_by_search(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray
     return best
 
 
-def _search(evaluator, q, t, expected):
+def _search(
+    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """One search, polished by the shortest corrections, which also converge among redundant equations."""
     q, gap = nearest_position(evaluator, q, t, expected)
     scale = evaluator.arrays.column_scale
@@ -46,7 +56,9 @@ def _search(evaluator, q, t, expected):
     return q, evaluator.residual(q, t, expected)
 
 
-def assembly_failure(evaluator: Evaluator, gap, t, most_iterations: int = ENOUGH) -> AnalysisError:
+def assembly_failure(
+    evaluator: Evaluator, gap: np.ndarray, t: float, most_iterations: int = ENOUGH
+) -> AnalysisError:
     """The mechanism of the deck cannot be put together at its first time, t.
 
     `most_iterations`: how many Newton was allowed; fewer than usual may be the reason.
@@ -70,14 +82,16 @@ def too_large_to_rank(equations: int, most: int, t: float) -> AnalysisError:
     return AnalysisError(Fault("error", message, id="SOLVE-009"), t)
 
 
-def _few(iterations):
+def _few(iterations: int) -> str:
     if iterations >= ENOUGH:
         return ""
     plural = "s" * (iterations != 1)
     return f"--nrmax lets Newton try {iterations} iteration{plural}: allow more ({ENOUGH} if not given), or "
 
 
-def free_motion_error(evaluator: Evaluator, q, found: Mobility, motion, t) -> ModelError:
+def free_motion_error(
+    evaluator: Evaluator, q: np.ndarray, found: Mobility, motion: np.ndarray, t: float
+) -> ModelError:
     """Something can move along the null vector `motion` that neither joints nor drivers determine."""
     doubled = "; ".join(_group(group) for group in found.redundant)
     message = (
@@ -95,11 +109,11 @@ def redundancy_warning(found: Mobility) -> Fault:
     return about("warning", message, *_placed(found))
 
 
-def _placed(found):
+def _placed(found: Mobility) -> "list[Equation]":
     return [e for group in found.redundant for e in group if e.place]
 
 
-def _group(equations, most: int = 6):
+def _group(equations: "tuple[Equation, ...]", most: int = 6) -> str:
     names = [e.name for e in equations[:most]]
     more = f" and {len(equations) - most} more" if len(equations) > most else ""
     return "one of " + ", ".join(names) + more if len(equations) > 1 else names[0]

@@ -6,6 +6,8 @@ joints tilt the body against its driver's axis: |p| is not 1 or does not stay 1,
 position, or the rates are no motion.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
@@ -17,6 +19,13 @@ from .assembly import assemble_by_search
 from .position import Evaluator
 from .rows import Rows, twice_g
 from .system import kinematic_system
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+    from .settings import KinematicSettings
+
 
 UPRIGHT = 1e-9
 TILTED = 5e-5  # of an Euler parameter, or of its rates: |p| is UPRIGHT beyond 1
@@ -34,7 +43,7 @@ def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
         raise ModelError(faults)
 
 
-def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
+def refuse_contradicted_drive(mechanism: Mechanism, settings: "KinematicSettings") -> None:
     """Raise ModelError if the mechanism can be assembled but for a rotational driver its joints contradict.
 
     Without that driver the body must be free to turn about the driver's axis, at an attitude that is
@@ -57,7 +66,7 @@ def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
             raise ModelError([Fault("error", message, driver.place, driver.name, id="SOLVE-011")])
 
 
-def _can_turn(driver, q, motions):
+def _can_turn(driver: "Any", q: np.ndarray, motions: "Any") -> "Any":
     k, axis = 7 * driver.body + 3, np.eye(3)[driver.direction - 4]
     p = q[k : k + 4]
     upright = np.linalg.norm(np.cross(p[1:], axis)) <= UPRIGHT
@@ -76,11 +85,11 @@ def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
     return rows
 
 
-def _turning(mechanism):
+def _turning(mechanism: Mechanism) -> list[Driver]:
     return [driver for driver in mechanism.drivers if driver.direction > 3]
 
 
-def _axis_deviations(mechanism, rows):
+def _axis_deviations(mechanism: Mechanism, rows: Rows) -> "Iterator[tuple[Driver, np.ndarray, np.ndarray]]":
     """Every rotational driver, the parts of p, ṗ, p̈ of its body off the axis (T, 3), whether too large.
 
     The rates are compared with the fastest Euler parameter of the row: so far goes their round-off.
@@ -94,7 +103,7 @@ def _axis_deviations(mechanism, rows):
         yield driver, off, off > TILTED * sizes
 
 
-def _message(driver: Driver, off, tilted):
+def _message(driver: Driver, off: np.ndarray, tilted: np.ndarray) -> str:
     axis, k = "xyz"[driver.direction - 4], int(np.argmax(tilted))
     return (
         f"the joints turn body {driver.body + 1} away from the global {axis} axis that this driver turns "

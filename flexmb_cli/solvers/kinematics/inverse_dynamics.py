@@ -71,7 +71,7 @@ class InverseDynamics:
         kept = {field.name: getattr(rows, field.name) for field in fields(Rows)}
         return replace(dynamic_rows(self.mechanism, report), **kept)
 
-    def _choose_order(self, report):
+    def _choose_order(self, report: Report) -> None:
         bodies = len(self.mechanism.bodies)
         evaluate_jacobian(self.system, self.work, report.states[0, : 7 * bodies])
         if choose_order(self.work, self.arrays.speeds) < self.arrays.speeds:
@@ -80,7 +80,7 @@ class InverseDynamics:
         self._ordered = True
 
 
-def _fill_states(report: Report, rows: Rows):
+def _fill_states(report: Report, rows: Rows) -> None:
     p = rows.euler_parameters
     q = np.concatenate([rows.position, p], axis=2)
     u = np.concatenate([rows.velocity, body_axes(p, rows.angular_velocity)], axis=2)

@@ -4,7 +4,14 @@ Madsen, Nielsen and Tingleff, Methods for non-linear least squares problems (2nd
 scipy's solver does the same; importing it takes longer than `flexmb check` of a deck.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 FIRST_DAMPING = 1e-3  # of the largest squared column of the Jacobian
 LEAST_DAMPING = 1e-16  # of the same: with repeated equations the Jacobian itself has no inverse
@@ -13,7 +20,9 @@ SMALLEST_GAIN = 1e-15  # of the sum of squares
 TRIALS = 200
 
 
-def least_squares(residual, jacobian, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def least_squares(
+    residual: "Callable[..., Any]", jacobian: "Callable[..., Any]", x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The x (n,) with the least sum of squares of residual(x) (m,) near the given one, and its residual.
 
     `jacobian` gives the derivative (m, n) at the x of the last call of `residual`.

@@ -1,11 +1,17 @@
 """One position of a mechanism: residuals and Jacobian as matrices, with the names of their rows."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.newton import A, System, Work, evaluate_position
 from ...model.arrays.kinematic import KinematicArrays
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 DENSE_LIMIT = 350  # equations; above, matrices are sparse
 
@@ -35,17 +41,17 @@ class Evaluator:
         """An evaluator with its own work arrays."""
         return cls(arrays, system, light_work(arrays.q.size))
 
-    def residual(self, q, t, expected) -> np.ndarray:
+    def residual(self, q: np.ndarray, t: float, expected: np.ndarray) -> np.ndarray:
         """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
         evaluate_position(self.system, self.work, q, t, expected)
         return self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
 
-    def rows(self, q) -> np.ndarray:
+    def rows(self, q: np.ndarray) -> np.ndarray:
         """Jacobian rows phi_q (equations, 14), unscaled, at the q of the last `residual`."""
         equations.jacobian(self.system.constraints, q, self.work.rotations[A], self.work.phi_q)
         return self.work.phi_q[: self.arrays.row_scale.size]
 
-    def entries(self, q):
+    def entries(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows, columns and scaled values of the Jacobian's entries, halves of one body added up."""
         rows = self.rows(q)
         bodies = self.arrays.bodies_of
@@ -55,14 +61,14 @@ class Evaluator:
         row_numbers = np.broadcast_to(np.arange(len(rows))[:, None], columns.shape)
         return row_numbers, columns, values
 
-    def matrix(self, q) -> np.ndarray:
+    def matrix(self, q: np.ndarray) -> np.ndarray:
         """Scaled Jacobian (equations, coordinates), dense, at the q of the last `residual`."""
         rows, columns, values = self.entries(q)
         matrix = np.zeros((len(rows), q.size))
         np.add.at(matrix, (rows, columns), values)
         return matrix
 
-    def sparse_matrix(self, q):
+    def sparse_matrix(self, q: np.ndarray) -> "Any":
         """The same as a scipy CSR matrix."""
         from scipy.sparse import coo_matrix
 

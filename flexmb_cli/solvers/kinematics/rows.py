@@ -43,7 +43,7 @@ def joined_rows(first: Rows | None, others: Rows) -> Rows:
     return Rows(**{name: np.concatenate([getattr(first, name), getattr(others, name)]) for name in names})
 
 
-def twice_g(p, rate):
+def twice_g(p: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """2 G(p) rate (…, 3): angular velocity of ṗ (3.35), angular acceleration of p̈ (3.37), global axes."""
     e0, e1, e2, e3 = np.moveaxis(p, -1, 0)
     r0, r1, r2, r3 = np.moveaxis(rate, -1, 0)

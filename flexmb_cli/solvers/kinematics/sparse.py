@@ -4,6 +4,8 @@ The same predictor, Newton iteration and acceptance test; the linear algebra is 
 fixed pattern, with the fill-reducing order of the columns found once.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.csgraph import connected_components
@@ -25,6 +27,10 @@ from ...kernels.kinematics.newton import (
 from ...kernels.linalg.rotation import rotation_rates
 from .position import Evaluator
 
+if TYPE_CHECKING:
+    from typing import Any
+
+
 RATE, REMAINDER = 1, 2
 
 
@@ -35,13 +41,13 @@ class SparseFactors:
     of the one and a column of the other are replaced by a 1, so that those coordinates are left as they are.
     """
 
-    def __init__(self, evaluator: Evaluator, repeated=(), dependent=()):
+    def __init__(self, evaluator: Evaluator, repeated: tuple[int, ...] = (), dependent: tuple[int, ...] = ()):
         self.evaluator = evaluator
         self.order = None
         self.repeated, self.dependent = np.array(repeated, dtype=int), np.array(dependent, dtype=int)
         self._find_pattern()
 
-    def _find_pattern(self):
+    def _find_pattern(self) -> None:
         """Entries that are not zero at a position without symmetry can be nonzero anywhere."""
         size = self.evaluator.arrays.q.size
         generic = np.random.default_rng(1996).uniform(0.3, 1.0, size)
@@ -52,7 +58,7 @@ class SparseFactors:
         self.rows = np.append(rows.ravel()[self.kept], self.repeated)
         self.columns = np.append(columns.ravel()[self.kept], self.dependent)
 
-    def factorise(self, q) -> int:
+    def factorise(self, q: np.ndarray) -> int:
         """Factors at the q of the evaluator's last residual; sign of the determinant, 0 if singular."""
         values = np.append(self.evaluator.entries(q)[2].ravel()[self.kept], np.ones(self.repeated.size))
         shape = (q.size, q.size)
@@ -71,7 +77,7 @@ class SparseFactors:
         turned = np.count_nonzero(pivots < 0.0) + odd(self.lu.perm_r) + odd(self.lu.perm_c)
         return -1 if turned % 2 else 1
 
-    def solve(self, right_side) -> np.ndarray:
+    def solve(self, right_side: np.ndarray) -> np.ndarray:
         """Scaled unknowns for a scaled right-hand side; those of dependent coordinates are 0."""
         if self.repeated.size:
             right_side = right_side.copy()
@@ -79,7 +85,7 @@ class SparseFactors:
         return self.lu.solve(right_side)[self.order]
 
 
-def odd(permutation) -> bool:
+def odd(permutation: np.ndarray) -> bool:
     """Return whether a permutation is made of an odd number of exchanges: n less its cycles."""
     cycles = connected_components(
         csc_matrix((np.ones(permutation.size), (range(permutation.size), permutation)))
@@ -90,13 +96,15 @@ def odd(permutation) -> bool:
 class SparseContinuation:
     """Follows a large mechanism; `follow` has the arguments and the result of the kernel of that name."""
 
-    def __init__(self, evaluator: Evaluator, repeated=(), dependent=()):
+    def __init__(self, evaluator: Evaluator, repeated: tuple[int, ...] = (), dependent: tuple[int, ...] = ()):
         self.evaluator = evaluator
         self.arrays = evaluator.arrays
         self.system = evaluator.system
         self.factors = SparseFactors(evaluator, repeated, dependent)
 
-    def newton(self, q, t, expected, limit, most):
+    def newton(
+        self, q: np.ndarray, t: float, expected: np.ndarray, limit: float, most: int
+    ) -> tuple[int, int, int]:
         """Improve q in place until only round-off is left; returns (code, iterations, sign)."""
         previous, sign = np.inf, 0
         for iteration in range(1, most + 1):
@@ -119,7 +127,7 @@ class SparseContinuation:
             previous = size
         return STALLED, most, sign
 
-    def rates(self, q, t, qd, qdd):
+    def rates(self, q: np.ndarray, t: float, qd: np.ndarray, qdd: np.ndarray) -> float:
         """Fill qd and qdd at a position found by `newton`; returns the largest |dΦ/dt|."""
         work, constraints = self.evaluator.work, self.system.constraints
         right_side = work.vectors[1]
@@ -131,7 +139,7 @@ class SparseContinuation:
         self._solve_refined(matrix, right_side, qdd)
         return gap
 
-    def _solve_refined(self, matrix, right_side, solution):
+    def _solve_refined(self, matrix: "Any", right_side: np.ndarray, solution: np.ndarray) -> float:
         scaled = right_side / self.arrays.row_scale
         x = self.factors.solve(scaled)
         for _ in range(3):
@@ -142,7 +150,17 @@ class SparseContinuation:
         solution[:] = x * self.arrays.column_scale
         return np.max(np.abs(rest * self.arrays.row_scale))
 
-    def attempt(self, state, motion, t, t_new, limit, most, new, expected):
+    def attempt(
+        self,
+        state: np.ndarray,
+        motion: np.ndarray,
+        t: float,
+        t_new: float,
+        limit: float,
+        most: int,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> tuple[float, float, int, int, float]:
         """One step, as the kernel's `attempt`."""
         h = t_new - t
         dense.predict(state, h, new[0])
@@ -153,7 +171,15 @@ class SparseContinuation:
         gap = self.rates(new[0], t_new, new[1], new[2])
         return *dense.defect(self.system, state, new, h), sign, iterations, gap
 
-    def advance(self, state, motion, clock, target, new, expected):
+    def advance(
+        self,
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        target: float,
+        new: np.ndarray,
+        expected: np.ndarray,
+    ) -> tuple[bool, float]:
         """Carry `state` to `target`, as the kernel's `advance`."""
         assembling = clock[dense.STEP] == 0.0
         limit = dense.ASSEMBLY_LIMIT if assembling else dense.NO_LIMIT
@@ -179,7 +205,15 @@ class SparseContinuation:
                     return False, gap
         return True, gap
 
-    def follow(self, state, motion, clock, times, out, audit):
+    def follow(
+        self,
+        state: np.ndarray,
+        motion: np.ndarray,
+        clock: np.ndarray,
+        times: np.ndarray,
+        out: np.ndarray,
+        audit: np.ndarray,
+    ) -> int:
         """Fill report rows; returns the number of rows reached."""
         new, expected = np.empty_like(state), np.empty(len(motion))
         for row, target in enumerate(times):

@@ -1,5 +1,7 @@
 """What a kinematic analysis hands to the kernels, and the quantities derived from its coordinates."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.kinematics.newton import COLUMN, RANK, System
@@ -36,7 +38,7 @@ def kinematic_system(arrays: KinematicArrays, settings: KinematicSettings) -> Sy
     )
 
 
-def with_dependent_columns(system: System, dependent) -> System:
+def with_dependent_columns(system: System, dependent: Any) -> System:
     """The system for a position at which the coordinates `dependent` follow from the others.
 
     They are eliminated last, and their corrections and rates are 0.
@@ -51,7 +53,7 @@ def with_dependent_columns(system: System, dependent) -> System:
     return system._replace(places=places, limits=limits)
 
 
-def rows_of(mechanism: Mechanism, times, states, audit) -> Rows:
+def rows_of(mechanism: Mechanism, times: np.ndarray, states: np.ndarray, audit: np.ndarray) -> Rows:
     """Report rows from states (T, 3, 7 n): positions, velocities and accelerations of all coordinates."""
     q, qd, qdd = (states[:, k].reshape(len(times), -1, 7) for k in range(3))
     p, pd, pdd = q[:, :, 3:], qd[:, :, 3:], qdd[:, :, 3:]
@@ -75,7 +77,7 @@ def rows_of(mechanism: Mechanism, times, states, audit) -> Rows:
     )
 
 
-def point_motion(mechanism: Mechanism, q, qd, qdd):
+def point_motion(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> Any:
     """Position, velocity, acceleration (T, points, 3) of the points of interest, global axes."""
     body = np.array([point.body for point in mechanism.points], dtype=np.int64)
     s = np.array([point.s for point in mechanism.points], dtype=float).reshape(-1, 3)
@@ -89,7 +91,7 @@ def point_motion(mechanism: Mechanism, q, qd, qdd):
     )
 
 
-def rotated(p, r, s):
+def rotated(p: np.ndarray, r: np.ndarray, s: np.ndarray) -> np.ndarray:
     """G(p) L(r)ᵀ s (3.26), symmetrical in p and r: A s for p = r, half of dA/dt s for r = ṗ."""
     p0, p1, p2, p3 = np.moveaxis(p, -1, 0)
     r0, r1, r2, r3 = np.moveaxis(r, -1, 0)

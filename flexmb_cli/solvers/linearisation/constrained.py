@@ -1,5 +1,7 @@
 """Eigenfrequencies and damping of the linearised motion of a mechanism, and its absolute formulation."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -13,6 +15,10 @@ from ..constrained.analysis import ConstrainedMotion
 from ..constrained.start import SINGULAR_VALUE, inertia_failure
 from .joint_coordinates import AXES, OWN, JointCoordinates
 from .motion import STEP, LinearisedMotion, differentiated
+
+if TYPE_CHECKING:
+    from ..constrained.young_dynamics import ForwardDynamics
+
 
 # Share of the largest eigenvalue, and 1/s, below which one is that of a motion nothing holds: the differences
 # leave 1e-12 or so of the largest stiffness, and eigenvalues are its roots.
@@ -49,7 +55,13 @@ class ConstrainedLinearised(LinearisedMotion):
 
     AXES = AXES
 
-    def __init__(self, analysis: ConstrainedMotion, axes: str = OWN, state=None, free=None):
+    def __init__(
+        self,
+        analysis: ConstrainedMotion,
+        axes: str = OWN,
+        state: Any = None,
+        free: np.ndarray | None = None,
+    ):
         self.analysis, self.axes = analysis, axes
         self.system = analysis.system
         arrays, z = analysis.arrays, analysis.integration.z
@@ -67,12 +79,12 @@ class ConstrainedLinearised(LinearisedMotion):
         self.L_rate = self._rate_of_functionals(self.q, self.u)
         self._inverse = np.linalg.pinv(jacobian, SINGULAR_VALUE)
 
-    def _motions(self, L):
+    def _motions(self, L: np.ndarray) -> np.ndarray:
         """Displacements (n, f) that the constraints factorised last allow, one for each coordinate."""
         Z = self.analysis.work.motions[:, : len(L)] * self.scale[:, None]
         return Z @ np.linalg.inv(L @ Z)
 
-    def _rate_of_functionals(self, q, u):
+    def _rate_of_functionals(self, q: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Rate (f, n) of L at the position q moving with the speeds u."""
         size = np.max(np.abs(u) / self.scale, initial=0.0)
         if size == 0.0:
@@ -80,16 +92,16 @@ class ConstrainedLinearised(LinearisedMotion):
         h = STEP / size
         return differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
 
-    def _functionals(self, q):
+    def _functionals(self, q: np.ndarray) -> Any:
         return self.coordinates.functionals(q)[self.free]
 
-    def moved(self, q, d) -> np.ndarray:
+    def moved(self, q: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return the position q displaced by d."""
         q = q.copy()
         move(self.analysis.arrays.bodies, q, d)
         return q
 
-    def _rates(self, q, u, t):
+    def _rates(self, q: np.ndarray, u: np.ndarray, t: float) -> np.ndarray:
         """u' at a position and speeds that meet the constraints."""
         ud = np.zeros_like(u)
         self.refuse(accelerations(self.system, self.analysis.work, q, u, t, ud)[0])
@@ -105,27 +117,27 @@ class ConstrainedLinearised(LinearisedMotion):
             )
             raise AnalysisError(Fault("error", message, id="SOLVE-014"), self.t)
 
-    def acceleration_at(self, d, w) -> np.ndarray:
+    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return u' (n,) where the position is displaced by d and the speeds by w."""
         return self._rates(self.moved(self.q, d), self.u + w, self.t)
 
-    def rate_gaps(self, d, w, system=None) -> np.ndarray:
+    def rate_gaps(self, d: np.ndarray, w: np.ndarray, system: Any = None) -> np.ndarray:
         """Return what the speeds, changed by w, lack to meet the constraints displaced by d (m,), scaled."""
         work, system = self.analysis.work, system or self.system
         evaluate_jacobian(system, work, self.moved(self.q, d))
         rate_gap(system, work, self.u + w, self.t)
         return work.rows[GAMMA] / self.analysis.arrays.row_scale
 
-    def companion(self, d) -> np.ndarray:
+    def companion(self, d: np.ndarray) -> np.ndarray:
         """Return the change w (n,) of the speeds, L w = 0, that the displacement d asks for."""
         return self.projected(self.variation(self.rate_gaps, d, np.zeros_like(d)))
 
-    def projected(self, gaps) -> np.ndarray:
+    def projected(self, gaps: np.ndarray) -> np.ndarray:
         """Return x (n,) with J x = gaps (m,), scaled, and L x = 0."""
         x = self._inverse @ gaps * self.scale
         return x - self.Z @ (self.L @ x)
 
-    def turned(self, d) -> np.ndarray:
+    def turned(self, d: np.ndarray) -> np.ndarray:
         """Return k(d): omega × the rotation of every body, in its axes."""
         out = np.zeros_like(d)
         bodies = 6 * self.analysis.arrays.bodies
@@ -133,27 +145,27 @@ class ConstrainedLinearised(LinearisedMotion):
         out[:bodies].reshape(-1, 6)[:, 3:] = np.cross(self.u[:bodies].reshape(-1, 6)[:, 3:], angles)
         return out
 
-    def acceleration_after(self, h, rate) -> np.ndarray:
+    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
         """Return u' (n,) after the short time h, s, of a motion with u' = rate now."""
         return self._rates(self.moved(self.q, h * self.u), self.u + h * rate, self.t + h)
 
-    def later(self, h, rate, jerk) -> "ConstrainedLinearised":
+    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "ConstrainedLinearised":
         """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
         d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
         return self._at(self.moved(self.q, d), self.u + h * (rate + 0.5 * h * jerk), self.t + h)
 
-    def elsewhere(self, d, w) -> "ConstrainedLinearised":
+    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "ConstrainedLinearised":
         """Return the same coordinates where the position is displaced by d and the speeds by w."""
         return self._at(self.moved(self.q, d), self.u + w, self.t)
 
-    def _at(self, q, u, t):
+    def _at(self, q: np.ndarray, u: np.ndarray, t: float) -> "ConstrainedLinearised":
         """The same coordinates near q and u, where they meet the constraints."""
         analysis = self.analysis
         self.refuse(project_position(self.system, analysis.work, q, t, analysis.integration.angles[EXPECTED]))
         self.refuse(project_speeds(self.system, analysis.work, q, u, t)[0])
         return ConstrainedLinearised(analysis, self.axes, (q, u, t), self.free)
 
-    def standing(self, y):
+    def standing(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return position and speeds displaced by y (scaled), with the independent coordinates at rest."""
         analysis, q = self.analysis, self.moved(self.q, self.Z @ (self.units * y))
         self.refuse(
@@ -164,19 +176,21 @@ class ConstrainedLinearised(LinearisedMotion):
         L = self._functionals(q)
         return q, u - self._motions(L) @ (L @ u)
 
-    def standing_accelerations(self, y) -> np.ndarray:
+    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
         """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
         q, u = self.standing(y)
         rates = self._rate_of_functionals(q, u) @ u + self._functionals(q) @ self._rates(q, u, self.t)
         return rates / self.units
 
-    def stand_at(self, y) -> None:
+    def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
         z = self.analysis.integration.z
         z[: self.count], z[self.count : -1] = self.standing(y)
 
 
-def linearised(analysis, formulation=ConstrainedLinearised) -> tuple[LinearisedMotion, np.ndarray, bool]:
+def linearised(
+    analysis: Any, formulation: Any = ConstrainedLinearised
+) -> tuple[LinearisedMotion, np.ndarray, bool]:
     """Return the motion linearised about the state of `analysis`, its matrix A, and whether A is constant.
 
     Of the axes of `formulation` the first that make A constant are taken; where none do, the first.
@@ -189,10 +203,10 @@ def linearised(analysis, formulation=ConstrainedLinearised) -> tuple[LinearisedM
         if motion.is_constant(A):
             return motion, A, True
         first = first or (motion, A, False)
-    return first
+    return first  # type: ignore[return-value]
 
 
-def modes(analysis, formulation=ConstrainedLinearised) -> Modes:
+def modes(analysis: "ForwardDynamics", formulation: type = ConstrainedLinearised) -> Modes:
     """Return the modes about the state of `analysis`; raises as `linearised`."""
     return modes_of(*linearised(analysis, formulation))
 

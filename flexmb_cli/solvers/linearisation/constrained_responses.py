@@ -1,5 +1,7 @@
 """Inputs and outputs of the linearised motion of a mechanism in absolute coordinates."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...kernels.constrained.angle_unwrapping import EXPECTED
@@ -16,6 +18,14 @@ from .motion import STEP, differentiated
 from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
 from .terms import Terms
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
+    from ..constrained.flexible_rows import FlexibleRows
+    from ..constrained.rows import DynamicRows
+
+
 AXES = "xyz"
 MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
 JOINT_DISPLACEMENT = (("displacement", "m"), ("rotation", "rad"))
@@ -28,7 +38,7 @@ class ConstrainedResponses(Responses):
 
     def __init__(self, motion: ConstrainedLinearised):
         self.motion, self.analysis = motion, motion.analysis
-        self.terms: Terms = self.analysis.terms
+        self.terms: Terms = self.analysis.terms  # type: ignore[attr-defined]
         self.rotations = [rotation_matrix(p) for p in self._poses(motion.q)[:, 3:]]
         self.relative = [
             Signal(f"{name} {what} {axis}", unit)
@@ -39,10 +49,10 @@ class ConstrainedResponses(Responses):
         self.observed = self._observed()
         self.inputs = [*self._load_inputs(), *self._driver_inputs()]
 
-    def _poses(self, q):
+    def _poses(self, q: np.ndarray) -> np.ndarray:
         return q[: 7 * self.analysis.arrays.bodies].reshape(-1, 7)
 
-    def _observed(self):
+    def _observed(self) -> list[Signal]:
         points = [(name, *what) for name, _ in self.terms.points for what in MOVED_POINT]
         joints = [(name, *what) for name, _, _ in self.terms.joints for what in JOINT_REACTION]
         signals = [
@@ -52,22 +62,22 @@ class ConstrainedResponses(Responses):
             Signal(f"{name} effort", "N" if is_length else "N m") for name, is_length in self.terms.drivers
         ]
 
-    def respond(self, d, w, model: System | None = None) -> np.ndarray:
+    def respond(self, d: Any, w: Any, model: System | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
-        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
+        report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])  # type: ignore[attr-defined]
         expected = analysis.integration.angles[EXPECTED][None].copy()
-        system, work = model or motion.system, analysis.work
+        system, work = model or motion.system, analysis.work  # type: ignore[attr-defined]
         # A kernel writes a row for every load, and a model may have one more.
         answers = np.zeros((len(system.loads), COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
         filled = observe_rows(system, work, expected, report)
-        motion.refuse(SOLVED if filled else NO_INERTIA)
-        rows = analysis.block(report)
+        motion.refuse(SOLVED if filled else NO_INERTIA)  # type: ignore[attr-defined]
+        rows = analysis.block(report)  # type: ignore[attr-defined]
         return np.concatenate([report.rates[0], self._outputs(rows)])
 
-    def _outputs(self, rows):
+    def _outputs(self, rows: "FlexibleRows | DynamicRows") -> np.ndarray:
         """Observed outputs of a row: of points and joints along axes that turn with their bodies."""
         moved = [getattr(rows, f"point_{what}")[0] for what, _ in MOVED_POINT]
         found = [
@@ -81,24 +91,25 @@ class ConstrainedResponses(Responses):
             [*found, efforts if self.terms.efforts is None else efforts[[*self.terms.efforts]]]
         )
 
-    def _along(self, body, vector):
+    def _along(self, body: int, vector: np.ndarray) -> np.ndarray:
         return vector if body < 0 else self.rotations[body].T @ vector
 
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Return P (6 joints, n) of displacement and rotation of body b against a, its axes, and its rate."""
         motion, size = self.motion, np.max(np.abs(self.motion.u) / self.motion.scale, initial=0.0)
-        P = self._functionals(motion.q)
+        P = self._functionals(motion.q)  # type: ignore[attr-defined]
         if size == 0.0:
             return P, np.zeros_like(P)
         return P, differentiated(
-            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)), STEP / size
+            lambda t: self._functionals(motion.moved(motion.q, t * motion.u)),  # type: ignore[attr-defined]
+            STEP / size,
         )
 
-    def _functionals(self, q):
+    def _functionals(self, q: np.ndarray) -> Any:
         blocks = [self._of_joint(q, a, b) for _, a, b in self.terms.joints]
         return np.concatenate(blocks) if blocks else np.zeros((0, self.motion.scale.size))
 
-    def _of_joint(self, q, a: NodePoint, b: NodePoint):
+    def _of_joint(self, q: np.ndarray, a: NodePoint, b: NodePoint) -> np.ndarray:
         place, carried = self._carried(q, b, None)
         block = carried - self._carried(q, a, place)[1]
         if a.body < 0:
@@ -106,7 +117,9 @@ class ConstrainedResponses(Responses):
         across = rotation_matrix(self._poses(q)[a.body, 3:]).T
         return np.concatenate([across @ block[:3], across @ block[3:]])
 
-    def _carried(self, q, point: NodePoint, place):
+    def _carried(
+        self, q: np.ndarray, point: NodePoint, place: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return the position of a point and the displacement (6, n) of its body there or at `place`."""
         arrays, block = self.analysis.arrays, np.zeros((6, self.motion.scale.size))
         if point.body < 0:
@@ -121,23 +134,23 @@ class ConstrainedResponses(Responses):
         block[:3, own + 3 : own + 6], block[:3, modes] = -tilde(reach) @ R, R @ point.shape
         return pose[:3] + body_vector, block
 
-    def _first_mode(self, body):
+    def _first_mode(self, body: int) -> int:
         """Number of the first modal speed of a body."""
         arrays = self.analysis.arrays
         own = [int(f["first"]) for f in arrays.flexible if f["body"] == body]
         return 6 * arrays.bodies + (own[0] if own else 0)
 
-    def _load_inputs(self):
-        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads
+    def _load_inputs(self) -> "Iterator[Input]":
+        still, loads = np.zeros(self.motion.scale.size), self.motion.system.loads  # type: ignore[attr-defined]
         # Elements at joints stand behind the loads that have names, and are no inputs.
         for (name, is_force), load in zip(self.terms.loads, loads, strict=False):
             for signal, records in _unit_loads(name, is_force, load):
                 yield Input(signal, still, still, self._loaded(records), 1.0)
 
-    def _loaded(self, records):
-        system = self.motion.system
+    def _loaded(self, records: Any) -> "Callable[..., Any]":
+        system = self.motion.system  # type: ignore[attr-defined]
 
-        def change(amount):
+        def change(amount: float) -> System:
             # Friction stays behind all others.
             rubs = system.loads["kind"] == FRICTION
             return system._replace(
@@ -146,33 +159,33 @@ class ConstrainedResponses(Responses):
 
         return change
 
-    def _driver_inputs(self):
+    def _driver_inputs(self) -> "Iterator[Any]":
         for k, (name, is_length) in enumerate(self.terms.drivers):
             yield from self._inputs_of_driver(k, name, "m" if is_length else "rad")
 
-    def _inputs_of_driver(self, k, name, unit):
+    def _inputs_of_driver(self, k: Any, name: Any, unit: Any) -> "Iterator[Input]":
         """Inputs of a driver, its rate and its acceleration; none where other drivers forbid the change."""
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
-        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)
-        d = motion.projected(asked)
-        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:
+        asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)  # type: ignore[attr-defined]
+        d = motion.projected(asked)  # type: ignore[attr-defined]
+        if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
-        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)
-        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])
+        turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)  # type: ignore[attr-defined]
+        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])  # type: ignore[attr-defined]
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
-    def _driven(self, k, order):
-        def change(amount):
+    def _driven(self, k: int, order: int) -> "Callable[..., Any]":
+        def change(amount: Any) -> System:
             additions = [0.0, 0.0, 0.0]
             additions[order] = amount
-            return self.analysis.driven_system(k, additions, self.motion.t)
+            return self.analysis.driven_system(k, additions, self.motion.t)  # type: ignore[attr-defined]
 
         return change
 
 
-def _unit_loads(name, is_force, load):
+def _unit_loads(name: str, is_force: bool, load: np.void) -> "Iterator[tuple[Signal, Callable[..., Any]]]":
     """Signals of a load, each with the records that add so much of it."""
     if load["kind"] in (FORCE, TORQUE):
         unit = "N" if load["kind"] == FORCE else "N m"
@@ -184,8 +197,8 @@ def _unit_loads(name, is_force, load):
         yield Signal(f"{name} effort", "N" if is_force else "N m"), _spring_load(load, -1.0)
 
 
-def _vector_load(load, axis):
-    def records(amount):
+def _vector_load(load: np.void, axis: int) -> "Callable[..., Any]":
+    def records(amount: float) -> np.ndarray:
         record = np.array([load])
         record["function"], record["vector"] = -1, amount * np.eye(3)[axis]
         return record
@@ -193,10 +206,10 @@ def _vector_load(load, axis):
     return records
 
 
-def _spring_load(load, sign):
+def _spring_load(load: np.void, sign: float) -> "Callable[..., Any]":
     """Two springs whose stiffnesses cancel and whose free lengths differ: a constant pull."""
 
-    def records(amount):
+    def records(amount: float) -> np.ndarray:
         pair = np.array([load, load])
         pair["damping"], pair["stiffness"], pair["free_length"] = 0.0, (1.0, -1.0), (-sign * amount, 0.0)
         return pair
@@ -204,7 +217,7 @@ def _spring_load(load, sign):
     return records
 
 
-def constrained_signals(motion: ConstrainedLinearised):
+def constrained_signals(motion: ConstrainedLinearised) -> tuple[Signal, ...]:
     """Return the signals of the states of a ConstrainedLinearised."""
     arrays, names, units = motion.analysis.arrays, [], []
     for k in motion.free:

@@ -1,8 +1,14 @@
 """Equilibrium of a mechanism: its independent joint coordinates at rest while its drivers go on."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+
+if TYPE_CHECKING:
+    pass
+
 
 SHORT_STENCIL = ((-1.0, -0.5), (1.0, 0.5))  # of second order, enough to find the way to an equilibrium
 MOST_ITERATIONS = 60
@@ -11,7 +17,7 @@ NO_STIFFNESS = 1e-10  # of the largest eigenvalue
 SMALLEST_CORRECTION = 1e-9  # scaled correction that counts as none
 
 
-def find_equilibrium(analysis, linearised) -> None:
+def find_equilibrium(analysis: Any, linearised: type) -> None:
     """Bring a started `analysis` into an equilibrium: the one it stands in, else one it can fall into.
 
     Drivers keep their speeds: on a turning frame this is the equilibrium relative to the frame.
@@ -35,7 +41,7 @@ def find_equilibrium(analysis, linearised) -> None:
     raise AnalysisError(Fault("error", message, id="SOLVE-015"), motion.t)
 
 
-def _downhill(stiffness, accelerations):
+def _downhill(stiffness: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
     """Newton's step, turned round along eigenvectors whose motions grow."""
     if not accelerations.size:
         return accelerations

@@ -46,7 +46,7 @@ class JointCoordinates:
                 L[rows, columns] = -_carried(across, centre - poses[parent, :3], R[parent])
         return L
 
-    def _axes_of(self, body, parent, R):
+    def _axes_of(self, body: int, parent: int, R: list[np.ndarray]) -> np.ndarray:
         if self.axes == OWN:
             return R[body]
         return np.eye(3) if parent == GROUND else R[parent]
@@ -57,7 +57,7 @@ class JointCoordinates:
         columns = (jacobian / scale) @ np.linalg.inv(L) * scale * self._weights()
         return np.flatnonzero(~dependent_columns(columns, rank))
 
-    def _weights(self):
+    def _weights(self) -> np.ndarray:
         body = [PREFERENCE["displacement"]] * 3 + [PREFERENCE["rotation"]] * 3
         modes = self.arrays.speeds - 6 * self.arrays.bodies
         return np.array(body * self.arrays.bodies + [PREFERENCE["mode"]] * modes)
@@ -69,7 +69,7 @@ class JointCoordinates:
         return self.arrays.body_names[self.parents[k // 6]]
 
 
-def _carried(across, body_vector, R):
+def _carried(across: np.ndarray, body_vector: np.ndarray, R: np.ndarray) -> np.ndarray:
     """Displacement at `body_vector` (3,) from the origin of a body, and its rotation, along axes: (6, 6)."""
     block = np.zeros((6, 6))
     block[:3, :3], block[:3, 3:], block[3:, 3:] = across, -across @ tilde(body_vector) @ R, across @ R
@@ -106,7 +106,7 @@ def parents_of(arrays: SystemArrays) -> list[int]:
     return parents
 
 
-def _weights_of_pairs(arrays):
+def _weights_of_pairs(arrays: SystemArrays) -> dict[tuple[int, int], float]:
     weights: dict[tuple[int, int], float] = {}
     for group in arrays.groups:
         i, j = int(group["body_i"]), int(group["body_j"])

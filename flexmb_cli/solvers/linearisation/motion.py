@@ -11,10 +11,16 @@ For a steady motion seen from its turning axes the coefficients are constant.
 """
 
 from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import AnalysisError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
 
 STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power
 STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
@@ -26,7 +32,7 @@ FAR = 0.3  # scaled displacement up to which an accelerating motion is followed
 SAME_EIGENVALUE, SLOWEST = 1e-5, 1e-6  # relative change of an eigenvalue, and share of the largest one
 
 
-def differentiated(function, h: float):
+def differentiated(function: "Callable[..., Any]", h: float) -> Any:
     """Return the derivative of function(x) at x = 0 by differences of fourth order with the step h."""
     return sum(weight / h * function(place * h) for place, weight in STENCIL)
 
@@ -91,7 +97,7 @@ class LinearisedMotion(ABC):
     def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
 
-    def variation(self, function, d: np.ndarray, w: np.ndarray) -> np.ndarray:
+    def variation(self, function: "Callable[..., Any]", d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the derivative of function(d, w) along the displacement d and the speeds w."""
         size = np.max(np.abs(d) / self.scale, initial=0.0) or np.max(np.abs(w) / self.scale, initial=0.0)
         return differentiated(lambda share: function(share * d, share * w), STEP / (size or 1.0))
@@ -104,7 +110,7 @@ class LinearisedMotion(ABC):
         """Return v' (f,) of changes w of the speeds and of their rates."""
         return self.L_rate @ w + self.L @ acceleration
 
-    def tangents(self):
+    def tangents(self) -> "Iterator[tuple[np.ndarray, np.ndarray]]":
         """Yield displacement and change of speeds for every state, y then v, in their units."""
         still = np.zeros(self.scale.size)
         for k, unit in enumerate(self.units):
@@ -141,11 +147,11 @@ class LinearisedMotion(ABC):
             # A singular position is not far.
             return False
 
-    def _far_change(self, shift, left):
+    def _far_change(self, shift: np.ndarray, left: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         shift = shift * min(1.0, FAR / max(np.max(np.abs(shift), initial=0.0), FAR))
         return self.Z @ (self.units * shift), self.Z @ (self.units * left) * self.duration
 
-    def _agrees(self, A, other, pace):
+    def _agrees(self, A: np.ndarray, other: np.ndarray, pace: float) -> bool:
         """Return whether entries, row by row, and eigenvalues of two matrices are the same."""
         f, change = self.dofs, np.abs(other - A)
         for rows, columns, power in ((0, 0, 1), (1, 0, 2), (1, 1, 1)):
@@ -169,14 +175,14 @@ class LinearisedMotion(ABC):
         pace, rate, jerk = self.path(A)
         return self.later(share * TIME_SHARE * pace, rate, jerk)
 
-    def _pace(self, *derivatives):
+    def _pace(self, *derivatives: "Any") -> float:
         """Time, s, in which one of the derivatives changes the position by one unit, at most the run."""
         rates = [
             np.max(np.abs(v) / self.scale, initial=0.0) ** (1.0 / k) for k, v in enumerate(derivatives, 1)
         ]
         return 1.0 / max(*rates, 1.0 / self.duration)
 
-    def _destination(self, A):
+    def _destination(self, A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the displacements (f,) by the accelerations, and accelerations (f,) that nothing opposes."""
         f = self.dofs
         pushed = self.speed_rates(self.u, self.rate) / self.units
@@ -188,14 +194,14 @@ class LinearisedMotion(ABC):
         largest = np.max(np.abs(pushed), initial=0.0)
         return shift, np.where(np.abs(left) > 1e-6 * largest, left, 0.0)
 
-    def _rate_without_residue(self, A):
+    def _rate_without_residue(self, A: np.ndarray) -> np.ndarray:
         """u' without the accelerations that an equilibrium found by iteration leaves in stiff coordinates."""
         shift, left = self._destination(A)
         if np.max(np.abs(shift), initial=0.0) > CONSTANT or np.any(left):
             return self.rate
         return self.rate - self.Z @ self.speed_rates(self.u, self.rate)
 
-    def standing_stiffness(self, stencil) -> np.ndarray:
+    def standing_stiffness(self, stencil: tuple[tuple[float, float], tuple[float, float]]) -> np.ndarray:
         """Return the derivative (f, f) of the accelerations of the coordinates held at rest."""
         derivative = np.zeros((self.dofs, self.dofs))
         for k, direction in enumerate(np.eye(self.dofs)):

@@ -6,11 +6,16 @@ drivers and loads, the outputs those of points, joints and drivers.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from .motion import CONSTANT, STEP, LinearisedMotion, differentiated
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 SPEED_OF = {"rad": "rad/s", "m": "m/s", "m or 1": "m/s or 1/s"}
 ACCELERATION_OF = {"rad": "rad/s2", "m": "m/s2"}
@@ -67,7 +72,7 @@ class Responses(ABC):
     relative: list[Signal]  # relative displacements, rows of `displacements`
 
     @abstractmethod
-    def respond(self, d, w, model=None) -> np.ndarray:
+    def respond(self, d: np.ndarray, w: np.ndarray, model: "Any" = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
 
     @abstractmethod
@@ -80,7 +85,7 @@ class Responses(ABC):
         rates = [Signal(f"{s.name} rate", SPEED_OF[s.unit]) for s in self.relative]
         return (*self.relative, *rates, *self.observed)
 
-    def column(self, d, w, response):
+    def column(self, d: np.ndarray, w: np.ndarray, response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the columns of A or B (2 f,) and of C or D (p,) of one change with its response."""
         motion, n = self.motion, self.motion.scale.size
         P, P_rate = self.displacements()
@@ -105,12 +110,12 @@ def matrices(responses: Responses) -> list[np.ndarray]:
     return [A, B, C, D]
 
 
-def _columns(columns, rows):
+def _columns(columns: list[np.ndarray], rows: Any) -> np.ndarray:
     return np.column_stack(columns) if columns else np.zeros((rows, 0))
 
 
-def _response(responses, one: Input):
-    def answer(amount):
+def _response(responses: Responses, one: Input) -> np.ndarray:
+    def answer(amount: float) -> np.ndarray:
         return responses.respond(amount * one.d, amount * one.w, one.change(amount))
 
     return differentiated(answer, one.step)
@@ -124,15 +129,15 @@ def state_space(responses: Responses, later: Responses, states: tuple[Signal, ..
         for name, a, b in zip(MATRICES, here, there, strict=True)
     }
     inputs = tuple(one.signal for one in responses.inputs)
-    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)
+    return StateSpace(*here, states, inputs, responses.outputs, responses.motion.axes, constant)  # type: ignore[arg-type, call-arg]
 
 
-def _sizes(matrix):
+def _sizes(matrix: Any) -> np.ndarray:
     """Largest entry of each row (rows, 1), or 1."""
     return np.max(np.abs(matrix), axis=1, initial=1.0)[:, None] if matrix.size else np.ones((len(matrix), 1))
 
 
-def state_signals(names, units, parents) -> tuple[Signal, ...]:
+def state_signals(names: list[str], units: Any, parents: list[str]) -> tuple[Signal, ...]:
     """Return the signals of coordinates and then of their speeds."""
     y = [Signal(*item) for item in zip(names, units, parents, strict=True)]
     return (*y, *(Signal(f"{s.name} rate", SPEED_OF[s.unit], s.relative_to) for s in y))

@@ -4,6 +4,8 @@ The speeds are rates of the coordinates; those of a hinge with three rotations a
 parent.  Closed loops leave some coordinates independent: J u = 0 for the rates of the gaps.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -11,11 +13,15 @@ from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
 from ...kernels.tree.projection import evaluate_gaps
 from ...model.arrays.tree_frames import rotation_matrix
-from ...model.tree import ROTATION
+from ...model.tree import ROTATION, Tree
 from ..tree.analysis import TreeAnalysis, breakpoints, set_functions
 from ..tree.assembly import assemble_tree
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
 from .motion import STEP, LinearisedMotion, differentiated
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 DEPENDENT = 1e-9  # of the largest singular value of J
 CLOSED, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
@@ -27,7 +33,13 @@ class TreeLinearised(LinearisedMotion):
 
     AXES = (PARENT, OWN)
 
-    def __init__(self, analysis: TreeAnalysis, axes: str = PARENT, state=None, free=None):
+    def __init__(
+        self,
+        analysis: TreeAnalysis,
+        axes: str = PARENT,
+        state: tuple[np.ndarray, float] | None = None,
+        free: np.ndarray | None = None,
+    ):
         self.analysis, self.arrays, self.axes = analysis, analysis.arrays, axes
         self.z, self.t = state or (analysis.state.copy(), float(analysis.clock["t"][0]))
         if state is None:
@@ -44,17 +56,17 @@ class TreeLinearised(LinearisedMotion):
         self.rate = self._rates(self.z, self.t)
         self.L_rate = self._rate_of_functionals(self.z)
 
-    def prescribe(self, z, t) -> None:
+    def prescribe(self, z: np.ndarray, t: float) -> None:
         """Put the prescribed coordinates of z and their speeds to where they are at t."""
         speeds, q, _ = parts(self.arrays, z)
         for p in self.arrays.prescribed:
             q[p["coordinate"]] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
             speeds[p["coordinate"]] = p["B"] + p["A"] * t
 
-    def _balls(self):
+    def _balls(self) -> "Any":
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
-    def _functionals(self, z):
+    def _functionals(self, z: np.ndarray) -> Any:
         """L (f, NS): rotations of hinges with three of them along axes of the parent or of the body."""
         L, (_, _, attitudes) = np.eye(self.scale.size), parts(self.arrays, z)
         for frame in self._balls() if self.axes == OWN else ():
@@ -62,7 +74,7 @@ class TreeLinearised(LinearisedMotion):
             L[own, own] = rotation_matrix(attitudes[frame["ball"]]).T
         return L[self.free]
 
-    def _rate_of_functionals(self, z):
+    def _rate_of_functionals(self, z: np.ndarray) -> np.ndarray:
         speeds = parts(self.arrays, z)[0]
         size = np.max(np.abs(speeds), initial=0.0)
         if self.axes == PARENT or size == 0.0:
@@ -70,29 +82,29 @@ class TreeLinearised(LinearisedMotion):
         h = STEP / size
         return differentiated(lambda time: self._functionals(self.displaced(time * speeds, z)), h)
 
-    def _jacobian(self, z):
+    def _jacobian(self, z: np.ndarray) -> np.ndarray:
         """J (R, NS) of the gaps by the coordinates that are not prescribed."""
         speeds = np.where(self.arrays.given, 0.0, 1.0)
         columns = [self.gap_rates(z, unit) for unit in np.diag(speeds)] if self.arrays.closures.size else []
         return np.array(columns).reshape(speeds.size, -1).T
 
-    def gap_rates(self, z, speeds) -> np.ndarray:
+    def gap_rates(self, z: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """Return the rates (R,) of the gaps at the position of z with other speeds."""
         z = z.copy()
         z[: speeds.size] = speeds
         return self._measured(z)["rate"].copy()
 
-    def _measured(self, z):
+    def _measured(self, z: np.ndarray) -> np.ndarray:
         if self.arrays.closures.size:
             evaluate_gaps(self.arrays, self.analysis.work, self.analysis.coordinates, z)
         return self.arrays.closures
 
-    def _independent(self, jacobian):
+    def _independent(self, jacobian: np.ndarray) -> np.ndarray:
         weights = np.where(self.arrays.elastic, PREFERENCE["mode"], PREFERENCE["displacement"])
         scaled = jacobian * self.scale * weights
         return np.flatnonzero(~dependent_columns(scaled, _rank(jacobian)) & ~self.arrays.given)
 
-    def _basis(self, jacobian, L):
+    def _basis(self, jacobian: np.ndarray, L: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Z (NS, f) with J Z = 0, L Z = 1, and the generalised inverse of J."""
         free = np.flatnonzero(~self.arrays.given)
         rank = _rank(jacobian)
@@ -103,7 +115,7 @@ class TreeLinearised(LinearisedMotion):
         motions[free] = kernel
         return motions @ np.linalg.inv(L @ motions), np.linalg.pinv(jacobian, DEPENDENT)
 
-    def displaced(self, d, z=None) -> np.ndarray:
+    def displaced(self, d: np.ndarray, z: Any = None) -> np.ndarray:
         """Return the state with the coordinates displaced by d."""
         z = (self.z if z is None else z).copy()
         _, q, attitudes = parts(self.arrays, z)
@@ -114,7 +126,7 @@ class TreeLinearised(LinearisedMotion):
         normalise_attitudes(self.arrays, z)
         return z
 
-    def _rates(self, z, t):
+    def _rates(self, z: np.ndarray, t: float) -> np.ndarray:
         """u' (NS,) of a state; raises AnalysisError without inertia."""
         analysis, z, dz = self.analysis, z.copy(), np.zeros_like(z)
         fault = derivative(self.arrays, analysis.work, analysis.coordinates, t, z, dz)
@@ -123,28 +135,28 @@ class TreeLinearised(LinearisedMotion):
             raise analysis.failure()
         return dz[: self.scale.size]
 
-    def changed(self, d, w) -> np.ndarray:
+    def changed(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return the state with the coordinates displaced by d and the speeds changed by w."""
         z = self.displaced(d)
         z[: w.size] += w
         return z
 
-    def acceleration_at(self, d, w) -> np.ndarray:
+    def acceleration_at(self, d: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Return u' (NS,) where the coordinates are displaced by d and the speeds by w."""
         return self._rates(self.changed(d, w), self.t)
 
-    def companion(self, d) -> np.ndarray:
+    def companion(self, d: np.ndarray) -> np.ndarray:
         """Return the change w (NS,) of the speeds, L w = 0, that the displacement d asks for."""
         if not self.arrays.closures.size:
             return np.zeros_like(d)
         gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))
         return self.projected(-gaps)
 
-    def projected(self, gaps) -> np.ndarray:
+    def projected(self, gaps: np.ndarray) -> np.ndarray:
         """Return x (NS,) with J x = gaps (R,), L x = 0."""
         return _projected(self.Z, self._inverse, self.L, gaps)
 
-    def turned(self, d) -> np.ndarray:
+    def turned(self, d: np.ndarray) -> np.ndarray:
         """Return k(d): - omega × the rotation of every hinge with three of them, in its parent's axes."""
         out = np.zeros_like(d)
         for frame in self._balls():
@@ -152,25 +164,25 @@ class TreeLinearised(LinearisedMotion):
             out[own] = -np.cross(self.u[own], d[own])
         return out
 
-    def acceleration_after(self, h, rate) -> np.ndarray:
+    def acceleration_after(self, h: float, rate: np.ndarray) -> np.ndarray:
         """Return u' (NS,) after the short time h, s, of a motion with u' = rate now."""
         z = self.displaced(h * self.u)
         z[: self.u.size] += h * rate
         return self._rates(z, self.t + h)
 
-    def later(self, h, rate, jerk) -> "TreeLinearised":
+    def later(self, h: float, rate: np.ndarray, jerk: np.ndarray) -> "TreeLinearised":
         """Return the same coordinates after the time h, s, of a motion with u' = rate, u'' = jerk now."""
         d = h * (self.u + 0.5 * h * (rate + h / 3.0 * jerk))
         return self._at(self.changed(d, h * (rate + 0.5 * h * jerk)), self.t + h)
 
-    def elsewhere(self, d, w) -> "TreeLinearised":
+    def elsewhere(self, d: np.ndarray, w: np.ndarray) -> "TreeLinearised":
         """Return the same coordinates where the coordinates are displaced by d and the speeds by w."""
         return self._at(self.changed(d, w), self.t)
 
-    def _at(self, z, t):
+    def _at(self, z: np.ndarray, t: float) -> "TreeLinearised":
         return TreeLinearised(self.analysis, self.axes, (self._closed(z, t), t), self.free)
 
-    def _closed(self, z, t):
+    def _closed(self, z: np.ndarray, t: float) -> np.ndarray:
         """The state with loops closed and speeds that fit them, the independent coordinates kept."""
         self.prescribe(z, t)
         if not self.arrays.closures.size:
@@ -186,39 +198,39 @@ class TreeLinearised(LinearisedMotion):
         z[: self.u.size] += self._correction(z, self._measured(z)["rate"].copy())
         return z
 
-    def _correction(self, z, gaps):
+    def _correction(self, z: np.ndarray, gaps: np.ndarray) -> np.ndarray:
         L = self._functionals(z)
         return _projected(*self._basis(self._jacobian(z), L), L, -gaps)
 
-    def standing(self, y) -> np.ndarray:
+    def standing(self, y: np.ndarray) -> np.ndarray:
         """Return the state displaced by y (scaled), with the independent coordinates at rest."""
         z = self.displaced(self.Z @ (self.units * y))
         z[: self.u.size] = 0.0
         return self._closed(z, self.t)
 
-    def standing_accelerations(self, y) -> np.ndarray:
+    def standing_accelerations(self, y: np.ndarray) -> np.ndarray:
         """Return the scaled accelerations (f,) of the coordinates displaced by y (scaled) and at rest."""
         z = self.standing(y)
         L, speeds = self._functionals(z), z[: self.u.size]
         return (self._rate_of_functionals(z) @ speeds + L @ self._rates(z, self.t)) / self.units
 
-    def stand_at(self, y) -> None:
+    def stand_at(self, y: np.ndarray) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
         self.analysis.state[:] = self.standing(y)
 
 
-def _projected(Z, inverse, L, gaps):
+def _projected(Z: np.ndarray, inverse: np.ndarray, L: np.ndarray, gaps: np.ndarray) -> np.ndarray:
     """x (NS,) with J x = gaps, L x = 0, for the generalised `inverse` of J."""
     x = inverse @ gaps
     return x - Z @ (L @ x)
 
 
-def _rank(jacobian):
+def _rank(jacobian: np.ndarray) -> int:
     values = np.linalg.svd(jacobian, compute_uv=False) if jacobian.size else np.zeros(0)
     return int(np.sum(values > DEPENDENT * np.max(values, initial=0.0)))
 
 
-def _singular(t):
+def _singular(t: float) -> "Any":
     return f"at t = {t:.6g} s the loops are at a singular position, where the tree cannot be linearised"
 
 
@@ -244,7 +256,7 @@ def set_functions_at(analysis: TreeAnalysis, t: float) -> None:
     set_functions(analysis.tree, analysis.arrays, t, after[0] if after else t + grid.step)
 
 
-def _scales(tree) -> np.ndarray:
+def _scales(tree: Tree) -> np.ndarray:
     """(NS,) 1 rad for rotations, the size of the largest body for lengths."""
     places = [hinge.point for hinge in tree.hinges] + [body.centre for body in tree.bodies]
     places += [place for body in tree.bodies if body.elastic for place in body.elastic.positions]

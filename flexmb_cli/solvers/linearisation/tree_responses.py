@@ -1,12 +1,19 @@
 """Inputs and outputs of the linearised motion of a tree."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from ...model.arrays.tree import body_frames
-from ...model.tree import ELASTIC, INERTIAL, ROTATION
+from ...model.arrays.tree import TreeArrays, body_frames
+from ...model.tree import ELASTIC, INERTIAL, ROTATION, Coordinate
 from ..tree.points import point_motion, point_names, rotation_matrices
 from .state_space import ACCELERATION_OF, SPEED_OF, Input, Responses, Signal, state_signals
 from .tree import TreeLinearised
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
 
 AXES = "xyz"
 MOVED_POINT = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s2"))
@@ -30,7 +37,7 @@ class TreeResponses(Responses):
             *self._driver_inputs(),
         ]
 
-    def _observed(self):
+    def _observed(self) -> list[Signal]:
         names = [
             name for name, axes in zip(point_names(self.tree), self._axes, strict=True) if axes is not None
         ]
@@ -40,7 +47,7 @@ class TreeResponses(Responses):
             Signal(f"{name} {what} {axis}", unit) for name, what, unit in points + closures for axis in AXES
         ]
 
-    def _rows(self, z, arrays):
+    def _rows(self, z: np.ndarray, arrays: Any) -> Any:
         """The report row of a state, of the tree with other `arrays`."""
         analysis = self.analysis
         kept = analysis.arrays, analysis.row, analysis.attitude, analysis.clock.copy()
@@ -50,19 +57,19 @@ class TreeResponses(Responses):
         finally:
             analysis.arrays, analysis.row, analysis.attitude, analysis.clock[:] = kept
 
-    def _point_axes(self):
+    def _point_axes(self) -> list[np.ndarray | None]:
         """Axes (3, 3) of the bodies whose points they are; None for hinges at rest on the inertial frame."""
-        rows = self._rows(self.motion.z, self.arrays)
+        rows = self._rows(self.motion.z, self.arrays)  # type: ignore[attr-defined]
         axes = rotation_matrices(rows.euler_parameters[0])
         bodies = [hinge.parent for hinge in self.tree.hinges]
         for k, body in enumerate(self.tree.bodies):
             bodies += [k] * (len(body.elastic.masses) if body.elastic else 0)
         return [None if body == INERTIAL else axes[body] for body in bodies]
 
-    def respond(self, d, w, model=None) -> np.ndarray:
+    def respond(self, d: Any, w: Any, model: TreeArrays | None = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the arrays are changed."""
         arrays = model or self.arrays
-        z = self.motion.changed(d, w)
+        z = self.motion.changed(d, w)  # type: ignore[attr-defined]
         rows = self._rows(z, arrays)
         motion = point_motion(self.tree, rows)
         moving = [(k, axes) for k, axes in enumerate(self._axes) if axes is not None]
@@ -75,19 +82,19 @@ class TreeResponses(Responses):
         P = np.eye(self.n)[rigid]
         return P, np.zeros_like(P)
 
-    def _function_inputs(self):
+    def _function_inputs(self) -> "Iterator[Input]":
         """Torques on bodies and motors."""
         still = np.zeros(self.n)
         for k, item in enumerate((*self.tree.torques, *self.tree.motors)):
-            body = self.tree.bodies[item.body].name
+            body = self.tree.bodies[item.body].name  # type: ignore[attr-defined]
             if k < len(self.tree.torques):
-                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")
+                signal = Signal(f"{body} torque {AXES[item.axis - 1]}", "N m")  # type: ignore[attr-defined]
             else:
-                unit = "N m" if item.motion == ROTATION else "N"
-                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)
+                unit = "N m" if item.motion == ROTATION else "N"  # type: ignore[attr-defined]
+                signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)  # type: ignore[attr-defined]
             yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
 
-    def _body_inputs(self):
+    def _body_inputs(self) -> "Iterator[Any]":
         """Constant forces and torques of bodies that have some, inertial axes."""
         still = np.zeros(self.n)
         for body, frame in zip(self.tree.bodies, body_frames(self.arrays), strict=True):
@@ -96,7 +103,7 @@ class TreeResponses(Responses):
                     signal = Signal(f"{body.name} constant {what} {AXES[axis]}", unit)
                     yield Input(signal, still, still, self._changed("frames", what, (frame, axis)), 1.0)
 
-    def _node_inputs(self):
+    def _node_inputs(self) -> "Iterator[Any]":
         """Constant forces of nodes that have some, inertial axes."""
         still, coordinates = np.zeros(self.n), self.tree.coordinates
         nodal_masses = [
@@ -116,24 +123,24 @@ class TreeResponses(Responses):
                 name = f"{self.tree.bodies[node.body].name} node {node.node + 1} force {AXES[axis]}"
                 yield Input(Signal(name, "N"), still, still, self._changed(records, "force", (k, axis)), 1.0)
 
-    def _changed(self, records, field, place):
-        def change(amount):
+    def _changed(self, records: str, field: str, place: Any) -> "Callable[..., Any]":
+        def change(amount: float) -> TreeArrays:
             array = getattr(self.arrays, records).copy()
             array[field][place] += amount
             return self.arrays._replace(**{records: array})
 
         return change
 
-    def _driver_inputs(self):
+    def _driver_inputs(self) -> "Iterator[Any]":
         for k, record in enumerate(self.arrays.prescribed):
             yield from self._inputs_of_driver(k, int(record["coordinate"]))
 
-    def _inputs_of_driver(self, k, m):
+    def _inputs_of_driver(self, k: Any, m: Any) -> "Iterator[Any]":
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
-        gaps = motion.gap_rates(motion.z, one)
-        d = one + motion.projected(-gaps)
-        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
+        gaps = motion.gap_rates(motion.z, one)  # type: ignore[attr-defined]
+        d = one + motion.projected(-gaps)  # type: ignore[attr-defined]
+        if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:  # type: ignore[attr-defined]
             return
         name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])
         changes = [self._prescribed(k, order) for order in range(3)]
@@ -141,8 +148,8 @@ class TreeResponses(Responses):
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
-    def _prescribed(self, k, order):
-        def change(amount):
+    def _prescribed(self, k: int, order: "Any") -> "Any":
+        def change(amount: float) -> "Any":
             prescribed, t = self.arrays.prescribed.copy(), self.motion.t
             value, rate, second = amount * np.eye(3)[order]
             prescribed["C"][k] += value - rate * t + 0.5 * second * t * t
@@ -153,11 +160,11 @@ class TreeResponses(Responses):
         return change
 
 
-def _unit(coordinate):
+def _unit(coordinate: Coordinate) -> str:
     return "rad" if coordinate.motion == ROTATION else "m"
 
 
-def tree_signals(motion: TreeLinearised):
+def tree_signals(motion: TreeLinearised) -> "Any":
     """Return the signals of the states of a TreeLinearised."""
     coordinates = [motion.analysis.tree.coordinates[m] for m in motion.free]
     return state_signals([c.name for c in coordinates], map(_unit, coordinates), [""] * len(coordinates))

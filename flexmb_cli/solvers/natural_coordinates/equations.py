@@ -8,11 +8,18 @@ coordinates.  Points and vectors are linear in them, and all equations are linea
 The second formulation of `verify`: it shares no equation with the kernels.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.mechanism import Driver, Mechanism
 from ...quick_dataclass import dataclass, field
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
 
 SIZE = 12
 LINES = {"revolute", "universal", "spherical", "cylindrical", "translational"}
@@ -61,7 +68,7 @@ class NaturalEquations:
         products = -2.0 * np.einsum("ri,ri->r", self.L1 @ V, self.L2 @ V)
         return np.append([function(t)[2] for function in self.functions], products)
 
-    def add_linear(self, form: np.ndarray, value) -> None:
+    def add_linear(self, form: np.ndarray, value: float | np.ndarray | tuple[float, float, float]) -> None:
         """Add rows `form` X = value, a number for each or a function t → (value, rate, acceleration)."""
         values = [value] if callable(value) else [_constant(v) for v in np.broadcast_to(value, len(form))]
         self.linear += list(form)
@@ -72,16 +79,16 @@ class NaturalEquations:
         self.products.append((one, other, value))
 
 
-def _constant(value):
+def _constant(value: float) -> "Callable[..., Any]":
     return lambda t: (float(value), 0.0, 0.0)
 
 
-def point(bodies: int, body: int, place) -> np.ndarray:
+def point(bodies: int, body: int, place: tuple[float, float, float]) -> np.ndarray:
     """Return the form (3, 12 n) of a point of a body."""
     return vector(bodies, body, place, 1.0)
 
 
-def vector(bodies: int, body: int, components, origin: float = 0.0) -> np.ndarray:
+def vector(bodies: int, body: int, components: Any, origin: float = 0.0) -> np.ndarray:
     """Return the form (3, 12 n) of a vector in the axes of a body."""
     form = np.zeros((3, SIZE * bodies))
     form[:, SIZE * body : SIZE * body + SIZE] = np.kron([origin, *components], np.eye(3))
@@ -103,20 +110,20 @@ def natural_equations(mechanism: Mechanism) -> NaturalEquations:
     for item in mechanism.simplified:
         if item.direction < 4 or item.body not in turned:
             _hold(found, item.body, item.direction, item.value)
-    for item in mechanism.distances:
-        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)
+    for item in mechanism.distances:  # type: ignore[assignment]
+        form = point(n, item.i, (0,) * 3) - point(n, item.j, (0,) * 3)  # type: ignore[attr-defined]
         found.add_linear(form[item.direction - 1 : item.direction], item.value)
     for ground in mechanism.grounds:
         found.add_linear(point(n, ground.body, (0,) * 3), ground.values[:3])
         e = np.sin(np.array(ground.values[3:]) / 2.0)
-        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))
+        _fix(found, ground.body, rotation_of((np.sqrt(max(0.0, 1.0 - e @ e)), *e)))  # type: ignore[call-overload]
     for driver in mechanism.drivers:
         _drive(found, driver)
     found.close()
     return found
 
 
-def _refuse_foreign(mechanism):
+def _refuse_foreign(mechanism: Any) -> None:
     faults = [
         Fault(
             "error",
@@ -136,7 +143,7 @@ def _refuse_foreign(mechanism):
         raise ModelError(faults)
 
 
-def _add_joint(found, joint):
+def _add_joint(found: Any, joint: Any) -> None:
     n = found.bodies
     i, j = point(n, joint.i, joint.P_i), point(n, joint.j, joint.P_j)
     axis = vector(n, joint.j, _unit(joint.s_j)) if any(joint.s_j) else None
@@ -154,18 +161,18 @@ def _add_joint(found, joint):
         found.add_product(vector(n, joint.i, _unit(joint.h_i)), vector(n, joint.j, _unit(joint.h_j)))
 
 
-def _unit(v):
+def _unit(v: np.ndarray | tuple[float, float, float]) -> np.ndarray:
     return np.array(v, float) / np.linalg.norm(v)
 
 
-def _across(v):
+def _across(v: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Return two unit vectors at right angles to v and to each other."""
     s = _unit(v)
     u = _unit(np.cross(s, np.eye(3)[int(np.argmin(np.abs(s)))]))
     return u, np.cross(s, u)
 
 
-def _hold(found, body, direction, value):
+def _hold(found: "Any", body: int, direction: "Any", value: "Any") -> None:
     if direction < 4:
         found.add_linear(point(found.bodies, body, (0,) * 3)[direction - 1 : direction], value)
         return
@@ -174,12 +181,12 @@ def _hold(found, body, direction, value):
     found.add_linear((columns[0][i] - columns[1][j])[None], 0.0)
 
 
-def _fix(found, body, D):
+def _fix(found: NaturalEquations, body: int, D: np.ndarray) -> Any:
     for a in range(3):
         found.add_linear(vector(found.bodies, body, np.eye(3)[a]), D[:, a])
 
 
-def _drive(found, driver: Driver):
+def _drive(found: "Any", driver: Driver) -> None:
     first = len(found.linear)
     if driver.direction < 4:
         row = point(found.bodies, driver.body, (0,) * 3)[driver.direction - 1 : driver.direction]
@@ -197,10 +204,10 @@ def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:
     return driver.C + driver.B * t + 0.5 * driver.A * t * t, driver.B + driver.A * t, driver.A
 
 
-def _turning(driver, i, a):
+def _turning(driver: "Any", i: "Any", a: "Any") -> "Any":
     """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
 
-    def function(t):
+    def function(t: Any) -> Any:
         angle, rate, acceleration = driver_function(driver, t)
         D, slope, bend = turned(driver.direction - 4, angle)
         return D[i, a], slope[i, a] * rate, slope[i, a] * acceleration + bend[i, a] * rate**2
@@ -215,7 +222,7 @@ def turned(axis: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     return np.eye(3) + s * K + (1.0 - c) * K @ K, c * K + s * K @ K, -s * K + c * K @ K
 
 
-def rotation_of(p) -> np.ndarray:
+def rotation_of(p: np.ndarray | tuple[float, float, float, float]) -> np.ndarray:
     """Return the rotation matrix of Euler parameters."""
     e0, e = p[0], np.array(p[1:])
     return (2 * e0 * e0 - 1) * np.eye(3) + 2 * np.outer(e, e) + 2 * e0 * np.cross(e, np.eye(3)).T

@@ -4,6 +4,8 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -12,6 +14,10 @@ from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MET = 1e-13
 MOST_STEPS = 50
@@ -64,7 +70,7 @@ class NaturalMotion:
             if k + 1 == grid.rows:
                 break
 
-            def slope(time, state, free=free):
+            def slope(time: float, state: np.ndarray, free: np.ndarray = free) -> np.ndarray:
                 X, V = np.split(state, 2)
                 return np.append(V, self._acceleration(X, V, time, free))
 
@@ -76,7 +82,7 @@ class NaturalMotion:
             X, V = np.split(found.y[:, -1], 2)
         return _rows(rows)
 
-    def _closed(self, X, t):
+    def _closed(self, X: np.ndarray, t: float) -> np.ndarray:
         """Return the nearest coordinates that meet all equations; raises AnalysisError."""
         for _ in range(MOST_STEPS):
             gap = self.equations.residual(X, t)
@@ -91,7 +97,7 @@ class NaturalMotion:
             raise AnalysisError(Fault("error", message, id="SOLVE-022"), t)
         return X
 
-    def _moved_to(self, X, t, end):
+    def _moved_to(self, X: np.ndarray, t: float, end: float) -> "Any":
         """Return the coordinates at `end`, from those at t by steps that turn no body far."""
         while t < end:
             V, A = self._rates(X, t)
@@ -101,17 +107,17 @@ class NaturalMotion:
             X = self._closed(X + h * V + 0.5 * h * h * A, t)
         return X
 
-    def _rates(self, X, t):
+    def _rates(self, X: np.ndarray, t: float) -> "Any":
         J = self.equations.jacobian(X)
         V = _least(J, self.equations.rates(t))
         return V, _least(J, self.equations.accelerations(V, t))
 
-    def _on_equations(self, X, V, t):
+    def _on_equations(self, X: np.ndarray, V: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
         X = self._closed(X, t)
         J = self.equations.jacobian(X)
         return X, V + _least(J, self.equations.rates(t) - J @ V)
 
-    def _independent(self, X):
+    def _independent(self, X: np.ndarray) -> np.ndarray:
         """Return the numbers of equations that do not repeat others at X."""
         from scipy.linalg import qr
 
@@ -119,14 +125,14 @@ class NaturalMotion:
         size = np.abs(np.diag(R))
         return np.sort(order[: int(np.sum(size > DEPENDENT * size[0]))])
 
-    def _acceleration(self, X, V, t, free):
+    def _acceleration(self, X: np.ndarray, V: np.ndarray, t: float, free: np.ndarray) -> np.ndarray:
         J = self.equations.jacobian(X)[free]
         gamma = self.equations.accelerations(V, t)[free]
         count = len(free)
         matrix = np.block([[self.M, J.T], [J, np.zeros((count, count))]])
         return np.linalg.solve(matrix, np.append(self.forces(X, V), gamma))[: X.size]
 
-    def _efforts(self, X, V, A, t):
+    def _efforts(self, X: np.ndarray, V: np.ndarray, A: np.ndarray, t: float) -> "Any":
         """Return what each driver delivers: the work of M A - Q along the motion of that driver alone."""
         if self.M is None:
             return np.zeros(0)
@@ -142,18 +148,18 @@ class NaturalMotion:
         """Return the generalised forces of all loads."""
         model, n = self.model, len(self.mechanism.bodies)
         Q = np.zeros(SIZE * n)
-        for item in model.masses:
-            Q += item.mass * np.array(model.gravity) @ point(n, item.body, item.centre)
-        for item in model.forces:
+        for item in model.masses:  # type: ignore[union-attr]
+            Q += item.mass * np.array(model.gravity) @ point(n, item.body, item.centre)  # type: ignore[union-attr]
+        for item in model.forces:  # type: ignore[union-attr]
             F = np.array(item.force, float)
             Q += (vector(n, item.body, F) @ X if item.following else F) @ point(n, item.body, item.point)
-        for item in model.torques:
+        for item in model.torques:  # type: ignore[union-attr]
             own = slice(SIZE * item.body + 3, SIZE * item.body + SIZE)
             T = np.array(item.torque, float)
             T = vector(n, item.body, T) @ X if item.following else T
             # T · ω with ω = Σ d_a × (dd_a/dt) / 2.
             Q[own] += 0.5 * np.cross(T, X[own].reshape(3, 3)).ravel()
-        for item in model.springs:
+        for item in model.springs:  # type: ignore[union-attr]
             form = point(n, item.j, item.P_j) - point(n, item.i, item.P_i)
             d, rate = form @ X, form @ V
             length = np.linalg.norm(d)
@@ -194,9 +200,9 @@ def speeds_of(X: np.ndarray, velocity: np.ndarray, angular_velocity: np.ndarray)
     return V.ravel()
 
 
-def _least(J, b):
+def _least(J: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(J, b, rcond=DEPENDENT)[0]
 
 
-def _rows(rows):
+def _rows(rows: list[tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]) -> Any:
     return NaturalRows(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -1,5 +1,7 @@
 """How near a position is to a singular one: its condition, and what is weakest there, by name."""
 
+from typing import Any
+
 import numpy as np
 
 from ...model.by_size import by_size
@@ -23,7 +25,7 @@ def conditioning(evaluator: Evaluator, q, t, expected) -> Conditioning:
     )
 
 
-def _of_sparse(matrix):
+def _of_sparse(matrix: Any) -> Conditioning:
     """By inverse iteration: singular values of a thousand bodies would take minutes."""
     from scipy.sparse import identity
     from scipy.sparse.linalg import splu
@@ -44,7 +46,7 @@ def _of_sparse(matrix):
     return Conditioning(_largest_value(matrix, start) * size, motion, combination)
 
 
-def _largest_value(matrix, vector):
+def _largest_value(matrix: "Any", vector: np.ndarray) -> Any:
     """The largest singular value to a few per cent, by power iteration."""
     for _ in range(20):
         vector = matrix.T @ (matrix @ vector)
@@ -57,7 +59,7 @@ def weakest_joints(evaluator: Evaluator, weak: Conditioning) -> list:
     return weakest_owners(evaluator.arrays.equations, weak.combination, MOST_REPORTED)
 
 
-def conditioning_text(evaluator: Evaluator, q, weak: Conditioning) -> str:
+def conditioning_text(evaluator: Evaluator, q: np.ndarray, weak: Conditioning) -> str:
     """Joints with their lines, condition and the motion that is hardly determined, in words."""
     owners = weakest_joints(evaluator, weak)
     joints = f" of {owners_text(owners)}" if owners else ""
@@ -65,7 +67,7 @@ def conditioning_text(evaluator: Evaluator, q, weak: Conditioning) -> str:
     return f"{joints} ({size}; {_motion(evaluator, q, weak.motion)} is least determined)"
 
 
-def _motion(evaluator, q, motion):
+def _motion(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> Any:
     """The bodies that take the largest part in a motion, and how."""
     rates = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
@@ -75,7 +77,7 @@ def _motion(evaluator, q, motion):
     )
 
 
-def _of_body(name, p, rates):
+def _of_body(name: str, p: np.ndarray, rates: np.ndarray) -> str:
     omega = twice_g(p, rates[3:])
     turning = np.linalg.norm(omega) > SHARE * np.linalg.norm(rates[:3])
     direction = omega if turning else rates[:3]

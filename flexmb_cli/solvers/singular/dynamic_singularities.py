@@ -2,6 +2,7 @@
 
 from bisect import insort
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from ..checkpoint import OtherRun, taken
 from ..constrained.flexible_start import PositionGaps
 from ..constrained.system import new_work
 from .weakest import SingularityNotes, condition_text, conditioning_of, owners_text, weakest_owners
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
@@ -26,7 +31,7 @@ CLOSED = 1e-9  # scaled gap of a position between two rows
 HALVINGS = 40
 
 
-def weakest_of_speeds(analysis, state) -> tuple[float, list]:
+def weakest_of_speeds(analysis: Any, state: np.ndarray) -> tuple[float, list]:
     """Condition of the independent equations of a ConstrainedMotion at a state, and those that are weakest.
 
     The condition is the largest over the last singular value that is counted in the rank.
@@ -47,7 +52,7 @@ def _weakest(analysis, jacobian):
     return found.condition, weakest_owners(analysis.arrays.equations, found.combination, MOST_REPORTED)
 
 
-def is_singular(analysis, q, start) -> bool:
+def is_singular(analysis: "Any", q: np.ndarray, start: "Any") -> bool:
     """Return whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
 
     So near to it in time a mere lock is further from losing a rank, by the square root.
@@ -57,7 +62,7 @@ def is_singular(analysis, q, start) -> bool:
     return here > max(CROSSED, NEARLY_SINGULAR * usual)
 
 
-def has_gained_rank(analysis) -> bool:
+def has_gained_rank(analysis: "Any") -> bool:
     """Return whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
     evaluate_jacobian(
         analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
@@ -66,7 +71,7 @@ def has_gained_rank(analysis) -> bool:
     return len(values) > rank and values[rank] > values[0] / SINGULAR**2
 
 
-def repeating_here_only(analysis) -> list:
+def repeating_here_only(analysis: "Any") -> list:
     """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
 
     Beside it is a small part of some motion that all equations allow: where equations go on repeating
@@ -95,7 +100,7 @@ class PassedDynamicSingularities:
     back to the equations.
     """
 
-    def __init__(self, analysis):
+    def __init__(self, analysis: Any):
         self.analysis = analysis
         arrays = analysis.arrays
         self.gaps = PositionGaps(arrays, analysis.system, new_work(arrays))
@@ -129,7 +134,7 @@ class PassedDynamicSingularities:
         last = zip(times, positions, values[old:], strict=True)
         self.seen = [*((np.nan, None, value) for value in values[:old]), *last]
 
-    def look(self, times, states) -> None:
+    def look(self, times: np.ndarray, states: np.ndarray) -> None:
         """Look at report rows at `times`, in order, with coordinates first in `states`."""
         size = self.analysis.arrays.coordinate_scale.size
         for t, state in zip(times, states, strict=True):
@@ -140,12 +145,12 @@ class PassedDynamicSingularities:
                 self._judge()
             self.row += 1
 
-    def _smallest(self, q):
+    def _smallest(self, q: np.ndarray) -> float:
         """The last singular value that counts, of the largest."""
         values = np.linalg.svd(self.gaps.jacobian(q), compute_uv=False)
         return float(values[int(self.analysis.work.rank[0]) - 1] / values[0])
 
-    def _judge(self):
+    def _judge(self) -> None:
         """Search about the row before the last, if it is a minimum; old rows are kept for what is usual."""
         if len(self.seen) < 3:
             return
@@ -155,12 +160,12 @@ class PassedDynamicSingularities:
                 if self._search(first, last):
                     return
 
-    def _usual(self):
+    def _usual(self) -> float:
         """The median of the values seen; numpy's imports more than all this file takes."""
         values, middle = self.sorted, len(self.sorted) // 2
         return values[middle] if len(values) % 2 else 0.5 * (values[middle - 1] + values[middle])
 
-    def _search(self, first, last):
+    def _search(self, first: "Any", last: "Any") -> "Any":
         """Seek the least singular value between two rows by thirds; tell it where it is singular."""
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
@@ -173,7 +178,7 @@ class PassedDynamicSingularities:
         self._tell(first[0] + 0.5 * (low + high) * (last[0] - first[0]), q)
         return True
 
-    def _at(self, first, last, x):
+    def _at(self, first: "Any", last: "Any", x: Any) -> Any:
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""
         gaps, arrays = self.gaps, self.analysis.arrays
         t, q = first[0] + x * (last[0] - first[0]), (1.0 - x) * first[1] + x * last[1]
@@ -185,7 +190,7 @@ class PassedDynamicSingularities:
             move(arrays.bodies, q, -step * arrays.speed_scale)
         return q, np.inf
 
-    def _tell(self, t, q):
+    def _tell(self, t: float, q: np.ndarray) -> None:
         condition, owners = _weakest(self.analysis, self.gaps.jacobian(q))
         sentence = (
             f"near t = {t:.4g} s the motion passes a singular position of {owners_text(owners)} "

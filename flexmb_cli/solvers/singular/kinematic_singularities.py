@@ -5,11 +5,18 @@ narrow place beside one.  Both cost many short steps: rows that took many iterat
 sign of det Φ_q has changed, are walked again step by step.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
 from .conditioning import conditioning, conditioning_text, weakest_joints
 from .weakest import SingularityNotes
+
+if TYPE_CHECKING:
+    from ..kinematics.analysis import KinematicAnalysis
+    from ..kinematics.rows import Rows
+
 
 # Iterations of a row that are many where others take few, and many anywhere.  A bifurcation takes ten or
 # more.
@@ -26,17 +33,17 @@ class PassedKinematicSingularities:
     Not active, it looks for nothing: where equations repeat others, every position looks singular.
     """
 
-    def __init__(self, analysis, active: bool = True):
+    def __init__(self, analysis: "KinematicAnalysis", active: bool = True):
         self.analysis = analysis
         self.active = active
         self.notes = SingularityNotes(analysis.warnings)
 
-    def memory(self):
+    def memory(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return where the continuation stands, to be walked again from."""
         analysis = self.analysis
         return analysis.state.copy(), analysis.motion.copy(), analysis.clock.copy()
 
-    def look(self, memory, rows) -> None:
+    def look(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: "Rows") -> None:
         """Look for singular positions on the way from `memory` through the report `rows`."""
         if self.notes.full or not self.active:
             return
@@ -45,7 +52,7 @@ class PassedKinematicSingularities:
             begin = memory[2][TIME] if first == 0 else rows.time[first - 1]
             self._walk(memory, float(begin), float(rows.time[last]))
 
-    def first_without_rates(self, memory, rows) -> int:
+    def first_without_rates(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], rows: Any) -> int:
         """The first row so near to a singular position that its rates are round-off; their number if none."""
         busy = np.flatnonzero(rows.newton_iterations > FEW) if self.active else ()
         limit = BLIND * self._condition_of(memory) if len(busy) else np.inf
@@ -56,11 +63,11 @@ class PassedKinematicSingularities:
                 return int(k)
         return rows.time.size
 
-    def _condition_of(self, memory):
+    def _condition_of(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray]) -> float:
         state, motion, clock = memory
         return conditioning(self.analysis.evaluator, state[0], float(clock[TIME]), motion[:, 0]).condition
 
-    def _walk(self, memory, begin, end):
+    def _walk(self, memory: tuple[np.ndarray, np.ndarray, np.ndarray], begin: float, end: float) -> None:
         """Go from `memory` to `begin`, then step by step to `end`; report bifurcations, else the worst
         place.
         """
@@ -84,12 +91,16 @@ class PassedKinematicSingularities:
                 memory, [here for _, here in sorted(steps, key=lambda step: step[0])[:MOST_TRIED]]
             )
 
-    def _tell_narrowest(self, memory, places):
+    def _tell_narrowest(
+        self,
+        memory: tuple[np.ndarray, np.ndarray, np.ndarray],
+        places: list[tuple[np.ndarray, float, np.ndarray]],
+    ) -> None:
         conditions = [conditioning(self.analysis.evaluator, *place).condition for place in places]
         if conditions and max(conditions) >= NEARLY_SINGULAR * self._condition_of(memory):
             self.tell(*places[int(np.argmax(conditions))], False)
 
-    def tell(self, q, t, expected, bifurcation: bool) -> None:
+    def tell(self, q: np.ndarray, t: float, expected: np.ndarray, bifurcation: bool) -> None:
         """Note that the continuation passes q at the time t: a bifurcation of two motions, or a narrow
         place.
         """
@@ -103,7 +114,7 @@ class PassedKinematicSingularities:
         self.notes.add(sentence, weakest_joints(evaluator, weak))
 
 
-def _busy_runs(iterations, changed):
+def _busy_runs(iterations: np.ndarray, changed: bool) -> list[tuple[int, int]]:
     """First and last of consecutive rows whose way took many iterations; all rows, where none did and yet
     the sign changed."""
     usual = float(np.median(iterations))

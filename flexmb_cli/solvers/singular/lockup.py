@@ -1,16 +1,24 @@
 """Why a mechanism could not be carried to the next report time."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import AnalysisError
 from .conditioning import conditioning, conditioning_text, weakest_joints
 from .mobility import CLOSED, about, gap_norms, nearest_position, worst_gaps
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..kinematics.analysis import KinematicAnalysis
+
+
 ASIDE = 0.05  # of the length scale, and of Euler parameters
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
-def step_failure(analysis, t: float) -> AnalysisError:
+def step_failure(analysis: "Any", t: float) -> AnalysisError:
     """The failure of `analysis` (a KinematicAnalysis) on its way to the report time t.
 
     A gap that stays open at t is a lock; without a gap the mechanism passes a position at which its
@@ -32,7 +40,7 @@ def step_failure(analysis, t: float) -> AnalysisError:
     return _singular(analysis, reached, t)
 
 
-def _least_gap(evaluator, q, t, expected):
+def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) -> "Any":
     """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
 
     From a dead centre the search does not leave the line of symmetry by itself.
@@ -45,7 +53,7 @@ def _least_gap(evaluator, q, t, expected):
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
-def _singular(analysis, reached, t):
+def _singular(analysis: "Any", reached: "Any", t: float) -> "Any":
     """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
     evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
     weak = conditioning(evaluator, q, reached, expected)
@@ -63,7 +71,7 @@ def _singular(analysis, reached, t):
     return AnalysisError(about("error", message, *weakest_joints(evaluator, weak)), t, norms)
 
 
-def singular_start(analysis, q, t) -> AnalysisError:
+def singular_start(analysis: "KinematicAnalysis", q: np.ndarray, t: float) -> AnalysisError:
     """The failure of an analysis whose first position q is a dead centre or a branching."""
     evaluator = analysis.evaluator
     weak = conditioning(evaluator, q, t, analysis.arrays.screw_angles)

@@ -1,5 +1,7 @@
 """Why a mechanism cannot be assembled or moved: gaps, redundant equations and free motions, by name."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...errors import Fault
@@ -10,6 +12,13 @@ from ...quick_dataclass import dataclass
 from ..kinematics.levenberg_marquardt import least_squares
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from ...model.arrays.kinematic import KinematicArrays
+
 
 RANK_TOLERANCE = 1e-9  # of the largest singular value of the scaled Jacobian
 CLOSED = 1e-9  # scaled residual that counts as met
@@ -45,7 +54,7 @@ def about(severity: str, message: str, *owners: Equation) -> Fault:
     return Fault(severity, message, owners[0].place, about=owners[0].owner, id="SOLVE-024")
 
 
-def worst_gaps(evaluator: Evaluator, scaled_residual, most: int = 3) -> list[Gap]:
+def worst_gaps(evaluator: Evaluator, scaled_residual: np.ndarray, most: int = 3) -> list[Gap]:
     """The owners with the largest scaled residuals, worst first; those that are met are left out."""
     found: dict[str, Gap] = {}
     size = np.abs(scaled_residual)
@@ -73,7 +82,9 @@ def gap_norms(worst: list[Gap]) -> dict:
     }
 
 
-def nearest_position(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray, np.ndarray]:
+def nearest_position(
+    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The position with the least residual that a least-squares search from q finds, and its residual.
 
     What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
@@ -82,7 +93,7 @@ def nearest_position(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray, 
     scale = evaluator.arrays.column_scale
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
 
-    def residual(x):
+    def residual(x: np.ndarray) -> Any:
         return weights * evaluator.residual(x * scale, t, expected)
 
     if evaluator.is_large:
@@ -94,14 +105,16 @@ def nearest_position(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray, 
     return x * scale, weighted / weights
 
 
-def _sparse_least_squares(evaluator, residual, weights, x):
+def _sparse_least_squares(
+    evaluator: Evaluator, residual: "Callable[..., Any]", weights: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """As `least_squares`, for so many equations that scipy's sparse matrices are loaded in any case."""
     from scipy import optimize
     from scipy.sparse import diags
 
     scale = evaluator.arrays.column_scale
 
-    def jacobian(x):
+    def jacobian(x: np.ndarray) -> "Any":
         residual(x)
         return diags(weights) @ evaluator.sparse_matrix(x * scale)
 
@@ -111,7 +124,7 @@ def _sparse_least_squares(evaluator, residual, weights, x):
     return result.x, result.fun
 
 
-def _of_joints(arrays):
+def _of_joints(arrays: "KinematicArrays") -> np.ndarray:
     """Return which equations are those of joints (equations,)."""
     constraints = arrays.constraints
     joints = np.isin(constraints["kind"], [kind.code for kind in JOINT_TYPES])
@@ -145,7 +158,7 @@ class Mobility:
         return self.coordinates - self.rank
 
 
-def mobility(evaluator: Evaluator, q, t, expected) -> Mobility:
+def mobility(evaluator: Evaluator, q: np.ndarray, t: Any, expected: np.ndarray) -> Mobility:
     """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
     evaluator.residual(q, t, expected)
     left, values, right = np.linalg.svd(evaluator.matrix(q))
@@ -166,7 +179,7 @@ def mobility(evaluator: Evaluator, q, t, expected) -> Mobility:
     )
 
 
-def sparse_basis(vectors) -> tuple[np.ndarray, tuple[int, ...]]:
+def sparse_basis(vectors: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
     """Return vectors spanning the same space, of unit length, each with a coordinate of its own: its pivot.
 
     Null vectors of a singular value decomposition mix unrelated motions; elimination separates them, so that
@@ -185,13 +198,15 @@ def sparse_basis(vectors) -> tuple[np.ndarray, tuple[int, ...]]:
     return basis / np.linalg.norm(basis, axis=1, keepdims=True), tuple(pivots)
 
 
-def involved(vector) -> list[int]:
+def involved(vector: np.ndarray) -> list[int]:
     """Places of a vector that are not zero, largest first."""
     size = np.abs(vector)
     return [k for k in by_size(size) if size[k] > NAMED * size.max()]
 
 
-def moves_freely(evaluator: Evaluator, q, t, expected, motion) -> bool:
+def moves_freely(
+    evaluator: Evaluator, q: np.ndarray, t: float, expected: np.ndarray, motion: np.ndarray
+) -> bool:
     """Return whether the mechanism can really move along a null vector, and not only to first order.
 
     A step along `motion` is brought back to the constraints by the shortest way; a stiff mechanism
@@ -207,7 +222,7 @@ def moves_freely(evaluator: Evaluator, q, t, expected, motion) -> bool:
     return float(np.linalg.norm((moved - q) / scale)) > 0.3 * PROBE
 
 
-def motion_text(evaluator: Evaluator, q, motion) -> str:
+def motion_text(evaluator: Evaluator, q: np.ndarray, motion: np.ndarray) -> str:
     """A null vector in words: which bodies turn about, or move along, which global direction."""
     bodies = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
@@ -218,7 +233,7 @@ def motion_text(evaluator: Evaluator, q, motion) -> str:
     return "; ".join(parts) + (f"; and {len(moving) - 3} more bodies" if len(moving) > 3 else "")
 
 
-def _body_motion(name, p, rates):
+def _body_motion(name: str, p: np.ndarray, rates: np.ndarray) -> str:
     velocity, omega = rates[:3], twice_g(p, rates[3:])
     turning = np.linalg.norm(omega) > NAMED
     direction = omega if turning else velocity

@@ -5,12 +5,19 @@ limits from both sides: the row is taken from the polynomial of fifth degree thr
 velocities and accelerations a little before and a little after.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.continuation import SIGN, SPENT, STEP, TIME
 from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
+
+if TYPE_CHECKING:
+    from ..kinematics.analysis import KinematicAnalysis
+    from ..kinematics.position import Evaluator
+
 
 WAY = 4e-3  # scaled way to each side: the error is of its sixth power, round-off grows with its inverse
 PART_AFTER = 0.83  # of the time before: halved steps must not hit the bifurcation itself
@@ -19,7 +26,7 @@ ON_CURVE = 1e-9  # scaled residual of the polynomial; where the motion has a cor
 SHORT = 1e-6  # singular values, of the largest, along which nothing is corrected
 
 
-def row_across(analysis, t: float, memory) -> Rows | None:
+def row_across(analysis: Any, t: float, memory: Any) -> Rows | None:
     """The row at t of a KinematicAnalysis that was barred there, None where no smooth motion goes through.
 
     `memory`: state, motion and clock at an earlier time.  The analysis then stands a little behind t.
@@ -36,7 +43,7 @@ def row_across(analysis, t: float, memory) -> Rows | None:
         signs.append(analysis.clock[SIGN])
     if signs[0] * signs[1] >= 0.0:
         return None
-    row = _between(*ends, after - before, (t - before) / (after - before))
+    row = _between(*ends, after - before, (t - before) / (after - before))  # type: ignore[call-arg]
     expected = analysis.motion[:, 0] - (after - t) * analysis.motion[:, 1]
     gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
@@ -47,7 +54,7 @@ def row_across(analysis, t: float, memory) -> Rows | None:
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
 
 
-def _times(analysis, t, earlier):
+def _times(analysis: "KinematicAnalysis", t: float, earlier: float) -> tuple[float, float]:
     """Times at both sides of t, a short way off."""
     speed = np.max(np.abs(analysis.state[1]) / analysis.arrays.column_scale)
     step = analysis.mechanism.time.step
@@ -55,7 +62,7 @@ def _times(analysis, t, earlier):
     return t - span, t + PART_AFTER * span
 
 
-def _between(first, last, h, x):
+def _between(first: Any, last: np.ndarray, h: float, x: float) -> Any:
     """State (3, n) at the part x of a step of length h between two states: quintic Hermite interpolation."""
     q0, v0, a0 = first[0], h * first[1], h * h * first[2]
     q1, v1, a1 = last[0], h * last[1], h * h * last[2]
@@ -72,7 +79,7 @@ def _between(first, last, h, x):
     )
 
 
-def _closed(evaluator, row, t, expected):
+def _closed(evaluator: "Evaluator", row: np.ndarray, t: float, expected: np.ndarray) -> float:
     """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
     gap = evaluator.residual(row[0], t, expected)
     if not evaluator.is_large and np.max(np.abs(gap)) <= ON_CURVE:
@@ -82,7 +89,7 @@ def _closed(evaluator, row, t, expected):
     return float(np.max(np.abs(gap)))
 
 
-def _rate_gap(analysis, row, t):
+def _rate_gap(analysis: "KinematicAnalysis", row: np.ndarray, t: float) -> float:
     """Largest rate of the constraints in the row, scaled."""
     evaluator, scale = analysis.evaluator, analysis.arrays
     evaluator.residual(row[0], t, analysis.motion[:, 0])

@@ -5,6 +5,7 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +20,10 @@ from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -76,7 +81,7 @@ class TreeAnalysis:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row = row_of(checkpoint)
-        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
+        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))  # type: ignore[assignment]
         self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
         self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
 
@@ -122,7 +127,7 @@ class TreeAnalysis:
             if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
                 raise self.failure()
 
-    def _times_of_block(self):
+    def _times_of_block(self) -> "Any":
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
@@ -130,7 +135,7 @@ class TreeAnalysis:
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
-        grid, times = self.tree.time, []
+        grid, times = self.tree.time, []  # type: ignore[var-annotated]
         while self.row + len(times) < grid.rows and grid.time(self.row + len(times)) <= t:
             times.append(grid.time(self.row + len(times)))
         return times
@@ -147,7 +152,7 @@ class TreeAnalysis:
         self.clock["t"], self.state[:] = t, state
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
 
-    def _rows_of(self, report):
+    def _rows_of(self, report: "Any") -> TreeRows:
         block = tree_rows(self.tree, self.arrays, report, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
@@ -164,7 +169,7 @@ class TreeAnalysis:
             self.arrays, self.work, self.coordinates, self.integration, report, budget
         )
 
-    def _blank_report(self, times):
+    def _blank_report(self, times: np.ndarray) -> "Any":
         rows, n = times.size, len(self.coordinates)
         return Report(
             times,
@@ -175,7 +180,7 @@ class TreeAnalysis:
             np.zeros((rows, 5)),
         )
 
-    def _start_interval(self, stop):
+    def _start_interval(self, stop: float) -> None:
         set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
         self.clock["stop"] = stop
         if self.resumed:
@@ -200,7 +205,7 @@ class TreeAnalysis:
             return AnalysisError(_no_inertia(self.tree, t, int(clock["fault"])), t, norms)
         if clock["strayed"]:
             shares, worst = pivot_shares(self.arrays), int(clock["worst"])
-            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)
+            return AnalysisError(stray(self.tree, shares, self.repeated, t, worst), t, norms)  # type: ignore[arg-type]
         return AnalysisError(
             _step_vanished(self.tree, t, float(clock["step"]), int(clock["worst"])), t, norms
         )
@@ -213,14 +218,14 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
     """Times inside (start, end) at which a function of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}
+    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}  # type: ignore[attr-defined]
     return sorted(t for t in times if start < t < end)
 
 
 def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
     """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
     for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)
+        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)  # type: ignore[attr-defined]
 
 
 def _line(function: Table, t: float) -> tuple[float, float]:
@@ -235,7 +240,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree, t, coordinate):
+def _no_inertia(tree: Any, t: float, coordinate: "Any") -> "Any":
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -246,7 +251,7 @@ def _no_inertia(tree, t, coordinate):
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree, t, step, worst):
+def _step_vanished(tree: Any, t: float, step: "Any", worst: "Any") -> "Any":
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

@@ -1,5 +1,7 @@
 """Closing the loops of a tree at the start, and saying which one cannot be closed."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
@@ -7,13 +9,17 @@ from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
-from ...model.tree import ROTATION, Tree
+from ...model.tree import ROTATION, Closure, Tree
+
+if TYPE_CHECKING:
+    from .analysis import TreeAnalysis
+
 
 CLOSED = 1e-10  # m
 MOST_ITERATIONS = 40
 
 
-def assemble_tree(analysis) -> None:
+def assemble_tree(analysis: "TreeAnalysis") -> None:
     """Bring the state of a TreeAnalysis onto the closures of its tree.
 
     The first rotation and the elastic coordinates are kept; when the loops cannot be closed so, only
@@ -33,7 +39,7 @@ def assemble_tree(analysis) -> None:
     raise _assembly_failure(tree, arrays.closures)
 
 
-def _close(analysis, kept):
+def _close(analysis: "TreeAnalysis", kept: np.ndarray) -> bool:
     """Return whether the loops close while the coordinates marked in `kept` (NS,) stay."""
     analysis.coordinates["held"] = kept
     gap = np.inf
@@ -48,7 +54,7 @@ def _close(analysis, kept):
     return gap <= CLOSED
 
 
-def _kept(tree, arrays):
+def _kept(tree: Tree, arrays: TreeArrays) -> np.ndarray:
     kept = arrays.given | arrays.elastic
     first = next((m for m, c in enumerate(tree.coordinates) if c.motion == ROTATION), None)
     if first is not None:
@@ -56,7 +62,7 @@ def _kept(tree, arrays):
     return kept
 
 
-def _one_way_fault(tree):
+def _one_way_fault(tree: Tree) -> Fault:
     closure = tree.closures[0]
     message = (
         "closed loops need the coupled equations: where bodies of a loop deflect, their rigid motion has "
@@ -65,12 +71,12 @@ def _one_way_fault(tree):
     return Fault("error", message, closure.place, closure.name, id="SOLVE-027")
 
 
-def closure_of_row(tree: Tree, row: int):
+def closure_of_row(tree: Tree, row: int) -> Closure:
     """The closure to which a row of the closure equations belongs."""
     return [closure for closure in tree.closures for _ in closure.directions][row]
 
 
-def _assembly_failure(tree, rows):
+def _assembly_failure(tree: Tree, rows: np.ndarray) -> AnalysisError:
     worst = int(np.nanargmax(np.abs(rows["gap"]))) if np.any(np.isfinite(rows["gap"])) else 0
     closure, gap = closure_of_row(tree, worst), float(abs(rows["gap"][worst]))
     t = tree.time.start

@@ -1,14 +1,21 @@
 """Report rows of a tree by the compiled implicit integrator, for stiff elastic modes."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 from ...kernels.integrators import sdirk4
 from .rows import TreeRows
 
+if TYPE_CHECKING:
+    from typing import Any
+
+    from .analysis import TreeAnalysis
+
+
 CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a second of them
 
 
-def implicit_rows(analysis) -> Iterator[TreeRows]:
+def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     """Report rows of a TreeAnalysis up to the next breakpoint, whose functions are set.
 
     Raises AnalysisError as the other methods.
@@ -18,7 +25,7 @@ def implicit_rows(analysis) -> Iterator[TreeRows]:
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + CALL_WORK // (1 + n * n)
 
-    def integrate_rows(report):
+    def integrate_rows(report: Any) -> "Any":
         return sdirk4.integrate_rows(
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )

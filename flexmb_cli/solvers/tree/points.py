@@ -4,12 +4,16 @@ DAFMS thesis (Zhao, 1992), eqs. (2.7) ff.: a point of body k lies at s + u from 
 u is the elastic displacement of its node; u and its rates are coordinates, speeds and their rates.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...model.tree import ELASTIC, INERTIAL, Tree
 from .rows import TreeRows
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
 
 
 class PointMotion(NamedTuple):
@@ -37,13 +41,13 @@ def point_motion(tree: Tree, rows: TreeRows) -> PointMotion:
     return PointMotion(*(np.concatenate(parts, axis=1) for parts in zip(*points, strict=True)))
 
 
-def _nodes(tree):
+def _nodes(tree: Tree) -> "Iterator[tuple[int, int]]":
     for k, body in enumerate(tree.bodies):
         for i in range(len(body.elastic.masses) if body.elastic else 0):
             yield k, i
 
 
-def _nodal(tree, values):
+def _nodal(tree: Tree, values: np.ndarray) -> dict[int, np.ndarray]:
     """Values (T, NS) of the elastic coordinates as {body: (T, nodes, 3)}, 0 along held axes."""
     nodal = {
         k: np.zeros((len(values), len(body.elastic.masses), 3))
@@ -56,7 +60,7 @@ def _nodal(tree, values):
     return nodal
 
 
-def _hinge_point(tree, rows, k, elastic):
+def _hinge_point(tree: Tree, rows: TreeRows, k: int, elastic: "list[Any]") -> PointMotion:
     hinge = tree.hinges[k]
     count = len(rows.time)
     place = np.broadcast_to(np.array(hinge.point, float), (count, 1, 3))
@@ -69,7 +73,7 @@ def _hinge_point(tree, rows, k, elastic):
     return _carried(rows, hinge.parent, place + u, *rates)
 
 
-def _carried(rows, k, place, rate, second):
+def _carried(rows: TreeRows, k: int, place: np.ndarray, rate: np.ndarray, second: np.ndarray) -> PointMotion:
     """Motion of points at `place` (T, n, 3) in the axes of body k, moving there with `rate`, `second`."""
     axes = rotation_matrices(rows.euler_parameters[:, k])
     r, slide, push = (np.einsum("tij,tnj->tni", axes, values) for values in (place, rate, second))
@@ -82,7 +86,7 @@ def _carried(rows, k, place, rate, second):
     )
 
 
-def rotation_matrices(p):
+def rotation_matrices(p: np.ndarray) -> np.ndarray:
     """Rotation matrices (T, 3, 3), body axes to global axes, of Euler parameters (T, 4)."""
     e0, e = p[:, 0, None, None], p[:, 1:]
     turn = np.zeros((len(p), 3, 3))

@@ -1,5 +1,7 @@
 """Report rows of a tree: what a dynamic analysis delivers, block by block, to the writers."""
 
+from typing import Any
+
 import numpy as np
 
 from ...kernels.tree.report import Report
@@ -78,7 +80,7 @@ def tree_rows(tree: Tree, arrays: TreeArrays, observed: Report, last: np.ndarray
     )
 
 
-def _closure_forces(tree, rows):
+def _closure_forces(tree: Tree, rows: np.ndarray) -> np.ndarray:
     """Sum of the forces along the closed directions of each closure (T, C, 3)."""
     along = rows["force"][..., None] * rows["direction"]
     counts = [len(closure.directions) for closure in tree.closures]
@@ -87,7 +89,7 @@ def _closure_forces(tree, rows):
     return np.stack(sums, axis=1) if sums else np.zeros((len(rows), 0, 3))
 
 
-def displacements(tree: Tree, q) -> tuple[np.ndarray, ...]:
+def displacements(tree: Tree, q: np.ndarray) -> tuple[np.ndarray, ...]:
     """Nodal displacements (T, nodes, 3) of each flexible body, 0 along held axes; q (T, NS)."""
     out = {
         k: np.zeros((len(q), len(body.elastic.masses), 3))
@@ -100,7 +102,7 @@ def displacements(tree: Tree, q) -> tuple[np.ndarray, ...]:
     return tuple(out.values())
 
 
-def node_positions(tree, position, axes, displacement):
+def node_positions(tree: Any, position: Any, axes: Any, displacement: tuple[np.ndarray, ...]) -> np.ndarray:
     """Places (T, n, 3) of the nodes of all flexible bodies; position (T, N, 3), axes (T, N, 3, 3)."""
     flexible = [k for k, body in enumerate(tree.bodies) if body.elastic is not None]
     places = [

@@ -4,20 +4,10 @@ import json
 
 import pytest
 
-from flexmb_cli.kernels import _jit
 from flexmb_cli.results.texts.check_tree_text import check_tree_text
 from flexmb_cli.run.check.check import check_deck
 from flexmb_cli.run.outcome import RunOptions
 from tests.run.dafms_runs import DECKS, NAMES, altered
-
-
-@pytest.fixture(autouse=True)
-def compiled_kernels(monkeypatch):
-    """`check` leaves kernels uncompiled for its whole process; the other tests here want them compiled."""
-    import flexmb_cli.solvers.kinematics.analysis
-    import flexmb_cli.solvers.tree.analysis  # noqa: F401
-
-    monkeypatch.setattr(_jit, "_interpreted", _jit.interpreted())
 
 
 def check(name, **options):

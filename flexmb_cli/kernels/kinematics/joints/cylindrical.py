@@ -3,6 +3,8 @@
 Young (1996), section 4.2.4, eqs (4.26)-(4.31).
 """
 
+from typing import TYPE_CHECKING
+
 from ..._jit import kernel
 from ..joint_primitives import (
     p1_acceleration,
@@ -13,25 +15,37 @@ from ..joint_primitives import (
     p2_residual,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+
+
 EQUATIONS = 4
 
 
 @kernel
-def residual(c, q, A, phi):
+def residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
     """Fill phi[row:row+4]: two of unit vectors, two of length, m."""
     p1_residual(c, c["first_row"], A, phi)
     p2_residual(c, c["first_row"] + 2, q, A, phi)
 
 
 @kernel
-def jacobian(c, q, A, phi_q):
+def jacobian(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
     """Fill the rows of phi_q (equations, 14)."""
     p1_jacobian(c, c["first_row"], q, A, phi_q)
     p2_jacobian(c, c["first_row"] + 2, q, A, phi_q)
 
 
 @kernel
-def acceleration(c, q, qd, A, Ad, Add, gamma):
+def acceleration(
+    c: "np.void",
+    q: "np.ndarray",
+    qd: "np.ndarray",
+    A: "np.ndarray",
+    Ad: "np.ndarray",
+    Add: "np.ndarray",
+    gamma: "np.ndarray",
+) -> None:
     """Fill gamma[row:row+4]."""
     p1_acceleration(c, c["first_row"], A, Ad, Add, gamma)
     p2_acceleration(c, c["first_row"] + 2, q, qd, A, Ad, Add, gamma)

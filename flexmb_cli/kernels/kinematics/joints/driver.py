@@ -5,20 +5,25 @@ normalisation: (6.9), (6.12), (6.15) of the source omit the term that makes the 
 """
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from ..._jit import kernel
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 EQUATIONS = 1
 
 
 @kernel
-def function(c, t):
+def function(c: Any, t: float) -> Any:
     """f, df/dt and d²f/dt² at time t."""
     return c["C"] + (c["B"] + 0.5 * c["A"] * t) * t, c["B"] + c["A"] * t, c["A"]
 
 
 @kernel
-def residual(c, q, t, phi):
+def residual(c: "np.void", q: "np.ndarray", t: float, phi: "np.ndarray") -> None:
     """Fill phi[row], and phi[row+1] of a rotation."""
     f = function(c, t)[0]
     row, k = c["first_row"], 7 * c["body_i"]
@@ -30,7 +35,7 @@ def residual(c, q, t, phi):
 
 
 @kernel
-def jacobian(c, phi_q):
+def jacobian(c: "np.void", phi_q: "np.ndarray") -> None:
     """Fill one row of phi_q (equations, 14), two of a rotation."""
     phi_q[c["first_row"], c["coordinate"]] = 1.0
     if c["coordinate"] >= 3:
@@ -38,7 +43,7 @@ def jacobian(c, phi_q):
 
 
 @kernel
-def velocity(c, t, nu):
+def velocity(c: "np.void", t: float, nu: "np.ndarray") -> None:
     """Fill the right-hand side of the velocity equations, (4.60) and (4.63)."""
     f, rate, _ = function(c, t)
     row = c["first_row"]
@@ -50,7 +55,7 @@ def velocity(c, t, nu):
 
 
 @kernel
-def acceleration(c, t, gamma):
+def acceleration(c: "np.void", t: float, gamma: "np.ndarray") -> None:
     """Fill the right-hand side of the acceleration equations, (4.61) and (4.64)."""
     f, rate, second = function(c, t)
     row = c["first_row"]

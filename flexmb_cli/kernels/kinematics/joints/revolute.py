@@ -3,6 +3,8 @@
 Young (1996), section 4.2.3, eqs (4.20)-(4.25).
 """
 
+from typing import TYPE_CHECKING
+
 from ..._jit import kernel
 from ..joint_primitives import (
     coincident_acceleration,
@@ -13,25 +15,37 @@ from ..joint_primitives import (
     p1_residual,
 )
 
+if TYPE_CHECKING:
+    import numpy as np
+
+
 EQUATIONS = 5
 
 
 @kernel
-def residual(c, q, A, phi):
+def residual(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi: "np.ndarray") -> None:
     """Fill phi[row:row+5]: three of length, m, two of unit vectors."""
     coincident_residual(c, q, A, phi)
     p1_residual(c, c["first_row"] + 3, A, phi)
 
 
 @kernel
-def jacobian(c, q, A, phi_q):
+def jacobian(c: "np.void", q: "np.ndarray", A: "np.ndarray", phi_q: "np.ndarray") -> None:
     """Fill the rows of phi_q (equations, 14)."""
     coincident_jacobian(c, q, phi_q)
     p1_jacobian(c, c["first_row"] + 3, q, A, phi_q)
 
 
 @kernel
-def acceleration(c, q, qd, A, Ad, Add, gamma):
+def acceleration(
+    c: "np.void",
+    q: "np.ndarray",
+    qd: "np.ndarray",
+    A: "np.ndarray",
+    Ad: "np.ndarray",
+    Add: "np.ndarray",
+    gamma: "np.ndarray",
+) -> None:
     """Fill gamma[row:row+5]."""
     coincident_acceleration(c, Add, gamma)
     p1_acceleration(c, c["first_row"] + 3, A, Ad, Add, gamma)

@@ -29,14 +29,16 @@ TURN = 2.0 * math.pi
 
 
 @kernel
-def angle(c, A, expected):
+def angle(c: np.void, A: np.ndarray, expected: float) -> float:
     """θ in rad, the value nearest to `expected`; any number of turns."""
     theta = math.atan2(n1_residual(c, c["g_i"], c["h_j"], A), n1_residual(c, c["h_i"], c["h_j"], A))
     return theta + TURN * math.floor((expected - theta) / TURN + 0.5)
 
 
 @kernel
-def angle_rates(c, A, Ad, Add, xdd, ydd):
+def angle_rates(
+    c: np.void, A: np.ndarray, Ad: np.ndarray, Add: np.ndarray, xdd: float, ydd: float
+) -> tuple[float, float]:
     """dθ/dt and d²θ/dt² for given second derivatives of x and y."""
     x, y = n1_residual(c, c["h_i"], c["h_j"], A), n1_residual(c, c["g_i"], c["h_j"], A)
     xd, yd = _n1_rate(c, c["h_i"], A, Ad), _n1_rate(c, c["g_i"], A, Ad)
@@ -47,7 +49,7 @@ def angle_rates(c, A, Ad, Add, xdd, ydd):
 
 
 @kernel
-def _n1_rate(c, u_i, A, Ad):
+def _n1_rate(c: np.void, u_i: np.ndarray, A: np.ndarray, Ad: np.ndarray) -> float:
     i, j = c["body_i"], c["body_j"]
     a, b = rotate(Ad, i, u_i), rotate(A, j, c["h_j"])
     e, f = rotate(A, i, u_i), rotate(Ad, j, c["h_j"])
@@ -55,7 +57,7 @@ def _n1_rate(c, u_i, A, Ad):
 
 
 @kernel
-def residual(c, q, A, expected, phi):
+def residual(c: np.void, q: np.ndarray, A: np.ndarray, expected: float, phi: np.ndarray) -> None:
     """Fill phi[row:row+5]; the last row in m."""
     cylindrical.residual(c, q, A, phi)
     slide = c["sense"] * n2_residual(c, c["s_i"], q, A)
@@ -63,7 +65,7 @@ def residual(c, q, A, expected, phi):
 
 
 @kernel
-def jacobian(c, q, A, phi_q):
+def jacobian(c: np.void, q: np.ndarray, A: np.ndarray, phi_q: np.ndarray) -> None:
     """Fill the rows of phi_q (equations, 14)."""
     cylindrical.jacobian(c, q, A, phi_q)
     row = phi_q[c["first_row"] + 4]
@@ -85,7 +87,15 @@ def jacobian(c, q, A, phi_q):
 
 
 @kernel
-def acceleration(c, q, qd, A, Ad, Add, gamma):
+def acceleration(
+    c: np.void,
+    q: np.ndarray,
+    qd: np.ndarray,
+    A: np.ndarray,
+    Ad: np.ndarray,
+    Add: np.ndarray,
+    gamma: np.ndarray,
+) -> None:
     """Fill gamma[row:row+5]."""
     cylindrical.acceleration(c, q, qd, A, Ad, Add, gamma)
     xdd = -n1_acceleration(c, c["h_i"], c["h_j"], A, Ad, Add)
@@ -96,7 +106,15 @@ def acceleration(c, q, qd, A, Ad, Add, gamma):
 
 
 @kernel
-def second_rate(c, u_i, q, qdd, A, Ad, Add):
+def second_rate(
+    c: np.void,
+    u_i: np.ndarray,
+    q: np.ndarray,
+    qdd: np.ndarray,
+    A: np.ndarray,
+    Ad: np.ndarray,
+    Add: np.ndarray,
+) -> float:
     """d²/dt² of u_i · h_j for second derivatives qdd of the coordinates."""
     row = np.zeros(14)
     n1_jacobian(c, u_i, c["h_j"], q, A, row)
