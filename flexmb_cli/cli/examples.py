@@ -23,8 +23,9 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 @click.option(
     "-o", "--output-dir", type=click.Path(path_type=Path), default=".", help="Folder of the copies."
 )
-@click.option("--all", "everything", is_flag=True,
-              help="Copy the whole folder `decks`: commands of the documentation work with it.")  # fmt: skip
+@click.option(
+    "--all", "everything", is_flag=True, help="Copy all, in the folders that the documentation names."
+)
 @click.option("--force", is_flag=True, help="Replace files that are there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def examples(names, output_dir, everything, force, quiet):
@@ -38,8 +39,10 @@ def examples(names, output_dir, everything, force, quiet):
     """
     if everything:
         if names:
-            raise click.UsageError("--all copies all decks: name none, or leave it out")
-        _copy_all(output_dir, force, quiet)
+            raise click.UsageError("--all copies every example: leave out the names")
+        copied = _copy_all(output_dir, force)
+        if not quiet:
+            click.echo(f"{copied} examples → {output_dir / 'decks'}")
         return
     decks = supplied()
     if not names:
@@ -54,22 +57,30 @@ def examples(names, output_dir, everything, force, quiet):
             click.echo(f"{name} → {', '.join(map(str, copied))}")
 
 
-def _folder() -> Path:
-    """Return the folder `decks` of this installation."""
+def supplied() -> dict[str, Path]:
+    """Return the supplied decks and studies by name.
+
+    Decks of two dialects with one name are distinguished by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
+    """
+    folder = _folder()
+    found = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
+    stems = [path.stem for path in found]
+    return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
+
+
+def _folder():
     folder = next((place for place in PLACES if place.is_dir()), None)
     if folder is None:
         raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
     return folder
 
 
-def supplied() -> dict[str, Path]:
-    """Return the supplied decks and studies by name.
-
-    Decks of two dialects with one name are distinguished by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
-    """
-    found = sorted(path for path in _folder().rglob("*") if path.suffix in SUFFIXES and path.is_file())
-    stems = [path.stem for path in found]
-    return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
+def _copy_all(output_dir, force):
+    """Copy the folder of the decks as it is; return how many examples it holds."""
+    target = output_dir / "decks"
+    _refuse_taken([target], force)
+    shutil.copytree(_folder(), target, dirs_exist_ok=True)
+    return len(supplied())
 
 
 def _similar(name: str, decks: dict[str, Path]) -> str:
@@ -128,19 +139,6 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / deck.name).write_text(text, encoding="utf-8", newline="")
     return [folder / deck.name, *targets.values()]
-
-
-def _copy_all(folder: Path, force: bool, quiet: bool):
-    """Copy the folder `decks` with its folders, so that names in it stay as they are."""
-    source, target = _folder(), folder / "decks"
-    files = [path for path in sorted(source.rglob("*")) if path.is_file()]
-    targets = [target / path.relative_to(source) for path in files]
-    _refuse_taken(targets, force)
-    for path, to in zip(files, targets, strict=True):
-        to.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, to)
-    if not quiet:
-        click.echo(f"{target}: {len(files)} files")
 
 
 def _refuse_taken(targets, force):

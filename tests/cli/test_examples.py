@@ -5,9 +5,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-
-from flexmb_cli.cli.examples import examples
 
 pytestmark = pytest.mark.processes
 
@@ -40,19 +37,6 @@ def test_a_copied_study_finds_its_deck(tmp_path):
     assert 'deck = "IN-RSSR.dat"' in (tmp_path / "rssr.toml").read_text()
 
 
-def test_all_examples_keep_their_folders(tmp_path):
-    """The commands of README and tutorial name decks/young/IN4-BAR.dat."""
-    done = CliRunner().invoke(examples, ["--all", "-o", str(tmp_path)])
-    assert done.exit_code == 0, done.output
-    copied = {path.relative_to(tmp_path / "decks") for path in tmp_path.rglob("*") if path.is_file()}
-    assert copied == {path.relative_to(DECKS) for path in DECKS.rglob("*") if path.is_file()}
-    assert (tmp_path / "decks/young/IN4-BAR.dat").read_bytes() == (DECKS / "young/IN4-BAR.dat").read_bytes()
-    again = CliRunner().invoke(examples, ["--all", "-o", str(tmp_path)])
-    assert again.exit_code == 2 and "--force replaces it" in again.stderr
-    both = CliRunner().invoke(examples, ["--all", "IN4-BAR"])
-    assert both.exit_code == 2 and "name none" in both.stderr
-
-
 def test_nothing_of_the_user_is_replaced(tmp_path):
     (tmp_path / "IN4-BAR.dat").write_text("mine")
     done = flexmb(tmp_path, "examples", "IN4-BAR")
@@ -60,6 +44,14 @@ def test_nothing_of_the_user_is_replaced(tmp_path):
     assert (tmp_path / "IN4-BAR.dat").read_text() == "mine"
     assert flexmb(tmp_path, "examples", "IN4-BAR", "--force").returncode == 0
     assert (tmp_path / "IN4-BAR.dat").read_bytes() == (DECKS / "young/IN4-BAR.dat").read_bytes()
+
+
+def test_all_examples_lie_as_the_documentation_names_them(tmp_path):
+    done = flexmb(tmp_path, "examples", "--all")
+    assert done.stdout.endswith(" examples → decks\n")
+    copied = {path.relative_to(tmp_path / "decks") for path in (tmp_path / "decks").rglob("*")}
+    assert copied == {path.relative_to(DECKS) for path in DECKS.rglob("*")}
+    assert "--force replaces it" in flexmb(tmp_path, "examples", "--all").stderr
 
 
 def test_an_unknown_name_is_refused(tmp_path):
