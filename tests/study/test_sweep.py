@@ -138,7 +138,7 @@ def test_a_case_that_locks_has_no_results_but_the_rows_before(tmp_path):
         (("max point.1.z", "max point.1.q"), "point.1.q: the result has no such quantity"),
         (("max point.1.z", "max point.1"), "result top: point.1 is more than one number"),
         (("IN-RSSR.dat", "none.dat"), "none.dat: error: no such file"),
-        (("IN-RSSR.dat", "../../README.md"), "README.md:1:1: error: no dialect begins like this"),
+        (("IN-RSSR.dat", "../../LICENSE"), "LICENSE:1:1: error: no dialect begins like this"),
     ],
 )
 def test_what_a_deck_does_not_have_is_refused_before_anything_is_solved(tmp_path, change, message):
