@@ -13,7 +13,7 @@ from collections import namedtuple
 import numpy as np
 
 from .._jit import kernel
-from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, expect_angles, unwrap_angles
+from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles, unwrap_angles
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import SOLVED
 from ..linalg.copying import copy
@@ -21,9 +21,8 @@ from .clock import BEGIN, READY, STEP_VANISHED, new_clock
 from .constrained_equations import (
     MOST_MOVED,
     code_of_gap,
-    differentiate,
     note_gap,
-    project,
+    projected_slope,
     report_trial,
     slope,
 )
@@ -69,14 +68,11 @@ def _finish(integration, h, system, work):
     clock = integration.clock[0]
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
         return -0.5
-    clock["evaluations"] += 1
-    copy(integration.angles[EXPECTED], work.angles)
-    moved = project(integration, clock["t"] + h, system, work)
+    moved = projected_slope(integration, STAGES, clock["t"] + h, system, work)
     if clock["fault"] != SOLVED:
         return -SLOWEST
     if not moved < np.inf:
         return -0.5
-    differentiate(integration, STAGES, clock["t"] + h, system, work)
     if not _holds(system, work, integration, h, moved):
         return -0.5
     return next_factor(clock["error"], clock["rejected"])
