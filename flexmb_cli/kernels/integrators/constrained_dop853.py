@@ -17,7 +17,7 @@ from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles, unwrap_an
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import SOLVED
 from ..linalg.copying import copy
-from .clock import BEGIN, READY, STEP_VANISHED, new_clock
+from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
     MOST_MOVED,
     code_of_gap,
@@ -29,7 +29,7 @@ from .constrained_equations import (
 from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .explicit_error import error_on_constraints
-from .singular_ahead import NOISE, leads_over, look_ahead, round_off
+from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
