@@ -1,6 +1,10 @@
 """The clock of an integration, the same for every method, and the codes that integrators return."""
 
+import math
+
 import numpy as np
+
+from .._jit import kernel
 
 # Tasks: start at the state z, or integrate on to the report times.
 BEGIN, INTEGRATION = 0, 1
@@ -9,6 +13,8 @@ BEGIN, INTEGRATION = 0, 1
 # coordinates without inertia.
 READY, ROWS_FULL, AT_STOP, PAUSED, STEP_VANISHED, STEP_SHORT, CONTRADICTION, NO_INERTIA = range(8)
 
+LOOK = 3.5  # steps: how far ahead of the state singular positions are sought
+CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
 SMALLEST_STEP = 1e-14  # of the time, or of a millisecond
 
 CLOCK = np.dtype(
@@ -48,3 +54,23 @@ def new_clock() -> np.ndarray:
     clock = np.zeros(1, CLOCK)
     clock["stop"] = clock["next"] = clock["singular"] = np.inf
     return clock
+
+
+@kernel
+def laid_out(clock, h, share):
+    """Length of the next step, at most a little longer than h, for a step over the position ahead that has
+    it at this share of its length."""
+    way = clock["singular"] - clock["t"]
+    if not 0.0 < way < LOOK * h:
+        return h
+    if way <= share * h:
+        return way / share
+    if way <= CLOSER * share * h:
+        return h
+    return way / (math.ceil(way / h - share) + share)
+
+
+@kernel
+def leads_over(clock, h):
+    """Return whether a step of length h leads over the singular position ahead."""
+    return 0.0 < clock["singular"] - clock["t"] < h

@@ -9,29 +9,27 @@ II.4-II.6; projection: Hairer and Wanner, volume II, section VII.2.
 """
 
 from collections import namedtuple
-from typing import Any
 
 import numpy as np
 
 from .._jit import kernel
-from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, expect_angles, unwrap_angles
-from ..constrained.report import Report, coordinates_and_speeds
-from ..constrained.system import SOLVED, System, Work
+from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles, unwrap_angles
+from ..constrained.report import coordinates_and_speeds
+from ..constrained.system import SOLVED
 from ..linalg.copying import copy
-from .clock import BEGIN, READY, STEP_VANISHED, new_clock
+from .clock import BEGIN, READY, STEP_VANISHED, leads_over, new_clock
 from .constrained_equations import (
     MOST_MOVED,
     code_of_gap,
-    differentiate,
     note_gap,
-    project,
+    projected_slope,
     report_trial,
     slope,
 )
 from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .explicit_error import error_on_constraints
-from .singular_ahead import NOISE, leads_over, look_ahead, round_off
+from .singular_ahead import NOISE, look_ahead, round_off
 from .time_loop import SHORT
 
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
@@ -44,7 +42,7 @@ slopes (16, N).  dense (7, N).  units (N,): a state's unit.  angles (3, angles):
 """
 
 
-def new_integration(work, angles: int) -> Integration:
+def new_integration(work, angles):
     """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     n = 2 * work.jacobian.shape[1] + work.mass.shape[0] + 1
     return Integration(
@@ -60,31 +58,28 @@ def new_integration(work, angles: int) -> Integration:
 
 
 @kernel
-def _normalise(integration, system: Any, work) -> None:
+def _normalise(integration, system, work):
     """Leave the Euler parameters as they are: the projection brings them to length one."""
 
 
 @kernel
-def _finish(integration, h: float, system: Any, work):
+def _finish(integration, h, system, work):
     """Project the end of a step and fill its slope; the factor on the step length, or minus that of a try."""
     clock = integration.clock[0]
     if not expect_angles(system, work, integration, h) < MOST_TURNED:
         return -0.5
-    clock["evaluations"] += 1
-    copy(integration.angles[EXPECTED], work.angles)
-    moved = project(integration, clock["t"] + h, system, work)
+    moved = projected_slope(integration, STAGES, clock["t"] + h, system, work)
     if clock["fault"] != SOLVED:
         return -SLOWEST
     if not moved < np.inf:
         return -0.5
-    differentiate(integration, STAGES, clock["t"] + h, system, work)
     if not _holds(system, work, integration, h, moved):
         return -0.5
     return next_factor(clock["error"], clock["rejected"])
 
 
 @kernel
-def _holds(system: System, work: Work, integration: Integration, h: float, moved) -> bool:
+def _holds(system, work, integration, h, moved):
     """Return whether a step may be made, whose projected end is in trial and was `moved` by so much."""
     clock = integration.clock[0]
     noise = max(1.0, NOISE * round_off(work) / clock["rtol"])
@@ -95,7 +90,7 @@ def _holds(system: System, work: Work, integration: Integration, h: float, moved
 
 
 @kernel
-def _watch(integration, system: Any, work):
+def _watch(integration, system, work):
     """Look for short steps, gaps and singular positions ahead; PHI belongs to the state."""
     clock = integration.clock[0]
     clock["longest"] = max(clock["longest"], clock["step_length"])
@@ -114,14 +109,14 @@ def _watch(integration, system: Any, work):
 
 
 @kernel
-def _close(integration, system: Any, work):
+def _close(integration, system, work):
     """The projected end of a step is the start of the next."""
     copy(integration.slopes[STAGES], integration.slopes[0])
     return READY
 
 
 @kernel
-def _fill_row(integration, t: float, report, system: Any, work):
+def _fill_row(integration, t, report, system, work):
     """Fill a report row at a time up to the present one; a code."""
     clock, x = integration.clock[0], 1.0
     copy(integration.z, integration.trial)
@@ -135,9 +130,7 @@ _advance = dop853(Equations(slope, _normalise, _finish, _watch, _close, _fill_ro
 
 
 @kernel
-def integrate_rows(
-    task: int, system: System, work: Work, integration: Integration, report: Report, budget: int
-) -> int:
+def integrate_rows(task, system, work, integration, report, budget):
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
@@ -148,7 +141,7 @@ def integrate_rows(
 
 
 @kernel
-def _begin(integration: Integration, system: Any, work) -> int:
+def _begin(integration, system, work):
     clock = integration.clock[0]
     copy(integration.z, integration.old)
     copy(integration.z, integration.trial)

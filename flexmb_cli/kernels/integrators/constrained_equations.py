@@ -6,8 +6,6 @@ holds coordinates, speeds and the work of drivers and loads since the start.
 Projection: Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section VII.2.
 """
 
-from typing import Any
-
 import numpy as np
 
 from .._jit import kernel
@@ -26,30 +24,47 @@ REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
 
 
 @kernel
-def slope(integration, stage: int, t: float, system: Any, work):
-    """Fill the slope at `trial`; return whether there is one."""
-    clock = integration.clock[0]
+def evaluate(integration, t, angles, projects, out, ud, system, work):
+    """Fill the slope `out` (N,) and the accelerations `ud` (n,) at `trial`, projected first where asked.
+
+    Returns by how many tolerances the projection moved it, infinity where clock["fault"] is set, and the
+    power.  All that integrators ask of the equations goes through here, so that they are compiled once.
+    """
+    clock, moved = integration.clock[0], 0.0
     clock["evaluations"] += 1
-    copy(integration.angles[NEW], work.angles)
-    clock["fault"] = factorise_at(system, work, coordinates_and_speeds(system, integration.trial)[0])
-    if clock["fault"] == SOLVED:
-        differentiate(integration, stage, t, system, work)
-    return clock["fault"] == SOLVED
-
-
-@kernel
-def differentiate(integration, stage: int, t: float, system: Any, work) -> None:
-    """Fill the slope at `trial`, whose factors are at hand."""
-    out = integration.slopes[stage]
+    copy(angles, work.angles)
     q, u = coordinates_and_speeds(system, integration.trial)
-    qd, ud = coordinates_and_speeds(system, out)
+    if projects:
+        moved = project(integration, t, system, work)
+    else:
+        clock["fault"] = factorise_at(system, work, q)
+    if clock["fault"] != SOLVED:
+        return np.inf, 0.0
     power = accelerate(system, work, q, u, t, ud)
-    coordinate_rates(system.masses.shape[0], q, u, qd)
+    coordinate_rates(system.masses.shape[0], q, u, coordinates_and_speeds(system, out)[0])
     out[out.shape[0] - 1] = power
+    return moved, power
 
 
 @kernel
-def project(integration, t: float, system: Any, work):
+def slope(integration, stage, t, system, work):
+    """Fill the slope at `trial`; return whether there is one."""
+    out = integration.slopes[stage]
+    ud = coordinates_and_speeds(system, out)[1]
+    evaluate(integration, t, integration.angles[NEW], False, out, ud, system, work)
+    return integration.clock[0]["fault"] == SOLVED
+
+
+@kernel
+def projected_slope(integration, stage, t, system, work):
+    """Bring `trial` onto the constraints and fill its slope; return by how many tolerances that moved it."""
+    out = integration.slopes[stage]
+    ud = coordinates_and_speeds(system, out)[1]
+    return evaluate(integration, t, integration.angles[EXPECTED], True, out, ud, system, work)[0]
+
+
+@kernel
+def project(integration, t, system, work):
     """Bring `trial` onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
@@ -69,7 +84,7 @@ def project(integration, t: float, system: Any, work):
 
 
 @kernel
-def note_gap(integration, system: Any, work) -> None:
+def note_gap(integration, system, work):
     """Note the largest gap, whose equations belong to the state."""
     clock = integration.clock[0]
     clock["gap"], clock["equation"] = largest_gap(system, work)
@@ -82,7 +97,7 @@ def code_of_gap(integration):
 
 
 @kernel
-def interpolate_angles(integration, x) -> None:
+def interpolate_angles(integration, x):
     """Fill the angles expected at the fraction x of the last step."""
     angles = integration.angles
     for s in range(angles.shape[1]):
@@ -90,20 +105,16 @@ def interpolate_angles(integration, x) -> None:
 
 
 @kernel
-def report_trial(integration, t: float, x, report, system: Any, work):
+def report_trial(integration, t, x, report, system, work):
     """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code."""
     clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
     interpolate_angles(integration, x)
-    clock["evaluations"] += 1
-    copy(expected, work.angles)
-    q, u = coordinates_and_speeds(system, integration.trial)
-    if x < 1.0:
-        project(integration, t, system, work)
-    else:
-        clock["fault"] = factorise_at(system, work, q)
+    # The slope of a row is not needed: a stage of the next step goes into its place.
+    power = evaluate(
+        integration, t, expected, x < 1.0, integration.slopes[1], report.rates[row], system, work
+    )[1]
     if clock["fault"] != SOLVED:
         return STEP_VANISHED
-    power = accelerate(system, work, q, u, t, report.rates[row])
     complete(system, work, integration.trial, t, expected, power, report, row)
     copy(integration.trial, report.states[row])
     clock["row"] += 1

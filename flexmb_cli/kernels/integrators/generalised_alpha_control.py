@@ -9,7 +9,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from .._jit import kernel
-from .singular_ahead import LOOK, NOISE, ROUND_OFF, blur, leads_over, round_off
+from .clock import LOOK, leads_over
+from .singular_ahead import NOISE, ROUND_OFF, blur, round_off
 
 if TYPE_CHECKING:
     import numpy as np

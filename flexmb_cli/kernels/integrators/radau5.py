@@ -19,14 +19,14 @@ from ..constrained.report import Report, complete, coordinates_and_speeds
 from ..constrained.system import NO_INERTIA, SOLVED, System, Work
 from ..linalg.copying import copy
 from ..linalg.rank_revealing_lu import BRANCHING, smallest_pivot
-from .clock import BEGIN, READY, STEP_VANISHED, new_clock
+from .clock import BEGIN, READY, STEP_VANISHED, laid_out, new_clock
 from .constrained_equations import MOST_MOVED, code_of_gap, interpolate_angles, note_gap
 from .radau5_error import FASTEST, SAFETY, SLOWEST, next_factor, step_error, turns_left, work_error
 from .radau5_projection import between, close_gaps, moved, project_state
 from .radau5_singular_step import singular_step
 from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solve_step
 from .radau5_table import STAGES, WEIGHTS
-from .singular_ahead import blur, laid_out, look_ahead
+from .singular_ahead import blur, look_ahead
 from .time_loop import Method, time_loop
 
 SLOW = 0.01  # what an iteration may leave before the matrices are renewed

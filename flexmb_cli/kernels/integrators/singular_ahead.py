@@ -7,24 +7,13 @@ stages at a distance.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 from .._jit import kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_rates, normalise
+from .clock import LOOK
 
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ..constrained.system import System, Work
-    from .constrained_dop853 import Integration
-    from .generalised_alpha import AlphaIntegration
-    from .radau5 import RadauIntegration
-
-
-LOOK = 3.5  # steps
-CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
 MOST_SECANTS = 6
 FOUND = 0.02  # of the way: how well the time is known
 ROUND_OFF = 1e-13  # of speeds, where pivots are 1: it grows by their inverse squares
@@ -33,13 +22,7 @@ OVER = 4.0  # of the way to a position that is foreseen worse
 
 
 @kernel
-def look_ahead(
-    system: "System",
-    work: "Work",
-    integration: "Integration | AlphaIntegration | RadauIntegration",
-    ud: "np.ndarray",
-    h: float,
-) -> None:
+def look_ahead(system, work, integration, ud, h):
     """Note in the clock when a pivot of the elimination vanishes, s, infinity: not in a few steps of h.
 
     ud (n,) are the accelerations at z, whose factors are at hand; jacobian and factors are not those of z
@@ -58,7 +41,7 @@ def look_ahead(
 
 
 @kernel
-def _expected(clock: "np.void", work: "Work") -> float:
+def _expected(clock, work):
     """Time until a pivot vanishes as it has declined since it was looked at; 0 where that is not known."""
     since, least = clock["t"] - clock["pivot_time"], 1.0
     if clock["pivot_order"] != work.quality[0] or not since > 0.0:
@@ -69,14 +52,7 @@ def _expected(clock: "np.void", work: "Work") -> float:
 
 
 @kernel
-def _way(
-    system: "System",
-    work: "Work",
-    integration: "Integration | AlphaIntegration | RadauIntegration",
-    ud: "np.ndarray",
-    first: float,
-    longest: float,
-) -> float:
+def _way(system, work, integration, ud, first, longest):
     """Time from t until the pivot that declines most vanishes, by secants; infinity where none is found."""
     before, at_before, way, pivot = 0.0, 1.0, first, -1
     for _ in range(MOST_SECANTS):
@@ -96,7 +72,7 @@ def _way(
 
 
 @kernel
-def most_declined(work: "Work") -> int:
+def most_declined(work):
     """The pivot that is least of what it was."""
     found, least = 0, math.inf
     for k in range(work.rank[0]):
@@ -107,13 +83,7 @@ def most_declined(work: "Work") -> int:
 
 
 @kernel
-def _factorise_ahead(
-    system: "System",
-    work: "Work",
-    integration: "Integration | AlphaIntegration | RadauIntegration",
-    ud: "np.ndarray",
-    way: float,
-) -> None:
+def _factorise_ahead(system, work, integration, ud, way):
     """Factors where the motion leads in the time `way` with accelerations that stay."""
     z, bodies = integration.z, system.masses.shape[0]
     q, u = coordinates_and_speeds(system, z)
@@ -129,35 +99,15 @@ def _factorise_ahead(
 
 
 @kernel
-def blur(work: "Work", tolerance: float) -> float:
+def blur(work, tolerance):
     """Return how many times a tolerance round-off may be near the state, at least 1."""
     return max(1.0, round_off(work) / tolerance)
 
 
 @kernel
-def round_off(work: "Work") -> float:
+def round_off(work):
     """Return the round-off of speeds at the state, of their size; 0 where there are no constraints."""
     least = math.inf
     for k in range(work.rank[0]):
         least = min(least, abs(work.pivots[k]))
     return ROUND_OFF / (least * least) if least > 0.0 else 0.0
-
-
-@kernel
-def laid_out(clock: "np.void", h: float, share: float) -> float:
-    """Length of the next step, at most a little longer than h, for a step over the position ahead that has
-    it at this share of its length."""
-    way = clock["singular"] - clock["t"]
-    if not 0.0 < way < LOOK * h:
-        return h
-    if way <= share * h:
-        return way / share
-    if way <= CLOSER * share * h:
-        return h
-    return way / (math.ceil(way / h - share) + share)
-
-
-@kernel
-def leads_over(clock: "np.void", h: float) -> bool:
-    """Return whether a step of length h leads over the singular position ahead."""
-    return 0.0 < clock["singular"] - clock["t"] < h

@@ -4,14 +4,16 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 table 1.2.  The file shows all that an integrator is made of: CONTRIBUTING.md refers to it.
 """
 
+import math
+
 from flexmb_cli.kernels._jit import kernel
-from flexmb_cli.kernels.constrained.angle_unwrapping import EXPECTED, expect_angles, unwrap_angles
+from flexmb_cli.kernels.constrained.angle_unwrapping import expect_angles, unwrap_angles
 from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED
 from flexmb_cli.kernels.integrators.constrained_dop853 import new_integration  # noqa: F401
 from flexmb_cli.kernels.integrators.constrained_equations import (
     code_of_gap,
     note_gap,
-    project,
+    projected_slope,
     report_trial,
     slope,
 )
@@ -49,11 +51,8 @@ def _attempt(integration, h, system, work):
             return -0.5
     _place(integration, (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0), h)
     expect_angles(system, work, integration, h)
-    copy(integration.angles[EXPECTED], work.angles)
-    project(integration, clock["t"] + h, system, work)
-    if not slope(integration, END, clock["t"] + h, system, work):
-        return -0.5
-    return 1.0
+    moved = projected_slope(integration, END, clock["t"] + h, system, work)
+    return 1.0 if moved < math.inf else -0.5
 
 
 @kernel
