@@ -1,6 +1,7 @@
 """Which curves of a result are drawn, and in which panels: one for each unit."""
 
 from collections.abc import Sequence
+from itertools import takewhile
 
 import h5py
 import numpy as np
@@ -65,6 +66,7 @@ class Panel:
         )
         energies = quantities and all("energy" in each or "work" in each for each in quantities)
         common = "energy" if energies else ""
+        common = common or _common_ending(quantities)
         if len(labels) == 1:
             (common,) = labels
         elif len(quantities) == 1:
@@ -74,6 +76,15 @@ class Panel:
         changed = "change of " if self.of_changes else ""
         common = common or OF_UNIT.get(self.unit, "")
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
+
+
+def _common_ending(texts):
+    """The words that all texts end with: "von Mises stress" of those and of the largest one."""
+    endings = [text.split()[::-1] for text in texts]
+    if not endings:
+        return ""
+    same = list(takewhile(lambda words: len(set(words)) == 1, zip(*endings, strict=False)))
+    return " ".join(words[0] for words in reversed(same))
 
 
 @dataclass(frozen=True, eq=False)
