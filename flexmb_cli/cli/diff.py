@@ -15,8 +15,6 @@ from .terminal.screen import show, tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..results.diff.folders import Compared, Summary
     from ..results.diff.report import Report
     from ..results.diff.tolerance_file import FileTolerances

@@ -12,7 +12,7 @@ from ..dialects.recognise import every_dialect
 from .options.completion import example_names
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 PACKAGE = Path(__file__).resolve().parents[1]

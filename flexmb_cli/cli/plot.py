@@ -12,8 +12,6 @@ from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..results.figures.curves import Panel, Source
 
 

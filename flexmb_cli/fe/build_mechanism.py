@@ -23,7 +23,6 @@ from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 STEPS_A_PERIOD = 20

@@ -209,5 +209,5 @@ class JointElements:
 
     @property
     def constrain(self) -> bool:
-        """Whether some of them are equations."""
+        """Return whether some of them are equations."""
         return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))

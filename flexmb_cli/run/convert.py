@@ -15,8 +15,6 @@ from .outcome import Outcome, RunOptions
 from .solution import solution_of
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism
     from ..model.tree import Tree
@@ -74,7 +72,7 @@ def _title(deck: Any) -> "Any":
 
 
 def _refuse_unreadable(text: "Any", form: "Any", run: Any) -> None:
-    """What the writer let through, and the dialect does not accept, must not pass for a deck."""
+    """Refuse what the writer let through and the dialect does not accept."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
     except DeckError as failure:

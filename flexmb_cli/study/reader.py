@@ -17,7 +17,7 @@ from .key_places import key_places
 from .study import GRID, LATIN, SAMPLINGS, TAKES, TOGETHER, Kept, Study, Varied
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MOST_CASES = 100_000_000

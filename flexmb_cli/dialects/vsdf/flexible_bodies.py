@@ -15,8 +15,6 @@ from .materials import matrices_of_elements, stiffening_material, stress_materia
 from .nodes import members_of, sets_of
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
 
@@ -77,7 +75,7 @@ def flexible_body(
 
 
 def _or_density(values: DeckValues, k: int, files: dict[str, FEFile | None]) -> str:
-    """What else helps where both matrices are missing."""
+    """Return what else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"
     return ""

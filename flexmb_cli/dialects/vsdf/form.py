@@ -14,7 +14,7 @@ from ...errors import Fault
 from .cards import BY_WORD, CARDS, END, FINAL, Card, Column
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MOST = 1000

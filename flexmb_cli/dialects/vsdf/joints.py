@@ -19,7 +19,7 @@ from . import DIALECT
 from .bodies import end_of_body
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _COINCIDENT = 1e-12

@@ -10,8 +10,6 @@ from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...deck.record import Record
     from ...model.time_functions import MotionFunction
 

@@ -13,7 +13,7 @@ from . import fields
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP, Card, Column
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _TITLE_WIDTH = 75

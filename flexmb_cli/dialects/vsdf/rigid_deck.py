@@ -14,7 +14,6 @@ from .joints import JOINT_WORDS, SLIDING, TURNING  # type: ignore[attr-defined]
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 _WORDS = {joint.kind: joint for joint in JOINT_WORDS}

@@ -29,7 +29,6 @@ from .dynamic_cards import FORWARD, analysis_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
@@ -80,7 +79,9 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
 
 
 def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> Any:
-    """What the cards of a section describe; that of a large deck is made again when it is looked at."""
+    """Return what the cards of a section describe; that of a large deck is made again when it is looked
+    at.
+    """
     records = deck.section(section)
     if isinstance(deck.records, tuple):
         return tuple(make(record, findings) for record in records)

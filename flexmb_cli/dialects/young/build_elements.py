@@ -25,7 +25,6 @@ from .build_functions import Functions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 _COORDINATES = {1: ANGLE, 2: STROKE}

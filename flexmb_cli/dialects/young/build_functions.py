@@ -19,7 +19,7 @@ from ...model.time_functions import (
 from .element_cards import FUNCTION_CARDS
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)

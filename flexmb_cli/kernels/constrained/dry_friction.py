@@ -21,7 +21,7 @@ FRICTION_CONVERGED = 1e-13  # of the largest force
 
 @kernel
 def has_friction(loads: np.ndarray) -> bool:
-    """Whether there is any friction; it stands behind all other loads."""
+    """Return whether there is any friction; it stands behind all other loads."""
     return loads.shape[0] > 0 and loads[loads.shape[0] - 1]["kind"] == FRICTION
 
 

@@ -15,8 +15,6 @@ from .singular_ahead import laid_out, leads_over
 from .time_loop import Method, time_loop
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
 

@@ -17,7 +17,6 @@ from .records import CABLE, ELEMENT, FRICTION, NONE, RELATIVE, SPRING, STOP, bla
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns

@@ -53,7 +53,7 @@ class Panel:
 
     @property
     def y_label(self) -> str:
-        """What all curves have in common, with the unit: "velocity of body 3 [m/s]"."""
+        """Return what all curves have in common, with the unit: "velocity of body 3 [m/s]"."""
         words = [curve.words for curve in self.curves if curve.words]
         labels, quantities, things = (
             {getattr(each, key) for each in words} for key in ("label", "quantity", "thing")

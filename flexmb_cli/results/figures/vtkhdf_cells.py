@@ -4,7 +4,7 @@ VTKHDF 2.3, "Temporal UnstructuredGrid" (https://docs.vtk.org/en/latest/vtk_file
 points of all steps stand one behind the other, the cells are given once and every step refers to them.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -15,7 +15,7 @@ from .element_bodies import ElementBody
 from .scene import GROUND, DrawnBody, Scene
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.

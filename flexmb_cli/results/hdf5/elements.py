@@ -13,7 +13,7 @@ from .kinematic import readable_names
 from .result_file import Axis, Layout, Series, Values, numbered_axis
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 COORDINATE, ELEMENT = "coordinate/coordinate", "element/element"

@@ -14,7 +14,6 @@ from .stress import element_axis, element_constants, stress_axes, stress_series,
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
     from ...solvers.constrained.flexible_rows import FlexibleRows
 

@@ -24,7 +24,7 @@ from .nearest_names import nearest
 from .quantity_names import TIME, Family, families, folded, time_family
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 NOTHING = "an empty name"

@@ -10,7 +10,7 @@ from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 SHARE = 0.2  # of the largest part of a combination: what is reported

@@ -15,8 +15,6 @@ from ..constrained.system import new_work
 from .mobility import about
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...model.equations import Equation
 
 
@@ -118,7 +116,7 @@ class PassedDynamicSingularities:
 
     @property
     def checkpoint(self) -> dict:
-        """What was seen, as arrays: of old rows only the value is needed."""
+        """Return what was seen, as arrays: of old rows only the value is needed."""
         last = self.seen[-SOUGHT:]
         return {
             "seen/counts": np.array([self.row, self.reported]),
