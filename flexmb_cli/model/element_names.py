@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from .joints import ANGLE
+from .flexible_mechanism import FlexibleMechanism
+from .joint_elements import JointElements, is_angle
 from .loads import DynamicModel
 
 LENGTH, TURN = "m", "rad"
@@ -17,23 +18,28 @@ _BUSHING = (
 )
 
 
-def element_names(model: DynamicModel) -> list[tuple[str, str]]:
-    """Name of every element and unit of its coordinate, "m" or "rad"."""
-    return list(_names(model))
+def element_names(model: DynamicModel | FlexibleMechanism) -> list[tuple[str, str]]:
+    """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
+    found = [(item.name, LENGTH) for item in model.springs]
+    for item in getattr(model, "joint_springs", ()):
+        found.append((item.name, LENGTH if model.joints[item.joint].kind == "translational" else TURN))  # type: ignore[union-attr]
+    return found + list(names_of(model.elements))
 
 
-def _names(model: Any) -> Iterator[tuple[str, str]]:
-    elements = model.elements
-    for item in model.springs:
-        yield item.name, LENGTH
+def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
+    """Name of every element and unit of its coordinate."""
     for item in elements.springs:
-        yield item.name, TURN if item.coordinate == ANGLE else LENGTH
-    for item in elements.lines:
+        yield item.name, _unit(item.coordinate)
+    for item in elements.lines:  # type: ignore[assignment]
         yield item.name, LENGTH
-    for item in elements.stops:
-        yield item.name, TURN if item.coordinate == ANGLE else LENGTH
-    for item in elements.bushings:
+    for item in elements.stops:  # type: ignore[assignment]
+        yield item.name, _unit(item.coordinate)
+    for item in elements.bushings:  # type: ignore[assignment]
         for part, unit in _BUSHING:
             yield f"{item.name} {part}", unit
-    for item in elements.frictions:
+    for item in elements.frictions:  # type: ignore[assignment]
         yield item.name, LENGTH
+
+
+def _unit(coordinate: Any) -> Any:
+    return TURN if is_angle(coordinate) else LENGTH

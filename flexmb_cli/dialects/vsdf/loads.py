@@ -1,28 +1,42 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
-from typing import TYPE_CHECKING, Any
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeJoint, NodeSpring, VsdfBody
+from ...model.time_functions import MotionFunction
+from ..elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
 
-if TYPE_CHECKING:
-    from ...deck.record import Record
-    from ...model.time_functions import MotionFunction
+
+class Factors:
+    """Factors of loads by the numbers of their tables, or of their functions."""
+
+    def __init__(self, tables: dict, functions: Functions, values: DeckValues, findings: Findings):
+        self.tables, self.functions, self.findings = tables, functions, findings
+        self.numbers = {record["number"] for record in values.section("function")}
+
+    def of(self, record: Record) -> MotionFunction | None:
+        """The factor of a load; None for 0, and where there is none."""
+        number = record.at("table")
+        if number.value and number.value in self.numbers:
+            return self.functions.function(record, "table")
+        table = find_table(record, number, self.tables, self.findings) if number.value else None
+        return table and table.of_factor
 
 
 def build_forces(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, tables: "Any", findings: Findings
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, factors: Factors, findings: Findings
 ) -> tuple[NodeForce, ...]:
     """The cards FORC."""
     forces = []
     for record in values.section("force"):
         end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
         follows = _follows(record, findings)
-        factor = _factor(record, tables, findings)
+        factor = factors.of(record)
         if end and end.body == GROUND:
             findings.error(
                 record.subject, "a force on the ground moves nothing", record.at("body").place, id="VSDF-063"
@@ -33,7 +47,7 @@ def build_forces(
     return tuple(forces)
 
 
-def _follows(record: "Record", findings: Findings) -> bool:
+def _follows(record: Record, findings: Findings) -> bool:
     number = record.at("follows")
     if number.value not in (0, 1):
         message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
@@ -41,20 +55,14 @@ def _follows(record: "Record", findings: Findings) -> bool:
     return number.value == 1
 
 
-def _factor(record: "Record", tables: "dict[int, MotionFunction]", findings: Findings) -> "Any":
-    number = record.at("table")
-    table = find_table(record, number, tables, findings) if number.value else None
-    return table and table.of_factor
-
-
 def build_torques(
-    values: DeckValues, bodies: tuple[VsdfBody, ...], tables: "Any", findings: Findings
+    values: DeckValues, bodies: tuple[VsdfBody, ...], factors: Factors, findings: Findings
 ) -> tuple[BodyTorque, ...]:
     """The cards TORQ, on rigid bodies only."""
     torques = []
     for record in values.section("torque"):
         body = record.at("body")
-        follows, factor = _follows(record, findings), _factor(record, tables, findings)
+        follows, factor = _follows(record, findings), factors.of(record)
         if not 1 <= body.value <= len(bodies):
             message = f"body number {body.value} is outside 1..{len(bodies)}"
             findings.error(record.subject, message, body.place, id="VSDF-065")
@@ -68,7 +76,9 @@ def build_torques(
     return tuple(torques)
 
 
-def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findings) -> tuple[NodeSpring, ...]:
+def build_springs(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
     for record in values.section("spring"):
@@ -91,11 +101,11 @@ def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findin
     return tuple(springs)
 
 
-def _in_one_solid(a: Any, b: End, bodies: tuple[VsdfBody, ...]) -> Any:
+def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 
-def _check_not_negative(record: "Record", keys: tuple[str, ...], findings: Findings) -> None:
+def _check_not_negative(record: Record, keys: tuple[str, ...], findings: Findings) -> None:
     for key in keys:
         if record[key] < 0:
             message = f"{key} must not be negative; read {record.at(key).text}"

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody, PointForce, PointSpring
 from .constraint_table import PrimitiveTable
+from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
 from .node_joints import add_joints, add_motions, spring_primitive
 from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
@@ -26,7 +27,8 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     table = PrimitiveTable(bodies, length)
     add_joints(table, mechanism)
     add_motions(table, mechanism)
-    loads = _loads(table, mechanism)
+    elements = _elements(table, mechanism)
+    loads = np.array([*_loads(table, mechanism), *elements.loads()], dtype=LOAD).reshape(-1)
     flexible, modal = _flexible(bodies)
     modes = np.concatenate([np.zeros(0), *(_mode_scale(body, length) for body in bodies)])
     return SystemArrays(
@@ -87,6 +89,15 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
 
 
+def _elements(table: Any, mechanism: Any) -> Any:
+    """The elements, whose equations stand behind all others."""
+    joints = PointJoints(table, mechanism.joints)
+    reported = coordinates_of_joints(mechanism.joints) if mechanism.elements else []
+    found = ElementTable(table, joints, mechanism.elements, reported)
+    found.add_couplings()
+    return found
+
+
 def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
@@ -96,7 +107,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
         record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
         record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
         records.append(record)
-    return np.array(records, dtype=LOAD).reshape(-1)
+    return records  # type: ignore[return-value]
 
 
 def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from ...quick_dataclass import dataclass, replace
-from ..joint_elements import ANGLE  # type: ignore[attr-defined]
+from ..joints import ANGLE
 from .functions import scaled
 from .rigid_model import RigidModel, vector
 

@@ -1,11 +1,13 @@
 """What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...model.element_names import element_names
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
+from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
@@ -14,6 +16,7 @@ from .stress import element_axis, element_constants, stress_axes, stress_series,
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from typing import Any
 
     from ...solvers.constrained.flexible_rows import FlexibleRows
 
@@ -75,9 +78,11 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if body.flexible.stress:  # type: ignore[union-attr]
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
-    constants = tuple(_constants(mechanism))
-    layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), constants)
-    return with_shapes(layout, mechanism.shapes)
+    found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
+    if mechanism.elements:
+        coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
+        found = with_elements(found, coordinates, element_names(mechanism))
+    return with_shapes(found, mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Values:
@@ -88,6 +93,8 @@ def flexible_values(mechanism: FlexibleMechanism, rows: "FlexibleRows") -> Value
         values[_amplitude(body)] = amplitude
     for body, rate in zip(_flexible(mechanism), rows.amplitude_rate, strict=True):
         values[_rate(body)] = rate
+    if mechanism.elements:
+        values |= joint_values(rows)
     return values | stress_values(mechanism, values)
 
 
@@ -111,12 +118,12 @@ def _mode_axis(body: FloatingBody) -> Axis:
     return Axis(f"modal/{body.name}/mode", tuple(range(1, body.modes + 1)), f"mode of {body.name}")
 
 
-def _node_axis(body: Any) -> Axis:
-    numbers = tuple(map(int, body.flexible.numbers))
+def _node_axis(body: FloatingBody) -> Axis:
+    numbers = tuple(map(int, body.flexible.numbers))  # type: ignore[union-attr]
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
 
 
-def _constants(mechanism: Any) -> "Iterator[Any]":
+def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"

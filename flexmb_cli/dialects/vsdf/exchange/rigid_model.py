@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.record import Deck
-from ...errors import Fault, ModelError
-from ...model.exchange.functions import constant, moved
-from ...model.exchange.rigid_model import (
+from ....deck.record import Deck
+from ....errors import Fault, ModelError
+from ....model.exchange.functions import constant, moved
+from ....model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
     GROUND,
@@ -23,12 +23,13 @@ from ...model.exchange.rigid_model import (
     Stepping,
     vector,
 )
-from ...model.exchange.start import Pair, Start, angle_between, stroke_between
-from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.joint_elements import ANGLE, STROKE, JointDriver  # type: ignore[attr-defined]
-from ...model.loads import AppliedForce, AppliedTorque, SpringDamper
-from ...model.mechanism import Point
-from ...model.vectors import rotation_matrix
+from ....model.exchange.start import Pair, Start, angle_between, stroke_between
+from ....model.flexible_mechanism import FlexibleMechanism
+from ....model.joint_elements import JointDriver
+from ....model.joints import ANGLE, STROKE
+from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
+from ....model.mechanism import Point
+from ....model.vectors import rotation_matrix
 
 if TYPE_CHECKING:
     pass
