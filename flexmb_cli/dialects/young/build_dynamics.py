@@ -79,7 +79,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
 
 
 def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> "tuple[Any, ...]":
-    """Return what the cards of a section describe; that of a large deck is made again when it is looked at."""
+    """Return what the cards of a section describe; of a large deck it is made again when looked at."""
     records = deck.section(section)
     if isinstance(deck.records, tuple):
         return tuple(make(record, findings) for record in records)
@@ -136,8 +136,8 @@ def _mass(record: Record, findings: Findings) -> MassProperties:
         record["body"] - 1,
         float(record["m"]),
         record.vector("centre"),
-        inertia,
-        record.place,  # type: ignore[arg-type]
+        inertia,  # type: ignore[arg-type]
+        record.place,
     )
 
 
