@@ -3,7 +3,7 @@
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def step_error(integration: "Integration", h: float) -> float:
+def step_error(integration: "Integration", h: float) -> "Any":
     """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
     counted, worst, largest = z.shape[0] - 1, 0, 0.0
@@ -34,7 +34,7 @@ def step_error(integration: "Integration", h: float) -> float:
         # `not <=` lets a nan through as the worst place.
         if not abs(error_5) <= largest:
             worst, largest = i, abs(error_5)
-    return _combined(h, square_5, square_3, counted), worst  # type: ignore[return-value]
+    return _combined(h, square_5, square_3, counted), worst
 
 
 @kernel
