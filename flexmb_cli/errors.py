@@ -12,7 +12,6 @@ from .quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
 
 DONE, ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT = 0, 1, 2, 3

@@ -98,16 +98,19 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     with _naming(opened.path):
         refuse_foreign_method(opened.deck, run.options)
         solution = solution_of(model_of(opened.deck, run), run)
-        doubts, blocks = solution.doubts(), []
+        doubts = solution.doubts()
+        blocks: list[Any] = []
         try:
             blocks.extend(solution.blocks_counted())
         except AnalysisError as failure:
-            failure.result = _result(opened, solution, blocks, [*run.outcome.faults, *doubts], failure)
+            failure.result = _result(  # type: ignore[attr-defined]
+                opened, solution, blocks, [*run.outcome.faults, *doubts], failure
+            )
             raise
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
 
-def _run_options(options):
+def _run_options(options: Any) -> Any:
     from .run.outcome import RunOptions
     from .run.python_options import refuse_wrong
 
@@ -119,7 +122,7 @@ def _run_options(options):
 
 
 @contextmanager
-def _naming(path):
+def _naming(path: Any) -> Any:
     """Put the deck, and the place in it, before what a failure says."""
     try:
         yield
@@ -131,7 +134,7 @@ def _naming(path):
         raise
 
 
-def _result(opened, solution, blocks, faults, failure):
+def _result(opened: Any, solution: Any, blocks: Any, faults: Any, failure: Any) -> Any:
     layout = solution.layout()
     values = {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]} if blocks else {}
     warnings = (*opened.warnings, *faults, *solution.warnings, *solution.count.doubts)

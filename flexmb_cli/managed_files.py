@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .errors import OutputError
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # The file may be exchanged between the look at it and its opening: these keep the opening harmless.

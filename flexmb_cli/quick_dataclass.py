@@ -158,7 +158,7 @@ def _hashing(names: list[str]) -> Any:
 
 
 def _refusal(cls: type, names: dict[str, Any], action: str, perform: Any) -> "Callable[..., Any]":
-    """What stands for __setattr__ or __delattr__ of a frozen class."""
+    """Return what stands for __setattr__ or __delattr__ of a frozen class."""
 
     def refuse(self: Any, name: Any, *value: Any) -> Any:
         if type(self) is cls or name in names:

@@ -22,7 +22,7 @@ from .terminal.screen import lines_visible
 from .terminal.stops import ignore_stops, pass_over_stops
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
@@ -215,7 +215,7 @@ def _admit(fault: "Any") -> None:
 
 
 def _refuse_usage(fault: "Any") -> None:
-    """How the command is called, and what is wrong with the call, in the form of all errors."""
+    """Return how the command is called, and what is wrong with the call, in the form of all errors."""
     context = getattr(fault, "ctx", None)
     if context is not None:
         help_line = f"Try '{context.command_path} --help' for help."

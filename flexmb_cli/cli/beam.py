@@ -9,7 +9,7 @@ from .options.finite import Finite
 from .terminal.screen import standard_output
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Powers and quotients of these are still numbers.

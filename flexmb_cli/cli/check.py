@@ -10,7 +10,7 @@ from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 @click.command()

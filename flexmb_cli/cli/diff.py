@@ -15,8 +15,6 @@ from .terminal.screen import show, tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..results.diff.folders import Compared, Summary
     from ..results.diff.report import Report
     from ..results.diff.tolerance_file import FileTolerances
@@ -90,7 +88,7 @@ def diff(
     sys.exit(summary.exit_code)
 
 
-def _refuse_unlike(a, b, many):
+def _refuse_unlike(a: Any, b: Any, many: Any) -> None:
     """Raise UsageError where one is a folder or a pattern, and the other a file."""
     if any(many) and not all(many):
         single, other = (a, b) if many[1] else (b, a)
@@ -99,7 +97,7 @@ def _refuse_unlike(a, b, many):
         raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
 
 
-def _tolerances(options):
+def _tolerances(options: Any) -> Any:
     """Take what counts as a difference out of the options."""
     from ..results.diff.tolerance_file import FileTolerances, read_tolerances
     from ..results.diff.tolerances import Tolerances, parse_kinds

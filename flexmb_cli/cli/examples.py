@@ -12,7 +12,7 @@ from ..dialects.recognise import every_dialect
 from .options.completion import example_names
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -33,7 +33,7 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 )
 @click.option("--force", is_flag=True, help="Replace files that are there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def examples(names, output_dir, everything, force, quiet):
+def examples(names: Any, output_dir: Any, everything: Any, force: Any, quiet: Any) -> None:
     """List the supplied decks, or copy those named, with the files they need.
 
     \b
@@ -73,14 +73,14 @@ def supplied() -> dict[str, Path]:
     return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
 
 
-def _folder():
+def _folder() -> Any:
     folder = next((place for place in PLACES if place.is_dir()), None)
     if folder is None:
         raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
     return folder
 
 
-def _copy_all(output_dir, force):
+def _copy_all(output_dir: Any, force: Any) -> Any:
     """Copy the folder of the decks as it is; return how many examples it holds."""
     target = output_dir / "decks"
     _refuse_taken([target], force)

@@ -14,7 +14,7 @@ from .terminal.screen import show, wants_debug
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 @click.command()

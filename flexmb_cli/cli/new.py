@@ -16,7 +16,7 @@ from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # The dialects that have a dialogue, and the decks that it writes.
@@ -274,7 +274,7 @@ class _Talk:
         write_whole(self.draft, draft_text(self.dialogue).encode())
 
     def say_kept(self, why: "Any") -> None:
-        """Why the dialogue ends, and where its answers are."""
+        """Return why the dialogue ends, and where its answers are."""
         if not self.keeps_draft:
             where = "and no draft kept: give all answers again"
         elif os.path.lexists(self.draft):

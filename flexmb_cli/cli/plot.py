@@ -12,8 +12,6 @@ from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..results.figures.curves import Panel, Source
 
 
@@ -95,7 +93,17 @@ def plot(
     _plot_results(paths, names, output, across, (start, stop, every), title, width, quiet, print_options)
 
 
-def _plot_results(paths, names, output, across, part, title, width, quiet, print_options):
+def _plot_results(
+    paths: Any,
+    names: Any,
+    output: Any,
+    across: Any,
+    part: Any,
+    title: Any,
+    width: Any,
+    quiet: Any,
+    print_options: Any,
+) -> None:
     """Draw quantities of results over time, or across another; `part`: begin, end and stride of the rows."""
     from ..results.figures.curves import panels
     from ..results.files.replaced_file import write_whole

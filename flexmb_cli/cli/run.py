@@ -16,7 +16,6 @@ from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
     from ..run.outcome import Outcome, RunOptions
 
@@ -145,7 +144,9 @@ def _given(options: "dict[Any, Any]", **names: "Any") -> "dict[Any, Any]":
 def _all_outcomes(
     decks: Any, options: "RunOptions", jobs: int, quiet: bool, verbose: bool
 ) -> "Iterator[Any]":
-    """What became of every deck; one that was not begun before a stop is as if stopped at its first row."""
+    """Return what became of every deck; one that was not begun before a stop is as if stopped at its first
+    row.
+    """
     from ..run.outcome import Outcome, Stop
 
     left = list(decks)

@@ -20,8 +20,6 @@ from .terminal.stops import stop_on_signals
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..study.sweep import Sweep
 
 
@@ -83,7 +81,7 @@ def sweep(
 
 
 def _require_libraries(output: str, scheduler: None) -> None:
-    """What is missing is reported before hours of work."""
+    """Refuse what is missing before hours of work."""
     if output.endswith(".parquet"):
         from ..study.table import require_library
 

@@ -69,7 +69,9 @@ def table(
     _print_result(result, names, listing, (start, stop, every), style, number, quiet)
 
 
-def _print_result(result, names, listing, part, style, number, quiet):
+def _print_result(
+    result: Any, names: Any, listing: Any, part: Any, style: Any, number: Any, quiet: Any
+) -> None:
     """Print quantities of a run; `part`: begin, end and stride of the rows."""
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names

@@ -12,7 +12,7 @@ from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)

@@ -16,7 +16,7 @@ from .questions import TEXT, Cell, Entry, Question, spelled
 from .record import Number, Record
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _DRAFT = "flexmb new"

@@ -98,7 +98,7 @@ class Field:
 
     @property
     def implied_point(self) -> bool:
-        """Whether digits were read with the decimal point that the FORMAT implies."""
+        """Return whether digits were read with the decimal point that the FORMAT implies."""
         if self.edit.letter == "I" or "." in self.spelled:
             return False
         return bool(re.split("[EeDd]", self.spelled)[0].strip("+-0 "))

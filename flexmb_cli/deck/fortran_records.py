@@ -46,7 +46,7 @@ class Records:
 
     @property
     def exhausted(self) -> bool:
-        """Whether all lines have been read."""
+        """Return whether all lines have been read."""
         return self.line == self._count
 
     def next_card(self) -> str:

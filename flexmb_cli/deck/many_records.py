@@ -8,7 +8,7 @@ from ..quick_dataclass import dataclass, field, replace
 from .record import Record
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MANY = 100_000  # numbers; fewer are kept as records, which studies share

@@ -12,7 +12,7 @@ from .fortran_card import Format, cut
 from .record import Number, Record
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 LONG = 1000  # numbers; shorter lists are kept as they are
@@ -108,7 +108,7 @@ class LongRecord(Record):
 
     @property
     def positions(self) -> Mapping[str, int]:  # type: ignore[override]
-        """Where among the numbers each key stands."""
+        """Return where among the numbers each key stands."""
         return _Positions(self.numbers)
 
     def __getitem__(self, key: str) -> "Any":

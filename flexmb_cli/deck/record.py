@@ -54,7 +54,7 @@ class Number:
 
 @lru_cache(maxsize=256)
 def _positions(keys: tuple[str, ...]) -> dict[str, int]:
-    """Where each key stands first: one table for all records of a kind."""
+    """Return where each key stands first: one table for all records of a kind."""
     return {key: k for k, key in reversed([*enumerate(keys)])}
 
 

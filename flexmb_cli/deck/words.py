@@ -14,7 +14,7 @@ from ..errors import Place
 from .lines import Lines, as_lines
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")

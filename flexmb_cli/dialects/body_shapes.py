@@ -12,7 +12,7 @@ from ..model.shapes import Shape, fault_of_sizes, moved, primitive
 from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
@@ -30,7 +30,9 @@ class Keys:
 
 
 def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: Findings) -> bool:
-    """Whether the body of a card exists and does not deform; else a fault.  `rigid`: of bodies 1, 2, ..."""
+    """Return whether the body of a card exists and does not deform; else a fault.  `rigid`: of bodies 1, 2,
+    ...
+    """
     number = record.at(keys.body)
     if not 0 <= number.value <= len(rigid):
         message = f"body number {number.value} is outside 0..{len(rigid)}"

@@ -51,7 +51,9 @@ class SettableDeck:
         return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
 
     def _place(self, name: str) -> Any:
-        """Where the record of a number stands among the deck's, and the number's key; None without one."""
+        """Return where the record of a number stands among the deck's, and the number's key; None without
+        one.
+        """
         for dot in (k for k, letter in enumerate(name) if letter == "."):
             index, key = self._find(name[:dot]), name[dot + 1 :]
             if index is not None and key in self.deck.records[index]:

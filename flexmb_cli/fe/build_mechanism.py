@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import Fault, ModelError
-from ..model.fe_model import GROUND, End, NodeSpring, Pin, VsdfBody, VsdfModel
+from ..model.fe_model import GROUND, End, NodeJoint, NodeSpring, Pin, VsdfBody, VsdfModel
 from ..model.flexible_mechanism import (
     FlexibleMechanism,
     FloatingBody,
@@ -23,7 +23,6 @@ from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 STEPS_A_PERIOD = 20
@@ -129,7 +128,7 @@ class _Points:
         shape = np.mean([body.flexible.shape(node) for node in members], axis=0)
         return NodePoint(name, end.body, r0, shape)
 
-    def _elements(self):
+    def _elements(self) -> Any:
         """The elements between nodes as such between points."""
         given = self.model.elements
         if not given:
@@ -137,10 +136,10 @@ class _Points:
         between = {"lines": given.lines, "bushings": given.bushings}
         return replace(given, **{name: tuple(map(self._attached, items)) for name, items in between.items()})
 
-    def _attached(self, item):
+    def _attached(self, item: Any) -> Any:
         return replace(item, P_i=self.point(item.P_i), P_j=self.point(item.P_j))
 
-    def _joint(self, joint):
+    def _joint(self, joint: NodeJoint) -> PointJoint:
         a, b = (tuple(self.point(end) for end in side) for side in (joint.a, joint.b))
         return PointJoint(joint.name, joint.kind, a, b, joint.size, joint.place)
 

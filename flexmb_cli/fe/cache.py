@@ -21,7 +21,6 @@ from ..quick_dataclass import fields
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from typing import Any
 
 
 # To be raised when the arrays, or how they are computed, change.

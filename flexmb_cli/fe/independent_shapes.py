@@ -13,7 +13,7 @@ from .free_motion import NO_STRAIN
 from .massless_shapes import IndefiniteMass
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # A shape is dropped when less than this share of its strain energy is independent of the others; round-off

@@ -19,7 +19,7 @@ from .build_mechanism import euler_parameters
 from .invariants import inertia_invariants
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def floating_body(tree: Tree, k: int, pose: Pose) -> FloatingBody:

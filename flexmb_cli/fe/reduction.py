@@ -26,7 +26,6 @@ from .static_shapes import as_solved
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 # A relative error of a frequency that is worth a warning.

@@ -26,7 +26,7 @@ class Frame:
 
     @property
     def mean(self) -> bool:
-        """Whether the frame is that of mean axes."""
+        """Return whether the frame is that of mean axes."""
         return not len(self.held)
 
     def shifted(self, shapes: np.ndarray, S: np.ndarray) -> np.ndarray:

@@ -11,7 +11,6 @@ from .reference_frame import Frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 class FreeBody:

@@ -89,7 +89,7 @@ class LoadedObject:
         return self._text(self._table.link, int(self._symbols["name"][symbol])).decode()
 
     def _laid_out(self):
-        """Where each section begins in memory, and where all end."""
+        """Return where each section begins in memory, and where all end."""
         (names,) = struct.unpack_from("<H", self._code, 62)
         places, end = {}, 0
         for k, section in enumerate(self._sections):
@@ -109,7 +109,7 @@ class LoadedObject:
                 self._memory[place : place + section.size] = content
 
     def _symbol_addresses(self):
-        """Where each symbol lies; 0 for those of sections that are not in memory."""
+        """Return where each symbol lies; 0 for those of sections that are not in memory."""
         begins = np.zeros(2**16, np.int64)
         for k, place in self._places.items():
             begins[k] = self._base + place
@@ -161,7 +161,7 @@ def _private_memory(size: int):
 
 
 def _foreign_address(name: str):
-    """Where the process has a function of the C library or its mathematics."""
+    """Return where the process has a function of the C library or its mathematics."""
     for library in (None, "libm.so.6"):
         try:
             return ctypes.cast(getattr(ctypes.CDLL(library), name), ctypes.c_void_p).value

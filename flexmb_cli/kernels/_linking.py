@@ -27,7 +27,6 @@ from ._objects import OF_C
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Any
 
 
 _MADE_BY_NUMBA = "_Z"  # the names of all functions that come from Python begin so
@@ -144,7 +143,7 @@ class Kernel(CPUDispatcher):
 
     @property
     def _numba_type_(self):
-        """What the function is to numba, where a kernel names it."""
+        """Return what the function is to numba, where a kernel names it."""
         return self.part._numba_type_
 
 

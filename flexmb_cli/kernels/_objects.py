@@ -20,7 +20,6 @@ from ._arguments import Results, Words, key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 MAGIC = b"flexmb object 1\n"
@@ -91,7 +90,7 @@ def read(content: bytes) -> tuple[dict, bytes]:
 
 
 def is_current(path: Path, digest: str, target: str) -> bool:
-    """Whether a whole object of these kernels for this target lies at `path`."""
+    """Return whether a whole object of these kernels for this target lies at `path`."""
     try:
         header, _ = read(path.read_bytes())
     except (OSError, ValueError, DamagedError):

@@ -23,7 +23,7 @@ COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_J
 
 
 def is_angle(coordinate: str) -> bool:
-    """Whether a coordinate of a joint or hinge is an angle rather than a length."""
+    """Return whether a coordinate of a joint or hinge is an angle rather than a length."""
     return coordinate == ANGLE or coordinate.startswith("rotation")
 
 
@@ -222,5 +222,5 @@ class JointElements:
 
     @property
     def constrain(self) -> bool:
-        """Whether some of them are equations."""
+        """Return whether some of them are equations."""
         return any((self.drivers, self.driven, self.supports, self.couplings, self.composites))

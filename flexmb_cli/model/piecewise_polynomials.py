@@ -111,7 +111,7 @@ def integral(pieces: Pieces, start: float) -> Pieces:
 
 
 def continuous_rates(pieces: Pieces) -> int:
-    """How many derivatives are continuous at all joints of pieces, at most 2; -1: the value jumps."""
+    """Return how many derivatives are continuous at all joints of pieces, at most 2; -1: the value jumps."""
     least = 2
     for before, after in pairwise(pieces):
         left = value_and_rates((before,), after[0])

@@ -16,7 +16,7 @@ from ..quick_dataclass import dataclass
 from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
@@ -186,7 +186,7 @@ def integral_of(function: MotionFunction, start: float = 0.0) -> MotionFunction 
 
 
 def smoothness(function: MotionFunction) -> int:
-    """How many derivatives of a function are continuous, at most 2; -1: its value jumps."""
+    """Return how many derivatives of a function are continuous, at most 2; -1: its value jumps."""
     if function.kind == PIECEWISE:
         return continuous_rates(function.pieces)
     if function.kind == COMPOUND:

@@ -15,7 +15,6 @@ from ..quick_dataclass import dataclass
 
 if TYPE_CHECKING:  # a run imports the models of its own dialect only
     from collections.abc import Iterator
-    from typing import Any
 
     from .flexible_mechanism import FlexibleMechanism
     from .loads import DynamicModel

@@ -25,7 +25,7 @@ from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.replaced_file import hold, is_unfinished, located
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _HEAD = struct.Struct("<QI")
@@ -131,7 +131,7 @@ class ResumeFile:
 
     @property
     def begun(self) -> bool:
-        """Whether this run, or the one that it goes on with, has left anything to resume."""
+        """Return whether this run, or the one that it goes on with, has left anything to resume."""
         return self._file is not None or self._end > self._first
 
     def close(self) -> None:

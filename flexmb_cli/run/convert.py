@@ -15,8 +15,6 @@ from .outcome import Outcome, RunOptions
 from .solution import solution_of
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism
     from ..model.tree import Tree
@@ -74,7 +72,7 @@ def _title(deck: Any) -> "Any":
 
 
 def _refuse_unreadable(text: "Any", form: "Any", run: Any) -> None:
-    """What the writer let through, and the dialect does not accept, must not pass for a deck."""
+    """Refuse what the writer let through and the dialect does not accept."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
     except DeckError as failure:
@@ -89,7 +87,7 @@ def _mjcf(model: "Mechanism | Tree", name: str) -> str:
     if analysis_of(model) != "tree":
         message = "--to mjcf takes trees of bodies; this deck describes a mechanism with constraints"
         message += "; --to exudyn takes it" * (
-            analysis_of(model) == "dynamic" and model.analysis == "forward"
+            analysis_of(model) == "dynamic" and getattr(model, "analysis", "") == "forward"
         )
         raise ModelError([Fault("error", message, id="RUN-027")])
     return mjcf(model, name)  # type: ignore[arg-type]

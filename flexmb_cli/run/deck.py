@@ -44,7 +44,7 @@ def run_deck(
 
 
 def paths_of(deck: Deck, options: RunOptions) -> ResultPaths:
-    """Where the results of `deck` go."""
+    """Return where the results of `deck` go."""
     return result_paths(
         deck.source.name,
         deck.dialect,

@@ -11,7 +11,7 @@ from ..quick_dataclass import replace
 from .context import Run
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first

@@ -10,7 +10,6 @@ from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Termina
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 _REPORT = "please report it with the deck: `flexmb --debug …` shows where it happened"

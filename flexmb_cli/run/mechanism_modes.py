@@ -17,7 +17,6 @@ from .context import Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
     from ..solvers.linearisation.motion import LinearisedMotion
     from ..solvers.linearisation.state_space import StateSpace
@@ -41,7 +40,7 @@ class Wish:
 
     @property
     def of_mechanism(self) -> bool:
-        """Whether a place to linearise at is named, or a file for the state space."""
+        """Return whether a place to linearise at is named, or a file for the state space."""
         return self.equilibrium or self.time is not None or self.out is not None
 
 

@@ -12,7 +12,6 @@ from .context import Run
 
 if TYPE_CHECKING:
     from types import ModuleType
-    from typing import Any
 
     from ..model.loads import DynamicModel
     from ..model.mechanism import Mechanism

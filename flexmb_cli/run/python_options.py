@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from ..model.time_checks import FINEST
 
@@ -28,7 +29,7 @@ def refuse_wrong(options: Mapping[str, object]) -> None:
             _refuse_out_of_range(name, value)
 
 
-def _refuse_out_of_range(name, value):
+def _refuse_out_of_range(name: Any, value: Any) -> None:
     low, with_low, high, with_high = RANGES[name]
     sign_low, sign_high = "<=" if with_low else "<", "<=" if with_high else "<"
     try:
@@ -40,7 +41,7 @@ def _refuse_out_of_range(name, value):
         raise ValueError(f"solve needs {low:g} {sign_low} {name}{upper}; read {value!r}")
 
 
-def _meant(name):
+def _meant(name: Any) -> Any:
     from difflib import get_close_matches
 
     close = get_close_matches(name, KNOWN, n=1)

@@ -9,8 +9,6 @@ from ..results.files.file_names import STANDARD_OUTPUT, ResultPaths
 from .context import Run
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..deck.record import Deck
     from .solution import Solution
 
@@ -70,7 +68,7 @@ class ResultFiles:
 
     @property
     def unfinished(self) -> tuple[str, ...]:
-        """Where the files are until they are complete."""
+        """Return where the files are until they are complete."""
         return tuple(file.temporary for file in self._all())
 
     def _begin(self) -> None:

@@ -12,7 +12,7 @@ from ..solvers.checkpoint import OtherRun, row_of, taken
 from .checkpoint import ResumeFile
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def restore(resume_file: ResumeFile, analysis: "Any", layout: Layout) -> None:

@@ -98,7 +98,7 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
 
 @contextmanager
 def _resumable_if_stopped(paths: ResultPaths, run: Run) -> Iterator[None]:
-    """Who stops a run before it has looked at its resume file learns of it, too."""
+    """Note an earlier run's resume file for whoever stops a run before it was looked at."""
     try:
         yield
     except (KeyboardInterrupt, Terminated):
@@ -241,7 +241,9 @@ class _Keeper:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the model made doubtful and the analysis reported about its way, for the result file."""
+        """Return what the model made doubtful and the analysis reported about its way, for the result
+        file.
+        """
         return sentences((*self.doubts, *self.solution.warnings))
 
     def _leave_resume_file(self) -> None:

@@ -25,7 +25,7 @@ class StepCount(NoCount):
 
     @property
     def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
-        """What the energy of the rows makes doubtful."""
+        """Return what the energy of the rows makes doubtful."""
         return self.drift.doubts if self.drift else ()
 
     def __str__(self) -> str:

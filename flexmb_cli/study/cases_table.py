@@ -26,7 +26,7 @@ class CasesTable:
 
     @property
     def is_grid(self) -> bool:
-        """Whether two parameters vary and every pair of their values was solved once."""
+        """Return whether two parameters vary and every pair of their values was solved once."""
         axes = list(self.varied.values())
         if len(axes) != 2:
             return False

@@ -23,7 +23,7 @@ from .lock import LOCK, StudyLock
 from .solver import CaseResult
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _HEAD = struct.Struct("<II")

@@ -17,7 +17,7 @@ from .sweep import BlockDone, Job, Sweep, next_case, solve_block
 from .workers import keep, note_deaths
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 IN_FLIGHT = 2  # shares a thread of a worker is given: one that it solves and the next

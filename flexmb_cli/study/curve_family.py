@@ -1,6 +1,7 @@
 """Series of a study as a family of curves: each case over its times, coloured by a parameter."""
 
 from collections.abc import Iterable
+from typing import Any
 
 import h5py
 import numpy as np
@@ -49,7 +50,7 @@ def family_picture(family: CurveFamily, form: str, title: str) -> bytes:
     from ..results.figures.plots import HEIGHT, WIDTH
     from .figures import drawn
 
-    def draw(figure):
+    def draw(figure: Any) -> None:
         figure.set_size_inches(WIDTH, HEIGHT * len(family.series) + 0.5)
         axes = figure.subplots(len(family.series), squeeze=False, sharex=True)[:, 0]
         for axis, (label, values) in zip(axes, family.series.items(), strict=True):
@@ -61,7 +62,7 @@ def family_picture(family: CurveFamily, form: str, title: str) -> bytes:
     return drawn(draw, form, title)
 
 
-def _draw_cases(figure, axis, family, values):
+def _draw_cases(figure: Any, axis: Any, family: Any, values: Any) -> None:
     import matplotlib
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -73,10 +74,10 @@ def _draw_cases(figure, axis, family, values):
     figure.colorbar(colours, ax=axis, label=name.replace("$", r"\$"))
 
 
-def _named(table, patterns, file) -> list[StudyColumn]:
+def _named(table: Any, patterns: Any, file: Any) -> list[StudyColumn]:
     named = chosen_columns(study_columns(table), patterns, file)
     return [column for column in named if column.path.startswith("result/")]
 
 
-def _head(column):
+def _head(column: Any) -> Any:
     return f"{column.path.partition('/')[2]} [{column.unit}]"

@@ -9,7 +9,7 @@ import numpy as np
 from .cases_table import CasesTable
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 PAGE = """<!doctype html>

@@ -17,7 +17,7 @@ from .key_places import key_places
 from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MOST_CASES = 100_000_000
@@ -199,14 +199,14 @@ class _Reader:
         return key_places(self.source.lines)
 
 
-def _with_times(results):
+def _with_times(results: Any) -> Any:
     """The results, with the times of their series: a case may have others than the next."""
     if all(item.take != SERIES for item in results) or any(item.name == "time" for item in results):
         return results
     return (*results, Kept("time", "time", SERIES))
 
 
-def _names_a_column(name):
+def _names_a_column(name: Any) -> Any:
     """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL."""
     return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
 

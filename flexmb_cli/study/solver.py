@@ -21,8 +21,6 @@ from .cases import Cases
 from .study import FIRST, LARGEST, LAST, MEAN, SERIES, SMALLEST, Kept, Study
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import h5py
 
 

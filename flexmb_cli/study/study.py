@@ -59,7 +59,7 @@ class Study:
 
     @property
     def keeps_series(self) -> bool:
-        """Whether any result is kept row by row."""
+        """Return whether any result is kept row by row."""
         return any(item.take == SERIES for item in self.results)
 
     def row_of(self, case: int) -> list[float | int]:

@@ -18,7 +18,7 @@ from ..results.files.replaced_file import Replacement, located
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # 2: series have a dimension scale along their report rows, too.

@@ -10,7 +10,7 @@ from .sweep import Job, Sweep
 from .table import Column, Row, TableHead, write_table
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MOST_RANGES = 5  # of missing cases named

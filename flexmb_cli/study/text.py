@@ -23,7 +23,7 @@ from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 from .table import BLOCK_NUMBERS
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Of any number behind it.

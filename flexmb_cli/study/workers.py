@@ -12,7 +12,7 @@ from ..run.processes.worker import Worker, end_all, having_answers, portable
 from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 IN_FLIGHT = 2  # blocks a worker is given: one that it solves and the next

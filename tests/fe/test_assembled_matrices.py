@@ -19,7 +19,7 @@ from flexmb_cli.model.flexible_mechanism import FloatingBody, StressOutput
 from flexmb_cli.results.hdf5.stress import element_energies
 from scripts.brick_beam import Beam, run_calculix
 from tests.fe.calculix import needs_ccx
-from tests.fe.test_stresses import Skewed
+from tests.fe.elements.test_stresses import Skewed
 
 DENSITY = 7850.0
 

@@ -148,13 +148,26 @@ def test_only_the_command_line_prints_and_exits():
     assert not found
 
 
+def test_functions_say_what_they_do_and_no_riddles():
+    """A docstring of a function begins with a verb: "Return whether …", not "Whether …"."""
+    riddles = ("What ", "How ", "Whether ", "Where ", "Who ", "Why ")
+    found = [
+        f"{path.relative_to(PACKAGE)}: {node.name}"
+        for path in MODULES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and (ast.get_docstring(node) or "").startswith(riddles)
+    ]
+    assert not found
+
+
 def test_no_file_has_a_name_that_says_nothing():
     nothing = ("utils", "helpers", "common", "base", "manager", "misc")
     assert not [path for path in MODULES if path.stem in nothing]
 
 
 def test_no_folder_is_crowded():
-    folders = {path.parent for path in MODULES}
+    tests = sorted((PACKAGE.parent / "tests").rglob("*.py"))
+    folders = {path.parent for path in (*MODULES, *tests)}
     assert not [folder for folder in folders if len(list(folder.glob("*.py"))) > MOST_FILES]
 
 

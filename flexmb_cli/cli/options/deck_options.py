@@ -43,7 +43,9 @@ def deck_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
 def every_deck(
     decks: tuple[str], examine: "Callable[..., Any]"
 ) -> "Iterator[CheckReport | ModesReport | Verification]":
-    """What `examine` finds of each deck, also of those that it is not asked for any more after a stop."""
+    """Return what `examine` finds of each deck, also of those that it is not asked for any more after a
+    stop.
+    """
     stop_on_signals()
     for deck in with_models(decks):
         report = examine(deck)

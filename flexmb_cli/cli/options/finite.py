@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 class Finite(click.FloatRange):

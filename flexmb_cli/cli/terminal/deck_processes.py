@@ -28,7 +28,7 @@ KILLED = (
 def outcomes_in_parallel(
     decks: "Any", options: RunOptions, jobs: int, progress: Progress
 ) -> Iterator[Outcome]:
-    """What became of every deck, in order; after a stop, of those that had been begun."""
+    """Return what became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.parent_watch import outlive_workers
 
     outlive_workers()

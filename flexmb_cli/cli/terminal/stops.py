@@ -31,7 +31,7 @@ def stop_on_signals() -> None:
 
 
 def ignore_stops() -> None:
-    """Where one was obeyed the process ends by itself, with its own exit code."""
+    """Ignore further stops: a process that has obeyed one ends by itself, with its own exit code."""
     for number in STOPS:
         signal.signal(number, signal.SIG_IGN)
 

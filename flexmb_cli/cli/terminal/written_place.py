@@ -7,7 +7,7 @@ import click
 from ..options.completion import files
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 class WrittenPlace(click.types.StringParamType):

@@ -15,7 +15,7 @@ from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 GRAVITY = (0.0, 9.8, 0.0)

@@ -14,7 +14,7 @@ from .beam_cards import beam_block
 from .cards import CARDS, Card
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")

@@ -6,7 +6,7 @@ SINGLE_PRECISION = "the program of 1992 read its deck in single precision"
 
 
 def single_precision(a: np.ndarray, b: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Whether a and b may be one number, printed by its nearest single and by its nearest double."""
+    """Return whether a and b may be one number, printed by its nearest single and by its nearest double."""
     size = np.maximum(np.abs(a), np.abs(b))
     with np.errstate(invalid="ignore"):
         # Each rounding to the printed digits takes half a unit.

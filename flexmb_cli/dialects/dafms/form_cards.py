@@ -12,8 +12,6 @@ from .deck_writer import WIDE
 from .form_blocks import Answers, counted
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...deck.fortran_records import Item
 
 

@@ -15,7 +15,7 @@ from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MOST = 1000

@@ -16,7 +16,7 @@ from ...deck.record import Deck, Record
 from .skyline import full_matrix
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # DFIN adds the weight of the nodes to their forces when it reads them; a GRAV card, which it did not know,

@@ -18,7 +18,7 @@ from ...quick_dataclass import dataclass
 from .errata import SINGLE_PRECISION, single_precision
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 ECHO = ListingForm(

@@ -19,7 +19,7 @@ from ...model.vectors import euler_parameters
 from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
@@ -79,7 +79,7 @@ class _Deck:
         self.hung: dict[int, Hanging] = {}
 
     def notes(self) -> Iterator[str]:
-        """What the deck's reader should know of its bodies."""
+        """Return what the deck's reader should know of its bodies."""
         pairs = ", ".join(f"{k} is {link.body + 1}" for k, link in enumerate(self.links, start=1))
         yield f"Bodies here and in the order of the other deck: {pairs}."
         if self.model.points:

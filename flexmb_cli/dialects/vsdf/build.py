@@ -20,7 +20,7 @@ from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MOST_ROWS = 10_000_000

@@ -19,7 +19,7 @@ from ...quick_dataclass import replace
 from .build import build_vsdf
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> FlexibleMechanism:

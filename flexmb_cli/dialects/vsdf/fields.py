@@ -1,10 +1,9 @@
 """The fields of one data card: cut by columns, or by commas where the card has one."""
 
 import functools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...deck import number
-from ...deck.record import Value
 from .card import WIDTHS, Column
 
 _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
@@ -70,7 +69,7 @@ def runs_over(line: str, columns: tuple[Column, ...], extra: Field) -> bool:
     return not is_free(line, columns) and extra.column > 1 and not line[extra.column - 2].isspace()
 
 
-def value(field: Field, column: Column) -> tuple[Value, str]:
+def value(field: Field, column: Column) -> tuple[float | int | str, str]:
     """The field's value and a doubt, "" for none.  Raises Unfit."""
     if not field.text:
         if column.default is None:
@@ -99,7 +98,7 @@ def _numeral(field: Field, column: Column) -> tuple[float, str]:
     return found, f"{column.key}: {doubt}" if doubt else ""
 
 
-def _word(field: Field, column: Column) -> Any:
+def _word(field: Field, column: Column) -> tuple[str, str]:
     word = field.text.upper()
     if word not in column.words:
         raise Unfit(

@@ -20,7 +20,7 @@ from . import DIALECT
 from .bodies import end_of_body
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _COINCIDENT = 1e-12
@@ -288,7 +288,12 @@ def _late_time(table: _Table) -> float:
 
 
 def build_motions(
-    values: DeckValues, bodies, joints, tables, functions: Functions, findings: Findings
+    values: DeckValues,
+    bodies: tuple[VsdfBody, ...],
+    joints: tuple[NodeJoint, ...],
+    tables: Any,
+    functions: Functions,
+    findings: Findings,
 ) -> tuple[Motion, ...]:
     """The cards MOTN."""
     kinds = {joint.name: joint.kind for joint in joints}

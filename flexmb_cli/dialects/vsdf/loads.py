@@ -1,7 +1,6 @@
 """Forces, torques, springs and output nodes of a VSDF deck."""
 
 import math
-from typing import TYPE_CHECKING, Any
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
@@ -11,9 +10,6 @@ from ...model.time_functions import MotionFunction
 from ..elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class Factors:
@@ -33,7 +29,7 @@ class Factors:
 
 
 def build_forces(
-    values: DeckValues, bodies, ground, factors: Factors, findings: Findings
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, factors: Factors, findings: Findings
 ) -> tuple[NodeForce, ...]:
     """The cards FORC."""
     forces = []
@@ -51,7 +47,7 @@ def build_forces(
     return tuple(forces)
 
 
-def _follows(record: "Record", findings: Findings) -> bool:
+def _follows(record: Record, findings: Findings) -> bool:
     number = record.at("follows")
     if number.value not in (0, 1):
         message = f"the last flag is 0 (global axes) or 1 (body axes); read {number.text}"
@@ -59,7 +55,9 @@ def _follows(record: "Record", findings: Findings) -> bool:
     return number.value == 1
 
 
-def build_torques(values: DeckValues, bodies, factors: Factors, findings: Findings) -> tuple[BodyTorque, ...]:
+def build_torques(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], factors: Factors, findings: Findings
+) -> tuple[BodyTorque, ...]:
     """The cards TORQ, on rigid bodies only."""
     torques = []
     for record in values.section("torque"):
@@ -78,7 +76,9 @@ def build_torques(values: DeckValues, bodies, factors: Factors, findings: Findin
     return tuple(torques)
 
 
-def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findings) -> tuple[NodeSpring, ...]:
+def build_springs(
+    values: DeckValues, bodies: tuple[VsdfBody, ...], ground: VsdfBody, findings: Findings
+) -> tuple[NodeSpring, ...]:
     """The cards SPRI."""
     springs = []
     for record in values.section("spring"):
@@ -101,11 +101,11 @@ def build_springs(values: DeckValues, bodies: Any, ground: Any, findings: Findin
     return tuple(springs)
 
 
-def _in_one_solid(a: Any, b: End, bodies: tuple[VsdfBody, ...]) -> Any:
+def _in_one_solid(a: End, b: End, bodies: tuple[VsdfBody, ...]) -> bool:
     return a.body == b.body and (a.body == GROUND or bodies[a.body].flexible is None)
 
 
-def _check_not_negative(record: "Record", keys: tuple[str, ...], findings: Findings) -> None:
+def _check_not_negative(record: Record, keys: tuple[str, ...], findings: Findings) -> None:
     for key in keys:
         if record[key] < 0:
             message = f"{key} must not be negative; read {record.at(key).text}"

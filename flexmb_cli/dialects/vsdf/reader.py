@@ -14,7 +14,7 @@ from .card import Card, Column
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _TITLE_WIDTH = 75

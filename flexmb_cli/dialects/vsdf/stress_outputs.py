@@ -23,7 +23,7 @@ def build_stresses(
 
 
 def _usable(record: "Record", bodies: tuple[VsdfBody, ...], findings: Findings) -> bool:
-    """Whether the body exists and has a material; else a fault."""
+    """Return whether the body exists and has a material; else a fault."""
     number = record.at("body")
     if not 1 <= number.value <= len(bodies):
         message = f"body number {number.value} is outside 1..{len(bodies)}"

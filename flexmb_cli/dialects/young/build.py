@@ -24,7 +24,7 @@ from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _HOLDERS = ("ground", "simplified", "driver")

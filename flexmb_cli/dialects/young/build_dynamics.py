@@ -3,7 +3,7 @@
 import math
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from ...model.loads import (
     SpringDamper,
 )
 from ...model.time_checks import unsteppable
-from ..elements.functions import Functions
 from .build import build_young
 from .build_elements import build_elements, build_functions
 from .dynamic_cards import FORWARD, analysis_of
@@ -79,17 +78,17 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     return model, faults
 
 
-def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> Any:
-    """What the cards of a section describe; that of a large deck is made again when it is looked at."""
+def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findings) -> "tuple[Any, ...]":
+    """Return what the cards of a section describe; of a large deck it is made again when looked at."""
     records = deck.section(section)
     if isinstance(deck.records, tuple):
         return tuple(make(record, findings) for record in records)
     for record in records:
         make(record, findings)
-    return Made(records, partial(_again, make))
+    return Made(records, partial(_again, make))  # type: ignore[return-value]
 
 
-def _again(make: Any, record: Any) -> "Any":
+def _again(make: "Any", record: "Any") -> "Any":
     return make(record, Findings())
 
 
@@ -126,7 +125,7 @@ def _check_once(deck: Deck, findings: Findings) -> None:
                 findings.error(record.subject, message, record.place, id="YOUNG-003")
 
 
-def _mass(record: Record, findings: Any) -> MassProperties:
+def _mass(record: Record, findings: Findings) -> MassProperties:
     inertia = tuple(float(record[element]) for element in ELEMENTS)
     if not record["m"] >= 0.0:
         message = f"the mass must not be negative; read {record['m']:g}"
@@ -166,7 +165,7 @@ def _following(record: Record, findings: Findings) -> bool:
     return following == 1
 
 
-def _force(record: Record, findings: Findings, functions: Functions) -> AppliedForce:
+def _force(record: Record, findings: Findings, functions: "Any") -> AppliedForce:
     following = _following(record, findings)
     return AppliedForce(
         record.subject,
@@ -179,7 +178,7 @@ def _force(record: Record, findings: Findings, functions: Functions) -> AppliedF
     )
 
 
-def _torque(record: Record, findings: Findings, functions: Functions) -> AppliedTorque:
+def _torque(record: Record, findings: Findings, functions: "Any") -> AppliedTorque:
     following = _following(record, findings)
     return AppliedTorque(
         record.subject,
@@ -197,12 +196,12 @@ def _spring(record: Record, findings: Findings) -> SpringDamper:
     return _line(record, record["stiffness"], record["free_length"])
 
 
-def _damper(record: Record, findings: Any) -> SpringDamper:
+def _damper(record: Record, findings: "Any") -> SpringDamper:
     _doubt_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 
 
-def _line(record: Record, stiffness: float, free_length: float) -> Any:
+def _line(record: Record, stiffness: float, free_length: float) -> SpringDamper:
     return SpringDamper(
         record.subject,
         record["I"] - 1,
@@ -286,18 +285,18 @@ def _doubt_massless(model: DynamicModel, findings: Findings) -> None:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 
-def _note_loads_at_rest(model: Any, findings: Any) -> None:
+def _note_loads_at_rest(model: DynamicModel, findings: Findings) -> None:
     """Note the loads that act on bodies at rest only."""
     at_rest = {GROUND, *(ground.body for ground in model.mechanism.grounds)}
     bodies = model.mechanism.bodies
-    loads = ((item, (item.body,)) for item in chain(model.forces, model.torques))
+    loads = ((item, (item.body,)) for item in chain(model.forces, model.torques))  # type: ignore[attr-defined]
     lines = ((item, (item.i, item.j)) for item in model.springs)
     for item, numbers in chain(loads, lines):
         if at_rest.issuperset(numbers):
             names = " and ".join(bodies[n].name if n != GROUND else "the ground" for n in numbers)
             held = "is held" if len(numbers) == 1 else "are held"
             message = f"moves nothing: {names} {held} at rest by a ground constraint, which bears it"
-            findings.note(item.name, message, item.place, id="YOUNG-017")
+            findings.note(item.name, message, item.place, id="YOUNG-017")  # type: ignore[attr-defined]
 
 
 def _doubt_idle_velocities(model: DynamicModel, findings: Findings) -> None:

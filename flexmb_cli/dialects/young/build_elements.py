@@ -1,7 +1,7 @@
 """The cards of functions, drivers, supports, composite joints and elements of a YOUNG deck."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
@@ -13,6 +13,10 @@ from ..elements.build import build_elements as elements_of
 from ..elements.functions import Functions, GivenFunction
 from .element_cards import FUNCTION_CARDS
 
+if TYPE_CHECKING:
+    from typing import Any
+
+
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
 _LINKS = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}
 
@@ -22,14 +26,14 @@ def build_functions(deck: Deck, findings: Findings) -> Functions:
     return Functions(_given(deck), findings)
 
 
-def _given(deck) -> Iterator[GivenFunction]:
+def _given(deck: "Any") -> Iterator[GivenFunction]:
     for record in deck.records:
         if record.section in _SECTIONS:
             place = _places(record)
             yield GivenFunction(record, record.at("number"), record.section, record.values[1:], place)
 
 
-def _places(record):
+def _places(record: "Any") -> "Any":
     return lambda k: record.numbers[1 + k].place
 
 
@@ -38,17 +42,17 @@ def build_elements(
 ) -> JointElements:
     """All elements of the deck; faults go into `findings`."""
     maker = _Maker(mechanism, functions, findings)
-    return elements_of(maker, deck.section, _CARDS, reported=bool(deck.section("joints")))
+    return elements_of(maker, deck.section, _CARDS, reported=bool(deck.section("joints")))  # type: ignore[arg-type]
 
 
 class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, mechanism, functions, findings):
+    def __init__(self, mechanism: Mechanism, functions: "Any", findings: Findings):
         super().__init__(mechanism.joints, functions, findings, mechanism.time.start)
         self.mechanism = mechanism
 
-    def ends(self, record: Record) -> Any:
+    def ends(self, record: Record) -> dict[str, int | tuple[float, float, float]]:
         """Bodies (-1: ground) and points of an element between two bodies."""
         return {
             "i": record["I"] - 1, "j": record["J"] - 1,
@@ -81,7 +85,7 @@ def _support(maker: _Maker, record: Record) -> "Any":
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _composite(maker, record):
+def _composite(maker: "Any", record: "Any") -> "Any":
     axes = {key: record.vector(key) for key in ("s_i", "s_j") if f"{key}.x" in record}
     for key, s in axes.items():
         if not any(s):

@@ -10,7 +10,7 @@ from .build import build_young
 from .dynamic_cards import analysis_of
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:

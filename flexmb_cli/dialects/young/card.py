@@ -39,12 +39,12 @@ class Card:
 
     @property
     def begins_with_text(self) -> bool:
-        """Whether a word follows its keyword."""
+        """Return whether a word follows its keyword."""
         return bool(self.columns) and self.columns[0].is_text
 
     @property
     def numbers(self) -> str:
-        """How many numbers the card takes, and what they are called."""
+        """Return how many numbers the card takes, and what they are called."""
         keys = " ".join(column.key for column in self.columns)
         most = len(self.columns)
         if self.repeated:

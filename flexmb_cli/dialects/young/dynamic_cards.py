@@ -28,7 +28,6 @@ from .unread_lines import cards_behind_end, unread_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 MARKER = re.compile(
@@ -167,7 +166,7 @@ def takes_steps(deck: Deck) -> bool:
 
 
 def has_elements(deck: Deck) -> bool:
-    """Whether there are cards of elements at joints or of what drives them."""
+    """Return whether there are cards of elements at joints or of what drives them."""
     return analysis_of(deck) is not None and any(deck.section(card.section) for card in JOINT_CARDS)
 
 
@@ -329,7 +328,7 @@ class _ReadCard(Record):
 
     @cached_property
     def positions(self) -> dict[str, int]:
-        """Where among the numbers each key stands."""
+        """Return where among the numbers each key stands."""
         count = len(self._plain[1].split()) if self._plain else len(self.numbers)
         return {column.key: k for k, column in enumerate(self._kind.columns_of(count))}  # type: ignore[attr-defined]
 
@@ -365,7 +364,7 @@ def _is_keyword(word: Word) -> bool:
 
 
 def _wants_text(card: "Any") -> "Any":
-    """Whether a keyword alone has been read, behind which a word is no keyword."""
+    """Return whether a keyword alone has been read, behind which a word is no keyword."""
     kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
     return kind is not None and kind.begins_with_text
 

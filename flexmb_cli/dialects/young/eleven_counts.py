@@ -19,7 +19,6 @@ from .sections import BODIES, COUNTS, DISTANCES, YOUNG_SECTIONS, Section
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 POSITIONS = 3  # numbers of a body estimate

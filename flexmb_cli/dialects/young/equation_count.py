@@ -19,7 +19,7 @@ from ...quick_dataclass import dataclass, field
 from . import DIALECT
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 SHOWN_GROUPS = 8
@@ -98,7 +98,7 @@ def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]
 
 
 def _balanced(mechanism: Any, grounded: "Any") -> "Any":
-    """Whether every group of bodies has as many equations as coordinates."""
+    """Return whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)
     for body in grounded:

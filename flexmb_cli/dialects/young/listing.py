@@ -14,7 +14,7 @@ from ...deck.record import Deck, Record
 from ...solvers.as_printed.errors import AS_PRINTED
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 COUNT_TITLES = (

@@ -20,7 +20,6 @@ from .errata import young_errors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
 
 FAST_LINES = 4096

@@ -15,7 +15,6 @@ from ...model.mechanism import Body, Distance, Driver, Ground, Joint, Point, Sim
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 MOST_ROWS = 10_000_000

@@ -16,7 +16,7 @@ from ...model.mechanism import Driver, Ground, Mechanism
 from ...quick_dataclass import dataclass
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 SAME = 1e-12
@@ -69,7 +69,7 @@ def _sorted_places(held: Any) -> Any:
 
 
 def _by_bodies(mechanism: Any, findings: Findings) -> Iterator[list[_Hold]]:
-    """What holds each body; of the holds of a large deck those of one body at a time."""
+    """Return what holds each body; of the holds of a large deck those of one body at a time."""
     by_body: dict[int, list[_Hold]] = {}
     for hold in _of_grounds(_worth_looking_at(_first_grounds(mechanism, findings), mechanism)):
         by_body.setdefault(hold.body, []).append(hold)

@@ -21,7 +21,7 @@ from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 DIALECT = "young"

@@ -14,7 +14,6 @@ from .sections import COUNTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 _LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}

@@ -36,7 +36,6 @@ from .dynamic_cards import analysis_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 _FOREIGN = {

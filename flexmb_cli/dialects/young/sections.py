@@ -14,7 +14,7 @@ from ...quick_dataclass import dataclass
 from . import DIALECT
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 COUNT_OF = {name: count for count, name in DIALECT.joints.items()}

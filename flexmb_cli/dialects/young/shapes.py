@@ -9,7 +9,7 @@ from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, on_rigid_body, primitive_of, stl_shape_of
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:

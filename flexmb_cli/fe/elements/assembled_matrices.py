@@ -27,7 +27,7 @@ from .solid_elements import (
 )
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # The form of a "file" that stands for the elements themselves.

@@ -9,7 +9,7 @@ from ..linear_algebra import summed
 from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_elements
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.

@@ -27,7 +27,6 @@ from .solid_elements import CUBE, FORMULATIONS, Formulation, elasticity, integra
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 # A mass that differs by more of itself is that of another density; meshes and digits make less.

@@ -16,7 +16,7 @@ import numpy as np
 from .matrix_file import FEFileFault
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 LARGEST = 2**31  # bytes

@@ -16,7 +16,6 @@ from .matrix_file import FEFileFault, MatrixFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 # Of (1P,4E20.12) or (8I10) only letter and width matter: cells are cut to the end of each line.

@@ -14,7 +14,7 @@ from ...quick_dataclass import dataclass
 from .matrix_file import FEFileFault, MatrixFile, of_strings
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 REAL = (1, 2)

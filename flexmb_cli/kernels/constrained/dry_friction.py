@@ -21,7 +21,7 @@ FRICTION_CONVERGED = 1e-13  # of the largest force
 
 @kernel
 def has_friction(loads: np.ndarray) -> bool:
-    """Whether there is any friction; it stands behind all other loads."""
+    """Return whether there is any friction; it stands behind all other loads."""
     return loads.shape[0] > 0 and loads[loads.shape[0] - 1]["kind"] == FRICTION
 
 
@@ -46,7 +46,7 @@ def normal_changes(system: Any, work, ud: np.ndarray):
 
 
 @kernel
-def _normal(system, work, load, lam):
+def _normal(system, work, load, lam: np.ndarray):
     """Size of the joint's force across its axis, and of that on the flanks of a thread, N."""
     group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
     force = np.zeros(3)

@@ -106,7 +106,9 @@ def _stretch(system: System, work: Work, load: "np.void") -> float:
 
 
 @kernel
-def _add_relative(system, work, load, answer, t, f):
+def _add_relative(
+    system: System, work: Work, load: "np.void", answer: "np.ndarray", t: float, f: "np.ndarray"
+) -> float:
     """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
     geometry = geometry_of(system, work)
     rate = primitive_rates(geometry, load["primitive"])[0]

@@ -22,8 +22,6 @@ from .error_norm import scaled_norm, tolerance
 from .time_loop import Method, time_loop
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
 

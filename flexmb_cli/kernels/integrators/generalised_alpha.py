@@ -160,7 +160,7 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: System, work: Work) -> bool:
+def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: System, work: Work) -> "Any":
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)
@@ -170,14 +170,14 @@ def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: S
     interpolate_angles(integration, x)
     copy(angles[EXPECTED], work.angles)
     if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
-        return STEP_VANISHED  # type: ignore[return-value]
+        return STEP_VANISHED
     copy(integration.trial, report.states[row])
     copy(integration.rates[NEW], report.rates[row])
     complete(
         system, work, integration.trial, t, angles[EXPECTED], integration.memory[0]["new_power"], report, row
     )
     clock["row"] += 1
-    return READY  # type: ignore[return-value]
+    return READY
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME)

@@ -50,7 +50,7 @@ def share_of(clock: "np.void", memory, work: "Work", h: float, fastest: float) -
 
 @kernel
 def left_over(clock: "np.void", memory, work: "Work", share: float) -> float:
-    """What iterations may leave of a step's share: steps of given length have their own error."""
+    """Return what iterations may leave of a step's share: steps of given length have their own error."""
     if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
     blurred = blur(work, share * clock["rtol"])

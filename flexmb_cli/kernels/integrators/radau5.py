@@ -251,7 +251,7 @@ def _is_singular(work, clock: Any, memory):
 
 
 @kernel
-def _fill_row(integration: RadauIntegration, t: float, report: Report, system: System, work: Work) -> bool:
+def _fill_row(integration: RadauIntegration, t: float, report: Report, system: System, work: Work) -> "Any":
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)
@@ -262,11 +262,11 @@ def _fill_row(integration: RadauIntegration, t: float, report: Report, system: S
     clock["fault"], power = project_state(system, work, integration, t, report.rates[row])
     blind = BLIND * integration.memory[0]["branching"]
     if clock["fault"] != SOLVED or smallest_pivot(work.factors, work.rank[0]) < blind:
-        return STEP_VANISHED  # type: ignore[return-value]
+        return STEP_VANISHED
     copy(integration.trial, report.states[row])
     complete(system, work, integration.trial, t, angles[EXPECTED], power, report, row)
     clock["row"] += 1
-    return READY  # type: ignore[return-value]
+    return READY
 
 
 _advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))

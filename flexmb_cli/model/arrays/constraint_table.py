@@ -19,7 +19,7 @@ from .function_table import FunctionTable
 from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def tilde(v: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ the hinges of a tree.
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -17,6 +17,10 @@ from ..time_functions import integral_of
 from .constraint_table import PrimitiveTable
 from .node_joints import JointVectors
 from .records import CABLE, ELEMENT, FRICTION, RELATIVE, SPRING, STOP, blank_load, line_primitive
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,7 @@ class PointJoints:
     def __init__(self, table: PrimitiveTable, joints: Sequence[PointJoint]):
         self.table, self.joints = table, joints
 
-    def _arms(self, joint):
+    def _arms(self, joint: "Any") -> "Any":
         return JointVectors(self.table, self.joints[joint])
 
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
@@ -61,7 +65,7 @@ class PointJoints:
         return (
             body_vectors.stroke()
             if coordinate == STROKE
-            else self.table.angle(*body_vectors.turning(), expected)
+            else self.table.angle(*body_vectors.turning(), expected)  # type: ignore[call-arg]
         )
 
     def bodies(self, joint: int) -> tuple[int, int]:
@@ -109,14 +113,14 @@ class ElementTable:
     def add_couplings(self) -> None:
         """An equation for every coupling of joint coordinates."""
         for item in self.elements.couplings:
-            records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]
+            records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]  # type: ignore[arg-type]
             is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
             self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])
 
     @staticmethod
-    def _scaled(record, factor):
+    def _scaled(record: np.ndarray, factor: "Any") -> "Any":
         for field in ("alpha", "beta", "constant"):
             record[field] *= factor
         return record
@@ -136,56 +140,56 @@ class ElementTable:
         found += [self._stop(item) for item in self.elements.stops]
         for item in self.elements.bushings:
             found += self._bushing(item)
-        for item in self.reported:
-            found.append(self._at(item.joint, item.coordinate, SPRING))
+        for item in self.reported:  # type: ignore[assignment]
+            found.append(self._at(item.joint, item.coordinate, SPRING))  # type: ignore[attr-defined]
         found += [self._motor(item) for item in self.elements.motors]
         return found + [self._friction(item) for item in self.elements.frictions]
 
-    def _at(self, joint, coordinate, shape):
+    def _at(self, joint: "Any", coordinate: "Any", shape: "Any") -> "Any":
         record = blank_load(ELEMENT)
         record["shape"] = shape
         record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
         return record
 
-    def _motor(self, item):
+    def _motor(self, item: "Any") -> "Any":
         record = blank_load(RELATIVE)
         record["primitive"] = self.table.spring(self.joints.primitive(item.joint, item.coordinate))
         record["function"] = self.table.function(item.function)
         return record
 
-    def _spring(self, item):
+    def _spring(self, item: "Any") -> "Any":
         return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
 
-    def _end(self, body, point):
+    def _end(self, body: "Any", point: "Any") -> "Any":
         """The body vector of an end: a node, or a point of a rigid body."""
         return (
             self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
         )
 
-    def _line(self, item):
+    def _line(self, item: "Any") -> "Any":
         record = blank_load(ELEMENT)
         record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
         record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
-    def _with_data(self, record, item):
+    def _with_data(self, record: np.ndarray, item: "Any") -> "Any":
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
             record["curve"] = self.table.function(item.curve, of_time=False)
-            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)
+            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)  # type: ignore[arg-type]
         if item.damper is not None:
             record["damper"] = self.table.function(item.damper, of_time=False)
         return record
 
-    def _stop(self, item):
+    def _stop(self, item: "Any") -> "Any":
         record = self._at(item.joint, item.coordinate, STOP)
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["lower"], record["upper"] = item.lower, item.upper
         return record
 
-    def _bushing(self, item):
+    def _bushing(self, item: "Any") -> "Iterator[Any]":
         """Six loads, along and about the axes of body i."""
         table = self.table
         head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
@@ -201,7 +205,7 @@ class ElementTable:
             load["stiffness"], load["damping"] = stiffness, damping
             yield load
 
-    def _friction(self, item):
+    def _friction(self, item: "Any") -> "Any":
         record = blank_load(FRICTION)
         sliding = self.joints.sliding(item.joint)
         for field, coordinate in zip(("primitive", "stroke"), sliding, strict=True):

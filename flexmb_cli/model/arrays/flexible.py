@@ -89,7 +89,7 @@ def _flexible(bodies: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
 
 
-def _elements(table, mechanism):
+def _elements(table: Any, mechanism: Any) -> Any:
     """The elements, whose equations stand behind all others."""
     joints = PointJoints(table, mechanism.joints)
     reported = coordinates_of_joints(mechanism.joints) if mechanism.elements else []
@@ -98,7 +98,7 @@ def _elements(table, mechanism):
     return found
 
 
-def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
+def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism) -> np.ndarray:
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
     records += [_spring(table, item) for item in mechanism.springs]
@@ -107,7 +107,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
         record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
         record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
         records.append(record)
-    return records
+    return records  # type: ignore[return-value]
 
 
 def _force(table: PrimitiveTable, item: PointForce) -> np.ndarray:

@@ -8,7 +8,7 @@ from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunct
 from .records import FUNCTION, function_record
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time

@@ -17,8 +17,6 @@ from ..mechanism import Driver, Joint, Mechanism
 from ..vectors import cross, dot, rotated, rotation_matrix, unit
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...errors import Place
 
 

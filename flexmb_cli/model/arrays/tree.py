@@ -11,7 +11,7 @@ from .node_frames import NodeFrames, empty_node_frames
 from .tree_frames import NODAL_MASS, tree_frames
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 ELASTIC_BODY = np.dtype(

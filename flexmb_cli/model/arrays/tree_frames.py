@@ -16,7 +16,7 @@ from ...quick_dataclass import dataclass, field
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED, Body, Tree
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 FRAME = np.dtype(

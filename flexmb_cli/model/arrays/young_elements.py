@@ -17,7 +17,7 @@ from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
@@ -74,8 +74,8 @@ class _Equations:
         for item in self.elements.supports:
             held = self.model.mechanism.simplified[item.item]
             self._along_axis(held.name, held.body, held.direction, item)
-        for item in self.elements.composites:
-            self._composite(item)
+        for item in self.elements.composites:  # type: ignore[assignment]
+            self._composite(item)  # type: ignore[arg-type]
 
     def _driven(self, item: "Any") -> None:
         driver = self.model.mechanism.drivers[item.item]

@@ -6,7 +6,7 @@ from ...quick_dataclass import dataclass
 from .rigid_model import GROUND, Refusals, RigidJoint, RigidModel
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 @dataclass(frozen=True)

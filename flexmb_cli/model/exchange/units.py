@@ -8,7 +8,7 @@ from .functions import scaled
 from .rigid_model import RigidModel, vector
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _INCH, _POUND_FORCE = 0.0254, 4.4482216152605

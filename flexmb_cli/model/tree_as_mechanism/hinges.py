@@ -15,7 +15,7 @@ from ..vectors import rotation_matrix
 from .frames import Base, Frames, shape_of
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 class HingeVectors(NamedTuple):

@@ -7,7 +7,6 @@ from ..tree import INERTIAL, ROTATION, Hinge, Tree
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 def refuse_foreign(tree: Tree) -> None:

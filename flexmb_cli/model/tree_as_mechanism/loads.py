@@ -14,7 +14,7 @@ from .hinges import coordinate_primitive
 from .limits import has_fixed_axis, has_shared_axis
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:

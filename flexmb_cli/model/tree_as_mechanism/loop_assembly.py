@@ -16,7 +16,7 @@ from .frames import Frames, shape_of
 from .poses import STILL, Pose, elastic_start, first_poses
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 CLOSED = 1e-10  # m

@@ -80,7 +80,7 @@ def _refuse(result: Any, message: str) -> None:
 
 
 def _ending(path: "Path | str") -> tuple[bool, bool]:
-    """Whether the run of a result did not complete, and whether it has any rows."""
+    """Return whether the run of a result did not complete, and whether it has any rows."""
     if form_of(path) in (CSV, MATLAB):
         return False, True  # an export keeps no mark that can be relied on
     if form_of(path) == HDF5:

@@ -18,7 +18,7 @@ from .report import Found, Report
 from .tolerances import Tolerances
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 TIME_HEAD = "time [s]"

@@ -13,7 +13,6 @@ from .words import compare_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 def compare_echo(report: Report, a: Listing, b: Listing, tolerances: Tolerances) -> None:

@@ -44,7 +44,7 @@ class Compared:
 
     @property
     def equal(self) -> bool:
-        """Whether the results are there and do not differ."""
+        """Return whether the results are there and do not differ."""
         return self.report is not None and self.report.equal
 
     @property
@@ -56,7 +56,7 @@ class Compared:
 
     @property
     def sentence(self) -> str:
-        """How it ended, in one or several lines."""
+        """Return how it ended, in one or several lines."""
         if self.failure is not None:
             lines = getattr(self.failure, "lines", ())
             return compiler_style(self.failure.file or self.pair.name, self.failure.faults, lines) + "\n"
@@ -115,7 +115,7 @@ class Summary:
 
 
 def is_many(path: str) -> bool:
-    """Whether `path` is a folder, or a pattern that is no name of a file."""
+    """Return whether `path` is a folder, or a pattern that is no name of a file."""
     return os.path.isdir(path) or (bool(WILD.search(path)) and not os.path.lexists(path))
 
 
@@ -133,7 +133,7 @@ def pairs(a: str, b: str) -> Iterator[Pair]:
 
 
 def are_same(a: str, b: str) -> bool:
-    """Whether `a` and `b` are one file or the same files: such a comparison proves nothing."""
+    """Return whether `a` and `b` are one file or the same files: such a comparison proves nothing."""
     if not is_many(a):
         return os.path.exists(a) and os.path.exists(b) and os.path.samefile(a, b)
     found = [(pair.a, pair.b) for pair in pairs(a, b)]
@@ -186,7 +186,7 @@ def _compared(pair: Pair, compare_pair: "Callable[..., Any]", summary: Summary) 
 
 
 def _is_result(pair: Pair) -> bool:
-    """Whether a pair is to be compared: by its name, or by the content of one of its files."""
+    """Return whether a pair is to be compared: by its name, or by the content of one of its files."""
     if RESULT_NAME.fullmatch(PurePath(pair.name).name):
         return True
     return any(path is not None and _reads_as_result(path) for path in (pair.a, pair.b))

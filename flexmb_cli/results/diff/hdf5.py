@@ -29,7 +29,7 @@ from .tolerances import Tolerance, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9

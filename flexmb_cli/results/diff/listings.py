@@ -15,7 +15,6 @@ from .tolerances import Tolerances
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
-    from typing import Any
 
     from .emulated import Emulation
 

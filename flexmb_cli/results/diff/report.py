@@ -11,7 +11,6 @@ from .tolerances import KINDS, Tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 SHOWN_MISSING = 20
@@ -105,7 +104,9 @@ class Report:
 
     @property
     def equal(self) -> bool:
-        """Whether nothing differs beyond tolerance, nothing is missing, and no words that count differ."""
+        """Return whether nothing differs beyond tolerance, nothing is missing, and no words that count
+        differ.
+        """
         return not self.missing and not self.differing and not (self.words_count and self.words)
 
     @property

@@ -17,7 +17,7 @@ from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 FIGURES = ("atol", "rtol", "last_digit")

@@ -12,7 +12,6 @@ from ...quick_dataclass import dataclass, field, replace
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from typing import Any
 
 
 KINDS = (
@@ -68,7 +67,7 @@ class Tolerance:
 
     @property
     def ignores(self) -> bool:
-        """Whether nothing of this kind counts, not even that it is missing."""
+        """Return whether nothing of this kind counts, not even that it is missing."""
         return bool(np.isinf(self.atol).all())
 
     def exceeded(

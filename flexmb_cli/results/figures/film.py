@@ -20,7 +20,7 @@ from .scene import Scene, read_scene
 from .view import view_of
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 FORMATS = ("mp4", "gif")

@@ -41,7 +41,7 @@ class Look:
         return "\n".join(textwrap.wrap(label, max(10, int(letters))))
 
     def legend_columns(self, labels: list[str]) -> int:
-        """How many names stand side by side below a panel."""
+        """Return how many names stand side by side below a panel."""
         size = (self.size or 8.0) / POINTS
         widest = max(map(len, labels)) * LETTER * size + HANDLE * size
         return 2 if 2 * widest < self.inches else 1

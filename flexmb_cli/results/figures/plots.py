@@ -10,7 +10,6 @@ from .look import SQUARE as SQUARE_PART
 
 if TYPE_CHECKING:
     from types import ModuleType
-    from typing import Any
 
 
 FORMATS = ("png", "svg", "pdf")

@@ -29,7 +29,7 @@ from .report_curves import curve_figure
 from .report_scene import report_scene
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
@@ -70,7 +70,7 @@ def _viewer(name: str) -> str:
 
 
 def _title(result: h5py.File) -> str:
-    """What was computed of which deck: "Kinematics of IN4-BAR"."""
+    """Return what was computed of which deck: "Kinematics of IN4-BAR"."""
     analysis, deck = attribute(result, "analysis"), attribute(result, "deck_name")
     stem = deck.rpartition(".")[0] or deck
     return f"{TITLES.get(analysis, analysis)} of {stem}"

@@ -16,7 +16,7 @@ from .scene import Scene, read_scene
 from .vtkhdf_cells import write_cells
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 VERSION = (2, 3)

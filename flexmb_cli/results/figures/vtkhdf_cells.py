@@ -15,7 +15,7 @@ from .element_bodies import ElementBody
 from .scene import GROUND, DrawnBody, Scene
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.

@@ -10,7 +10,6 @@ from ...memory import file_lacks_memory
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

@@ -12,7 +12,6 @@ from ..quantities.quantities import ResultError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 # Bytes of the header's text, of a variable, and of a name.

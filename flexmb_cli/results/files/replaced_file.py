@@ -21,7 +21,6 @@ from .durable import sync, sync_folder
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
-    from typing import Any
 
 
 _PREFIX, _SUFFIX = ".flexmb-", ".tmp"

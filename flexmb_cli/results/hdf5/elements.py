@@ -1,6 +1,6 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ...model.element_names import element_names
 from ...model.joints import ANGLE
@@ -11,6 +11,9 @@ from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units
 from .kinematic import readable_names
 from .result_file import Layout, Values, numbered_axis
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 def element_layout(model: DynamicModel) -> Layout:
@@ -31,7 +34,7 @@ def element_layout(model: DynamicModel) -> Layout:
 
 def element_values(model: DynamicModel, rows: "Any") -> Values:
     """The fields of report rows (`element_rows.ElementRows`) by the paths of their datasets."""
-    return dict(dynamic_values(model, rows)) | joint_values(rows)
+    return dict(dynamic_values(model, rows)) | joint_values(rows)  # type: ignore[operator]
 
 
 def _driver_names(model: "Any") -> "Any":

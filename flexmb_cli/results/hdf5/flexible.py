@@ -1,6 +1,6 @@
 """What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -118,12 +118,12 @@ def _mode_axis(body: FloatingBody) -> Axis:
     return Axis(f"modal/{body.name}/mode", tuple(range(1, body.modes + 1)), f"mode of {body.name}")
 
 
-def _node_axis(body: Any) -> Axis:
-    numbers = tuple(map(int, body.flexible.numbers))
+def _node_axis(body: FloatingBody) -> Axis:
+    numbers = tuple(map(int, body.flexible.numbers))  # type: ignore[union-attr]
     return Axis(f"elastic/{body.name}/node", numbers, f"node of {body.name}, its number in the node table")
 
 
-def _constants(mechanism: Any) -> "Iterator[Any]":
+def _constants(mechanism: FlexibleMechanism) -> "Iterator[Any]":
     yield from gravity(mechanism.gravity)
     for body in _flexible(mechanism):
         meaning = f"frequencies of the modes of {body.name}, held in its frame"

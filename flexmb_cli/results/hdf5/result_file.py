@@ -24,7 +24,6 @@ from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, se
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from typing import Any
 
 
 # 2: every dimension scale lies in the group of its datasets or above it; until then those of reactions and

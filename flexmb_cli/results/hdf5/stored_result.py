@@ -19,8 +19,6 @@ from .heap_bounds import fault_of_heaps
 from .text_sizes import UnknownSize, bytes_of_texts
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
 

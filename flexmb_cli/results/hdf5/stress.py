@@ -62,7 +62,7 @@ def stress_axes(mechanism: FlexibleMechanism) -> list[Axis]:
 
 
 def stress_series(mechanism: FlexibleMechanism) -> list[Series]:
-    """What is reported of every body."""
+    """Return what is reported of every body."""
     return [series for output in mechanism.stresses for series in _series(mechanism, output)]
 
 

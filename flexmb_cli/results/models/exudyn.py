@@ -16,7 +16,7 @@ from ...model.vectors import rotation_matrix
 from ...quick_dataclass import fields
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.

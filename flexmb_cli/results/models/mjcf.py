@@ -16,7 +16,7 @@ from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it

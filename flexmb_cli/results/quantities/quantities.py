@@ -254,6 +254,6 @@ def _matched_form(family: Any, form: Any, words: Any) -> list[Quantity]:
     return [_quantity(family, index) for index in product(*along)]
 
 
-def _unknown(known, pattern):
+def _unknown(known: Any, pattern: Any) -> Any:
     hint = hint_for(pattern, known)
     return f"{pattern or NOTHING}: the result has no such quantity{'; ' * bool(hint)}{hint}{SHOWS_ALL}"

@@ -10,7 +10,7 @@ from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 TIME = "time"

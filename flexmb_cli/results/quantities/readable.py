@@ -6,7 +6,7 @@ from ...quick_dataclass import dataclass
 from .quantities import Quantity
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # The quantity of names that leave it out: body.3.z is a position.

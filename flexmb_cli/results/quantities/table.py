@@ -17,7 +17,7 @@ from .quantities import Quantity, ResultError, read, time_at, time_quantity
 from .quantity_names import TIME
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 FORMATS = ("csv", "tsv", "jsonl", "text")

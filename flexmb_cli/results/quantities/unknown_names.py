@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 from .nearest_names import nearest
 from .quantity_names import Family
@@ -35,7 +36,7 @@ def hint_for(pattern: str, families: Sequence[Family]) -> str:
     return f"near it are {', '.join(close)}" if close else ""
 
 
-def _with_points(pattern, families):
+def _with_points(pattern: Any, families: Any) -> Any:
     """Return a name for a path of a dataset or for a number in brackets."""
     for family in families:
         if family.path == pattern.strip("/"):
@@ -44,14 +45,14 @@ def _with_points(pattern, families):
     return dotted if dotted != pattern else ""
 
 
-def _lacking(first, families):
+def _lacking(first: Any, families: Any) -> Any:
     wanted = next((word for word in NEEDS if first in (word, f"{word}s", f"{word}es")), None)
     if wanted is None or any(family.path.startswith(f"{wanted}/") for family in families):
         return ""
     return NEEDS[wanted]
 
 
-def _count(words, families):
+def _count(words: Any, families: Any) -> Any:
     """Return how many there are where a number is too large, or 0."""
     if len(words) < 2 or not words[1].isdigit():
         return ""
@@ -65,5 +66,5 @@ def _count(words, families):
     )
 
 
-def _is_numbered(form, words):
+def _is_numbered(form: Any, words: Any) -> Any:
     return len(form) > 1 and words[0].lower() in form[0].spellings and "1" in form[1].spellings

@@ -11,7 +11,7 @@ from .check import CheckReport
 from .parts import before_and_after, refuse_jacobian, report_times
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 ROUND_OFF = 1e-12

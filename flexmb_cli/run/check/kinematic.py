@@ -69,7 +69,7 @@ def _assemble(report: CheckReport, mechanism: "Any", jacobian: "Any", equations:
 
 
 def _is_far(grid: TimeGrid, jacobian: str | None) -> bool:
-    """Whether the Jacobian is asked for so late that the way there wants compiled kernels."""
+    """Return whether the Jacobian is asked for so late that the way there wants compiled kernels."""
     return jacobian not in (None, "estimate") and float(jacobian) - grid.start > FAR_STEPS * grid.step
 
 

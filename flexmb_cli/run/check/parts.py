@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING, Any
 from ...errors import Fault, ModelError
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
     from ...model.mechanism import Mechanism, TimeGrid

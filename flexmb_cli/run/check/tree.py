@@ -17,8 +17,6 @@ from .check import CheckReport
 from .parts import refuse_jacobian
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...model.arrays.tree import TreeArrays
     from ...solvers.tree.analysis import TreeAnalysis
 

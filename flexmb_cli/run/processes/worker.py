@@ -34,14 +34,14 @@ class Worker:
             self.process.start()
 
     def send(self, message: "Any") -> bool:
-        """Whether it was there to be notified."""
+        """Return whether it was there to be notified."""
         with suppress(OSError):
             self.line.send(message)
             return True
         return False
 
     def answer(self) -> "Any":
-        """What the process has sent; None when it has ended, and nothing is left to be read."""
+        """Return what the process has sent; None when it has ended, and nothing is left to be read."""
         with suppress(EOFError, OSError):
             if self.line.poll():
                 return self.line.recv()

@@ -20,7 +20,7 @@ from ..solution import Solution
 from ..step_count import StepCount
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # The words of INTG cards for the methods of the command line.

@@ -18,7 +18,6 @@ from ..solution import NoCount, Solution
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
     import numpy as np
 
@@ -95,7 +94,7 @@ class TreeCount(NoCount):
 
     @property
     def doubts(self) -> tuple[Fault, ...]:  # type: ignore[override]
-        """What the energy of the rows makes doubtful."""
+        """Return what the energy of the rows makes doubtful."""
         return () if self.one_way else self.drift.doubts
 
     def __str__(self) -> str:

@@ -20,7 +20,6 @@ from .difference import Difference, largest_difference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 FORMULATIONS = "two floating frames, nodes n1 and n2 exchanged, all modes"

@@ -14,7 +14,6 @@ from .difference import Difference, largest_difference
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 FORMULATIONS = "Kane's equations and absolute coordinates"
@@ -57,7 +56,7 @@ def _joined(blocks: "Any") -> "Any":
 
 
 def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
-    """What two motions of a tree differ in, quantity by quantity."""
+    """Return what two motions of a tree differ in, quantity by quantity."""
     found = [*_coordinates(tree, kane, absolute)]
     for kind, unit in POINTS.items():
         for place in ("body", "point"):

@@ -151,7 +151,7 @@ def parallel(state: State, joint: Any, indices_wrong: bool) -> Rows:
 
 
 def _row_sums(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """What the program has in place of a product: component M of the vector where N is meant."""
+    """Return what the program has in place of a product: component M of the vector where N is meant."""
     return (matrix[:, 0] + matrix[:, 1] + matrix[:, 2]) * vector
 
 

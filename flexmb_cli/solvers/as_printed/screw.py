@@ -34,7 +34,7 @@ class ScrewZero:
 
 
 def screw_zero(state: State, joint: "Joint") -> ScrewZero:
-    """What the program keeps of its first evaluation."""
+    """Return what the program keeps of its first evaluation."""
     if SCREW in state.errors:
         joint = _as_read(joint)
         cosine, product_of_z = _cosine(state, joint)

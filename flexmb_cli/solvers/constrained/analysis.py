@@ -25,8 +25,6 @@ from .start_speeds import start_speeds
 from .system import blank_report, constrained_system, new_work
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...kernels.constrained.report import Report
 
 
@@ -105,8 +103,8 @@ class ConstrainedMotion:
 
     @property
     def checkpoint(self) -> dict:
-        """Where to go on behind the rows that have been yielded: all that the integration keeps, and its
-        work.
+        """Return where to go on behind the rows that have been yielded: all that the integration keeps, and
+        its work.
         """
         return {
             "row": np.array(self.row),

@@ -9,8 +9,6 @@ from ...kernels.constrained.body_vectors import BODY_VECTOR
 from ...model.arrays.records import LINE
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...kernels.constrained.system import System, Work
     from ...model.loads import SpringDamper
 

@@ -14,7 +14,7 @@ from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Why a mechanism could not be integrated further, and what is said of equations that repeat others."""
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import AnalysisError, Fault
@@ -23,7 +25,7 @@ GO_ON = (
 STIFF = "; try RAD5 or GALF, or a smaller one"
 
 
-def step_failure(analysis, answer: int, due: float = np.inf) -> AnalysisError:
+def step_failure(analysis: Any, answer: int, due: float = np.inf) -> AnalysisError:
     """Return why a ConstrainedMotion could make no step, or no row that was `due` at that time."""
     clock = analysis.clock[0]
     t, step = float(clock["t"]), float(clock["step"])
@@ -51,13 +53,13 @@ def step_failure(analysis, answer: int, due: float = np.inf) -> AnalysisError:
     return AnalysisError(about("error", message, *owners[:1]), t, norms)
 
 
-def _weakest_at_row(analysis, norms):
+def _weakest_at_row(analysis: Any, norms: Any) -> Any:
     """The equations that are singular where a row could not be made; none where they are not."""
     norms["condition"], owners = weakest_of_speeds(analysis, analysis.integration.trial)
     return owners if norms["condition"] > SINGULAR else []
 
 
-def _why_steps_fall(analysis, norms):
+def _why_steps_fall(analysis: Any, norms: Any) -> Any:
     """The reason in words, and the equations it lies in; the condition goes into `norms`."""
     condition, owners = weakest_of_speeds(analysis, analysis.integration.z)
     norms["condition"] = condition
@@ -80,7 +82,7 @@ def _why_steps_fall(analysis, norms):
     )
 
 
-def repetition(found, usual: int | None) -> Fault:
+def repetition(found: Any, usual: int | None) -> Fault:
     """Some equations repeat others: the motion is unique, the split of forces between them is a choice.
 
     A warning, or a note where they are as many as `usual`.
@@ -104,5 +106,5 @@ def repetition(found, usual: int | None) -> Fault:
     return about("warning", message, *placed)
 
 
-def _in_deck(equation):
+def _in_deck(equation: Any) -> Any:
     return equation.place or (0, 0), equation.owner, equation.part

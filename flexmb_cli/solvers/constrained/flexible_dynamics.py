@@ -26,7 +26,8 @@ from .rows import global_axes
 from .start_speeds import given_speeds
 
 if TYPE_CHECKING:
-    pass
+    from collections.abc import Iterator
+    from typing import Any
 
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
@@ -83,7 +84,7 @@ class FlexibleDynamics(ConstrainedMotion):
             tuple((point.name, point.body) for point in m.outputs),
         )
 
-    def given_rates(self, q):
+    def given_rates(self, q: np.ndarray) -> "Any":
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
         rates = self.mechanism.elements.rates
         if not rates:
@@ -91,14 +92,14 @@ class FlexibleDynamics(ConstrainedMotion):
         joints = [_body_joint(joint) for joint in self.mechanism.joints]
         return rate_equations(joints, rates, q, self.arrays.speeds)
 
-    def usual_repetitions(self, q) -> int | None:
+    def usual_repetitions(self, q: np.ndarray) -> int | None:
         """Those of a planar mechanism, None of any other."""
         bodies = len(self.mechanism.bodies)
         joints = [_body_joint(joint) for joint in self.mechanism.joints]
         attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
         return None if self.mechanism.pins else repeated_in_plane(joints, (), attitudes)
 
-    def driven_system(self, k: int, additions, t: float) -> System:
+    def driven_system(self, k: int, additions: list[float], t: float) -> System:
         """Return the system with additions to the value, rate and second rate of motion k at t.
 
         A polynomial takes the place of its function, which at t has the same value and rates.
@@ -129,10 +130,10 @@ def _body_joint(joint: PointJoint) -> Joint:
     """A joint between bodies that do not deform, as they begin."""
     a, b = joint.a, joint.b
     axis = [tuple(side[1].r0 - side[0].r0) if len(side) > 1 else NO_AXIS for side in (a, b)]
-    return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), *axis)
+    return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), *axis)  # type: ignore[arg-type]
 
 
-def _velocities(mechanism):
+def _velocities(mechanism: FlexibleMechanism) -> "Iterator[InitialVelocity]":
     """Velocities of the bodies that the deck moves; those at rest follow the others."""
     for k, body in enumerate(mechanism.bodies):
         if np.any(body.velocity) or np.any(body.omega):

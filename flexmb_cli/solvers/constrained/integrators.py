@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ...errors import Fault
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
     from ...kernels.constrained.system import Work
@@ -78,7 +76,7 @@ class GeneralisedAlpha(Steps):
 
     @property
     def chosen(self) -> bool:  # type: ignore[override]
-        """Whether the lengths of its steps are its own choice."""
+        """Return whether the lengths of its steps are its own choice."""
         return self.length == 0.0
 
     def new_integration(self, work: "Work", angles: int) -> "AlphaIntegration":

@@ -15,8 +15,6 @@ from ..kinematics.assembly import assemble_by_search, assembly_failure
 from ..singular.mobility import CLOSED, NAMED, Mobility, involved, sparse_basis
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...model.equations import Equation
     from .analysis import ConstrainedMotion
     from .young_dynamics import ForwardDynamics

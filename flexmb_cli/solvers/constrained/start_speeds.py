@@ -13,8 +13,6 @@ from ..singular.mobility import CLOSED, about
 from .rows import body_axes, global_axes
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...model.equations import Equation
     from ...model.loads import InitialVelocity
     from .analysis import ConstrainedMotion

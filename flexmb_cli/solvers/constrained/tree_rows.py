@@ -17,7 +17,7 @@ from ..tree.rows import TreeRows, continued_signs, displacements, node_positions
 from .rows import global_axes
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 class Moving(NamedTuple):

@@ -24,7 +24,7 @@ from .start_speeds import given_speeds
 from .system import AnyCountEvaluator
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 class ForwardDynamics(ConstrainedMotion):

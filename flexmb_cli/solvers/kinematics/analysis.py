@@ -28,7 +28,7 @@ from .settings import KinematicSettings
 from .system import kinematic_system, rows_of, with_dependent_columns
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
@@ -94,12 +94,12 @@ class KinematicAnalysis:
 
     @property
     def one_block(self) -> bool:
-        """Whether a block holds all rows behind the first: there is no way between to go on from."""
+        """Return whether a block holds all rows behind the first: there is no way between to go on from."""
         return self.mechanism.time.rows - 1 <= self._at_once(LARGEST_BLOCK)
 
     @property
     def checkpoint(self) -> dict:
-        """Where to go on behind the rows that have been yielded."""
+        """Return where to go on behind the rows that have been yielded."""
         return {
             "row": np.array(self.row),
             "state": self.state,

@@ -46,12 +46,12 @@ class InverseDynamics:
 
     @property
     def one_block(self) -> bool:
-        """Whether a block holds all rows behind the first."""
+        """Return whether a block holds all rows behind the first."""
         return self.motion.one_block
 
     @property
     def checkpoint(self) -> dict:
-        """Where to go on behind the rows that have been yielded."""
+        """Return where to go on behind the rows that have been yielded."""
         return self.motion.checkpoint | arrays_in(work=self.work)
 
     def restore(self, checkpoint: Mapping) -> None:

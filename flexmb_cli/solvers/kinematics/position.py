@@ -78,5 +78,5 @@ class Evaluator:
 
     @property
     def is_large(self) -> bool:
-        """Whether dense matrices would be wasteful."""
+        """Return whether dense matrices would be wasteful."""
         return self.arrays.q.size > DENSE_LIMIT

@@ -20,7 +20,6 @@ from .terms import Terms
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Any
 
     from ..constrained.flexible_rows import FlexibleRows
     from ..constrained.rows import DynamicRows

@@ -19,7 +19,6 @@ from ...errors import AnalysisError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Any
 
 
 STEP = 1e-3  # scaled displacement of the differences; their error is of its fourth power

@@ -14,7 +14,7 @@ from ...quick_dataclass import dataclass
 from .motion import CONSTANT, STEP, LinearisedMotion, differentiated
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 SPEED_OF = {"rad": "rad/s", "m": "m/s", "m or 1": "m/s or 1/s"}

@@ -20,7 +20,7 @@ from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
 from .motion import STEP, LinearisedMotion, differentiated
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 DEPENDENT = 1e-9  # of the largest singular value of J

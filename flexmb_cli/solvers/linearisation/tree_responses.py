@@ -12,7 +12,6 @@ from .tree import TreeLinearised
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Any
 
 
 AXES = "xyz"

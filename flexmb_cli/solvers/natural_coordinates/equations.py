@@ -18,7 +18,6 @@ from ...quick_dataclass import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 SIZE = 12

@@ -16,7 +16,7 @@ from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 MET = 1e-13

@@ -15,7 +15,7 @@ ROUND_OFF = 1e12  # larger conditions have no digit that is more than round-off
 TINY = 1e-14  # added to an exactly singular matrix, so that it has factors
 
 
-def conditioning(evaluator: Evaluator, q, t, expected) -> Conditioning:
+def conditioning(evaluator: Evaluator, q: Any, t: Any, expected: Any) -> Conditioning:
     """The conditioning at q, for any number of equations that equals that of the coordinates."""
     evaluator.residual(q, t, expected)
     return (

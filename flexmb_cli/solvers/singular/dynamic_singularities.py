@@ -44,7 +44,7 @@ def weakest_of_speeds(analysis: Any, state: np.ndarray) -> tuple[float, list]:
     return _weakest(analysis, analysis.work.jacobian)
 
 
-def _weakest(analysis, jacobian):
+def _weakest(analysis: Any, jacobian: Any) -> Any:
     rank = int(analysis.work.rank[0])
     if rank < 1:
         return 1.0, []
@@ -107,12 +107,13 @@ class PassedDynamicSingularities:
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
         self.active = 0 < work <= MOST_WORK
         self.stride = max(1, analysis.grid.rows // LOOKS)
-        self.seen, self.row, self.notes = [], 0, SingularityNotes(analysis.warnings)
+        self.seen: list[Any] = []
+        self.row, self.notes = 0, SingularityNotes(analysis.warnings)
         self.sorted: list[float] = []  # the values seen
 
     @property
     def checkpoint(self) -> dict:
-        """What was seen, as arrays: of old rows only the value is needed."""
+        """Return what was seen, as arrays: of old rows only the value is needed."""
         last = self.seen[-SOUGHT:]
         return {
             "seen/counts": np.array([self.row, self.notes.count]),

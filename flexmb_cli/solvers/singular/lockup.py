@@ -9,8 +9,6 @@ from .conditioning import conditioning, conditioning_text, weakest_joints
 from .mobility import CLOSED, about, gap_norms, nearest_position, worst_gaps
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..kinematics.analysis import KinematicAnalysis
 
 

@@ -15,7 +15,6 @@ from ..kinematics.rows import twice_g
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
     from ...model.arrays.kinematic import KinematicArrays
 

@@ -3,6 +3,8 @@
 The same for kinematics, whose Jacobian is that of coordinates, and for dynamics, whose Jacobian is of speeds.
 """
 
+from typing import Any
+
 import numpy as np
 
 from ...errors import Fault
@@ -35,12 +37,13 @@ def conditioning_of(matrix: np.ndarray, rank: int) -> Conditioning:
     return Conditioning(float(values[0]) / smallest, right[rank - 1], left[:, rank - 1])
 
 
-def weakest_owners(equations, combination: np.ndarray, most: int) -> list:
+def weakest_owners(equations: Any, combination: np.ndarray, most: int) -> list:
     """Return the equations with the largest shares of a combination, one an owner: joints if there are some.
 
     Equations that have no place in the deck are named only where none has.
     """
-    size, owners = np.abs(combination), {}
+    size = np.abs(combination)
+    owners: dict[Any, Any] = {}
     for row in by_size(size):
         if size[row] < SHARE * size.max():
             break
@@ -51,7 +54,7 @@ def weakest_owners(equations, combination: np.ndarray, most: int) -> list:
     return sorted((joints or placed)[:most], key=lambda one: one.place or (0, 0))
 
 
-def owners_text(equations) -> str:
+def owners_text(equations: Any) -> str:
     """Return the owners of equations with their lines, as in "joint 1 (line 7), joint 2 (line 8)"."""
     return ", ".join(f"{one.owner} (line {one.place.line})" if one.place else one.owner for one in equations)
 

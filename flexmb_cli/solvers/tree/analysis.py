@@ -22,7 +22,7 @@ from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
@@ -61,7 +61,7 @@ class TreeAnalysis:
 
     @property
     def checkpoint(self) -> dict:
-        """Where to go on after the rows that have been yielded: the start of the last step.
+        """Return where to go on after the rows that have been yielded: the start of the last step.
 
         The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
         breakpoint.  `clock` is one record of CLOCK, `state` (n,) the state at that time,
@@ -87,7 +87,9 @@ class TreeAnalysis:
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
-        """Where a run ends: tolerance, time aimed at, step, time, and speeds and coordinates (2 n,)."""
+        """Return where a run ends: tolerance, time aimed at, step, time, and speeds and coordinates (2
+        n,).
+        """
         clock, grid = self.clock[0], self.tree.time
         aim = grid.time(min(self.row, grid.rows - 1))
         state = self.state[: 2 * len(self.tree.coordinates)]

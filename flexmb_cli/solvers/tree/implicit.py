@@ -7,8 +7,6 @@ from ...kernels.integrators import sdirk4
 from .rows import TreeRows
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from .analysis import TreeAnalysis
 
 

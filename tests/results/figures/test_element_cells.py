@@ -10,7 +10,7 @@ from flexmb_cli.cli.export import export
 from flexmb_cli.results.figures.element_faces import face_edges, outer_faces, triangles
 from flexmb_cli.results.figures.report_scene import with_centres
 from scripts.brick_beam import Beam
-from tests.fe.test_stress_results import result  # noqa: F401
+from tests.fe.elements.test_stress_results import result  # noqa: F401
 
 SIZE, CELLS = (0.3, 0.2, 0.1), (3, 2, 2)
 

@@ -1,7 +1,6 @@
 """A rigid model as a VSDF deck, in free form, every number with all of its digits."""
 
-from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +11,11 @@ from ....model.joints import ANGLE
 from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
 from ..cards import FINAL
 from ..joints import BY_WORD, SLIDING, TURNING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
 
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
 _METHODS = {ALPHA: "GALF", RADAU: "RAD5"}
@@ -38,7 +42,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
 class _Deck:
     """Collects nodes and tables while the cards are made."""
 
-    def __init__(self, model: Any):
+    def __init__(self, model: "Any"):
         self.model, self.refusals = model, Refusals()
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
@@ -105,14 +109,14 @@ class _Deck:
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
             self.refusals.add(body, message)
 
-    def _node(self, body: "Any", place: Any) -> "Any":
+    def _node(self, body: "Any", place: "Any") -> "Any":
         """Number of the node at a place of a body."""
         key = (body, *(float(x) + 0.0 for x in place))
         if key not in self.nodes:
             self.nodes[key] = 1 + sum(1 for other in self.nodes if other[0] == body)
         return self.nodes[key]
 
-    def _joint(self, number, joint):
+    def _joint(self, number: int, joint: "Any") -> "Any":
         word, kind = _WORDS[joint.kind]
         a, b = self._ends(joint)
         a, b = [*a[: kind.points_on("i")], "", "", ""], [*b[: kind.points_on("j")], "", "", ""]
@@ -175,7 +179,7 @@ class _Deck:
         self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
-    def _factor(self, function: Any, item: "Any") -> "Any":
+    def _factor(self, function: "Any", item: "Any") -> "Any":
         """A constant factor, and the number of a table."""
         value = value_of(function)
         if value is not None:

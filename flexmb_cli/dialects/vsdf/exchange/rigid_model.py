@@ -32,7 +32,7 @@ from ....model.mechanism import Point
 from ....model.vectors import rotation_matrix
 
 if TYPE_CHECKING:
-    from typing import Any
+    pass
 
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
