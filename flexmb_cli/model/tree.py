@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
+from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 
 INERTIAL = -1
@@ -236,6 +237,7 @@ class Tree:
     closures: tuple[Closure, ...] = ()
     one_way: bool = False
     integration: Integration = field(default_factory=Integration)
+    elements: JointElements = field(default_factory=JointElements)
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:

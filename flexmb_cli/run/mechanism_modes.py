@@ -156,6 +156,9 @@ def _space(wish, responses, motion, A, signals):
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
+    if tree.elements:
+        message = "flexmb linearises trees without elements at hinges; write the model as a VSDF deck"
+        raise ModelError([Fault("error", message, id="RUN-032")])
     grid = tree.time
     _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.call")
     from ..solvers.linearisation.constrained import linearised, modes_of

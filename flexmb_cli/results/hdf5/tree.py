@@ -5,7 +5,9 @@ Report rows come as values by the path of their dataset, so that a stopped run c
 
 import numpy as np
 
+from ...model.element_names import names_of
 from ...model.tree import ELASTIC, ROTATION, Tree
+from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, tree_geometry
@@ -51,7 +53,8 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         series += [Series(path, (), *rest) for path, *rest in GAPS.values()]
         long_name = "force of the closure on its second body (KB), opposite on the first, global axes"
         series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
-    return Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
+    found = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
+    return with_elements(found, (), list(names_of(tree.elements))) if tree.elements else found
 
 
 def tree_values(tree: Tree, rows, points) -> Values:
@@ -68,6 +71,8 @@ def tree_values(tree: Tree, rows, points) -> Values:
         values[f"energy/{name}"] = getattr(rows, name)
     for (k, _), displacement in zip(_flexible(tree), rows.displacement, strict=True):
         values[_displacement(tree, k)] = displacement
+    if tree.elements:
+        values |= joint_values(rows, ELEMENT_SERIES)
     if tree.closures:
         for name, (path, *_) in GAPS.items():
             values[path] = getattr(rows, name)
