@@ -38,6 +38,8 @@ class Dialect(NamedTuple):
     form: str = ""  # class of the dialogue of `flexmb new`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
+    # Function of (number, heading, points): cards of splines through the points (time, value), one a number.
+    spline_cards: str = ""
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 
     @property

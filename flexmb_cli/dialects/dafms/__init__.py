@@ -19,4 +19,5 @@ DIALECT = Dialect(
     curves=("coordinate/q",),
     form="form:DafmsForm",
     new_name="NEW.DAT",
+    spline_cards="spline_cards:spline_cards",
 )

@@ -18,4 +18,5 @@ DIALECT = Dialect(
     form="form:VsdfForm",
     new_name="NEW.vsdf",
     second_model="exchanged_frames:exchanged_model",
+    spline_cards="spline_cards:spline_cards",
 )

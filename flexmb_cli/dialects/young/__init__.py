@@ -20,4 +20,5 @@ DIALECT = Dialect(
     form="form:YoungForm",
     new_name="IN-NEW.dat",
     relabel="reader:relabelled",
+    spline_cards="spline_cards:spline_cards",
 )
