@@ -4,6 +4,8 @@ Bodies are numbered from 0, the ground is -1.  A node is named by its number in 
 by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..errors import Place
@@ -12,6 +14,9 @@ from .flexible_body import FlexibleInput
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 GROUND = -1
 
@@ -196,6 +201,7 @@ class VsdfModel:
     outputs: tuple[End, ...] = ()
     stresses: tuple[StressSelection, ...] = ()
     elements: JointElements = field(default_factory=JointElements)
+    shapes: tuple["Shape", ...] = ()
 
     def global_position(self, end: End) -> np.ndarray:
         """Return where an end is at t = 0 (3,)."""

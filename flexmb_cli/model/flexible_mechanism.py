@@ -4,6 +4,8 @@ A rigid body is one without modal coordinates: m, s0 and J0 mean the same for bo
 from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..errors import Place
@@ -13,6 +15,9 @@ from .flexible_body import FlexibleBody
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 
 @dataclass(frozen=True)
@@ -135,3 +140,4 @@ class FlexibleMechanism:
     outputs: tuple[NodePoint, ...] = ()
     stresses: tuple[StressOutput, ...] = ()
     elements: JointElements = field(default_factory=JointElements)
+    shapes: tuple["Shape", ...] = ()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
+from .joints import ANGLE, JOINT_TYPES, NODE_JOINT_TYPES
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
@@ -17,19 +18,8 @@ if TYPE_CHECKING:
     from .fe_model import End
     from .flexible_mechanism import NodePoint
 
-ANGLE, STROKE = "angle", "stroke"
 # The coordinates that the joints of each kind have.
-COORDINATES_OF = {
-    "spherical": (),
-    "universal": (),
-    "revolute": (ANGLE,),
-    "cylindrical": (ANGLE, STROKE),
-    "translational": (STROKE,),
-    "screw": (ANGLE, STROKE),
-    "fixed": (),
-    "revolute-spherical": (),
-    "spherical-spherical": (),
-}
+COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
 
 
 def is_angle(coordinate: str) -> bool:

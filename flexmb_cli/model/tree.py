@@ -10,6 +10,7 @@ axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, 
 """
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 INERTIAL = -1
 
@@ -238,6 +242,7 @@ class Tree:
     one_way: bool = False
     integration: Integration = field(default_factory=Integration)
     elements: JointElements = field(default_factory=JointElements)
+    shapes: tuple["Shape", ...] = ()
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:

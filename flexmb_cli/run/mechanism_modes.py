@@ -160,7 +160,7 @@ def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
         message = "flexmb linearises trees without elements at hinges; write the model as a VSDF deck"
         raise ModelError([Fault("error", message, id="RUN-032")])
     grid = tree.time
-    _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.call")
+    _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.integrate_rows")
     from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree

@@ -20,4 +20,6 @@ DIALECT = Dialect(
     form="form:DafmsForm",
     new_name="NEW.DAT",
     spline_cards="spline_cards:spline_cards",
+    rigid_model="rigid_model:rigid_model",
+    rigid_deck="rigid_deck:rigid_deck",
 )

@@ -42,6 +42,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     closures = build_closures(values, bodies, findings)
     _stop_at_errors(deck, findings)
     q, y = build_start(values, bodies, hinges, functions["prescribed"], findings)
+    shapes = _shapes(values, findings)
     one_way = values.record("one_way") is not None
     gravity = tuple(values.values("gravity", 0, (0, *GRAVITY))[1:])
     tree = Tree(
@@ -54,6 +55,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         closures=closures,
         one_way=one_way,
         integration=integration,
+        shapes=shapes,
         **functions,
     )
     tree = with_elements(tree, values, findings)
@@ -62,6 +64,15 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)
     return tree, findings.in_order
+
+
+def _shapes(values, findings):
+    if not values.section("shape"):
+        return ()
+    # Few decks have any.
+    from .shapes import build_shapes
+
+    return build_shapes(values, findings)
 
 
 def _stop_at_errors(deck, findings):

@@ -41,6 +41,16 @@ _CLOSURE = (
     *_axes("b", "point of the second body", "m"),
 )
 
+_SHAPE = (
+    Item("K", "rigid body that the shape is of, 0: inertial frame"),
+    Item("IS", "shape: 1 box, 2 cylinder, 3 tube, 4 cone, 5 sphere"),
+    Item("SA", "length along axis 1; of all but a box the radius", "m"),
+    Item("SB", "length along axis 2; of all but a box the length along axis 3", "m"),
+    Item("SC", "length along axis 3; inner radius of a tube, upper one of a cone", "m"),
+    *_axes("SO", "middle of the shape from O_k", "m"),
+    *_axes("SW", "angle by which it is turned, in turn", "rad"),
+)
+
 HISTORIC = (
     Card("CONN", "parent", "list", "10I5", (Item("L", "number of the body's parent, 0: inertial frame"),)),
     Card("MASS", "mass", "bodies", "I5,F10.5", (Item("BM", "mass of the body", "kg"),)),
@@ -192,6 +202,7 @@ EXTENSIONS = (
         (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
         extension=True,
     ),
+    Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", extension=True, head=5),
 )
 
 EXTENSIONS += ELEMENT_CARDS

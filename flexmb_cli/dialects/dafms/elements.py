@@ -64,7 +64,7 @@ def _given(values, findings) -> Iterator[GivenFunction]:
         kind = record.at("kind")
         if kind.value not in FUNCTION_KINDS:
             message = f"kind is 1 to {len(FUNCTION_KINDS)}; read {kind.value}"
-            findings.error(record.subject, message, kind.place, id="DAFMS-076")
+            findings.error(record.subject, message, kind.place, id="DAFMS-086")
             continue
         found, place = list(record.values[3:]), _places(record)
         yield GivenFunction(record, record.at("number"), FUNCTION_KINDS[kind.value], found, place)

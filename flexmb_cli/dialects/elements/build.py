@@ -9,9 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from ...deck.record import Record
 from ...model.diagnostics import Findings
 from ...model.joint_elements import (
-    ANGLE,
     COORDINATES_OF,
-    STROKE,
     Bushing,
     Coupling,
     EndStop,
@@ -23,6 +21,7 @@ from ...model.joint_elements import (
     JointSpring,
     LineSpring,
 )
+from ...model.joints import ANGLE, STROKE
 from .functions import Functions
 
 _COORDINATES = {1: ANGLE, 2: STROKE}

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from ...deck.record import Deck
 from ...model.diagnostics import Findings
-from ...model.joint_elements import ANGLE, STROKE, CompositeJoint, DrivenItem, JointElements
+from ...model.joint_elements import CompositeJoint, DrivenItem, JointElements
+from ...model.joints import ANGLE, STROKE
 from ...model.mechanism import Mechanism
 from ..elements.build import JOINT_CARDS, JointMaker, joint_driver
 from ..elements.build import build_elements as elements_of

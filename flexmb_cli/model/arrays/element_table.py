@@ -11,7 +11,8 @@ import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..flexible_mechanism import NodePoint, PointJoint
-from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, JointElements, is_angle
+from ..joint_elements import COORDINATES_OF, JointElements, is_angle
+from ..joints import ANGLE, STROKE
 from ..time_functions import integral_of
 from .constraint_table import PrimitiveTable
 from .node_joints import JointVectors

@@ -1,7 +1,7 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
 from ...model.element_names import element_names
-from ...model.joint_elements import ANGLE
+from ...model.joints import ANGLE
 from ...model.loads import DynamicModel
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series

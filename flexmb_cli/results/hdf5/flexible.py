@@ -9,6 +9,7 @@ from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
+from .shapes import with_shapes
 from .stress import element_axis, element_constants, stress_axes, stress_series, stress_values
 
 JOINT_VECTOR = ("joint/joint", "xyz")
@@ -68,11 +69,12 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if body.flexible.stress:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
-    found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
-    if not mechanism.elements:
-        return found
-    coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
-    return with_elements(found, coordinates, element_names(mechanism))
+    constants = tuple(_constants(mechanism))
+    layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), constants)
+    if mechanism.elements:
+        names = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
+        layout = with_elements(layout, names, element_names(mechanism))
+    return with_shapes(layout, mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:

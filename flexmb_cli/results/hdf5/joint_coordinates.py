@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ...model.arrays.element_table import coordinates_of_joints
-from ...model.joint_elements import ANGLE
+from ...model.joints import ANGLE
 from ...quick_dataclass import replace
 from .result_file import Axis, Layout, Series, Values, numbered_axis
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...model.equations import Equation
-from ...model.joint_elements import ANGLE, JointRate
+from ...model.joint_elements import JointRate
+from ...model.joints import ANGLE
 from ...model.mechanism import Joint
 from ...model.vectors import rotation_matrix
 
