@@ -200,8 +200,8 @@ class VsdfModel:
     gravity: Vector = (0.0, 0.0, 0.0)
     outputs: tuple[End, ...] = ()
     stresses: tuple[StressSelection, ...] = ()
-    elements: JointElements = field(default_factory=JointElements)
     shapes: tuple["Shape", ...] = ()
+    elements: JointElements = field(default_factory=JointElements)
 
     def global_position(self, end: End) -> np.ndarray:
         """Return where an end is at t = 0 (3,)."""

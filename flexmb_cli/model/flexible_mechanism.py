@@ -139,5 +139,5 @@ class FlexibleMechanism:
     joint_springs: tuple[JointSpring, ...] = ()
     outputs: tuple[NodePoint, ...] = ()
     stresses: tuple[StressOutput, ...] = ()
-    elements: JointElements = field(default_factory=JointElements)
     shapes: tuple["Shape", ...] = ()
+    elements: JointElements = field(default_factory=JointElements)

@@ -30,6 +30,6 @@ DIALECT = Dialect(
     new_name="NEW.vsdf",
     second_model="exchanged_frames:exchanged_model",
     spline_cards="spline_cards:spline_cards",
-    rigid_model="rigid_model:rigid_model",
-    rigid_deck="rigid_deck:rigid_deck",
+    rigid_model="exchange.rigid_model:rigid_model",
+    rigid_deck="exchange.rigid_deck:rigid_deck",
 )

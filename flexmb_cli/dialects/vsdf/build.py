@@ -49,8 +49,8 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "joint_springs": build_joint_springs(values, joints, findings),
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
-        "elements": build_elements(values, bodies, ground, joints, functions, findings),
         "shapes": _shapes(values, bodies, folder, findings),
+        "elements": build_elements(values, bodies, ground, joints, functions, findings),
     }
     functions.note_unused()
     if not bodies:

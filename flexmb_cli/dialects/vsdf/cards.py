@@ -339,7 +339,6 @@ CARDS = (
             *_vector("p", "point that it lies at (first), towards (second), beside (third), global", "m"),
         ),
     ),
-    *ELEMENT_CARDS,
     Card(
         "GEOM",
         "shape",
@@ -362,6 +361,7 @@ CARDS = (
         (_SHAPED, Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0), *_PLACED),
         second=(Column("file", "STL file", letter="T", skip=1, default=None),),
     ),
+    *ELEMENT_CARDS,
 )
 
 BY_WORD = {card.word: card for card in CARDS}

@@ -103,15 +103,16 @@ def _add_relative(system, work, load, answer, t, f):
     """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
     geometry = geometry_of(system, work)
     rate = primitive_rates(geometry, load["primitive"])[0]
-    effort = -load["damping"] * rate
+    # The spring keeps its work as energy; what is left does the power.
+    active = -load["damping"] * rate
     if load["function"] >= 0:
-        effort += function_values(system.functions, system.knots, load["function"], t)[0]
+        active += function_values(system.functions, system.knots, load["function"], t)[0]
     stretch = _stretch(system, work, load)
-    effort = effort - load["stiffness"] * stretch
+    effort = active - load["stiffness"] * stretch
     answer[COORDINATE], answer[SPEED] = stretch + load["free_length"], rate
-    answer[EFFORT], answer[POWER] = effort, effort * rate
+    answer[EFFORT], answer[POWER] = effort, active * rate
     add_primitive_row(geometry, load["primitive"], effort, f)
-    return effort * rate
+    return active * rate
 
 
 @kernel

@@ -69,12 +69,11 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if body.flexible.stress:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
-    constants = tuple(_constants(mechanism))
-    layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), constants)
+    found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
     if mechanism.elements:
-        names = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
-        layout = with_elements(layout, names, element_names(mechanism))
-    return with_shapes(layout, mechanism.shapes)
+        coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
+        found = with_elements(found, coordinates, element_names(mechanism))
+    return with_shapes(found, mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
