@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("-f", "--format", "style", type=click.Choice(["csv", "tsv", "jsonl", "text"]),
               help="csv (default), tsv, jsonl: JSON Lines, text: aligned (default of --list).")  # fmt: skip
 @click.option("--as-table", "number", type=click.IntRange(1), metavar="N",
-              help="Print SPLINE cards of a YOUNG deck: functions N, N + 1 and so on.")  # fmt: skip
+              help="Print splines as cards of the deck's dialect: functions N, N + 1 and on.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Do not remark that a result is not complete.")
 def table(
     result: str,
@@ -76,7 +76,7 @@ def _print_result(
     from ..results.hdf5.stored_result import settings_of
     from ..results.quantities.quantities import names as all_names
     from ..results.quantities.quantities import open_result, resolve
-    from ..results.quantities.table import chosen_rows, function_cards, list_text, table_text
+    from ..results.quantities.table import chosen_rows, function_points, list_text, table_text
 
     with open_result(result) as file:
         if not names and not listing:
@@ -89,7 +89,10 @@ def _print_result(
         rows = chosen_rows(file, *part)
         _remark(result, file, rows, quiet)
         if number:
-            show(function_cards(file, quantities, rows, number))
+            from ..dialects.recognise import dialect_named
+
+            dialect = dialect_named(str(file.attrs["dialect"]))
+            show(dialect.part(dialect.spline_cards)(function_points(file, quantities, rows, number)))
             return
         for piece in table_text(file, quantities, rows, style or "csv"):
             _print_piece(piece, style)

@@ -41,6 +41,8 @@ class Dialect(NamedTuple):
     form: str = ""  # class of the dialogue of `flexmb new`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
+    # Function of (number, heading, points): cards of splines through the points (time, value), one a number.
+    spline_cards: str = ""
     # For `convert`, of `model.exchange`: function of a Deck, a function that builds its model, and one that
     # gives the Start of a model: the RigidModel; function of a RigidModel, a title and its units in words:
     # the text of a deck.  Both raise ModelError for what they do not know.

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
+from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 
 if TYPE_CHECKING:  # few decks have any
@@ -243,6 +244,7 @@ class Tree:
     closures: tuple[Closure, ...] = ()
     one_way: bool = False
     integration: Integration = field(default_factory=Integration)
+    elements: JointElements = field(default_factory=JointElements)
     shapes: tuple["Shape", ...] = ()
 
     @cached_property

@@ -177,6 +177,9 @@ def _space(
 
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
+    if tree.elements:
+        message = "flexmb linearises trees without elements at hinges; write the model as a VSDF deck"
+        raise ModelError([Fault("error", message, id="RUN-032")])
     entry = "integrators.tree_dop853.integrate_rows"
     with _kernels(len(tree.coordinates), wish, tree.time, run.listener, entry):
         return _of_tree(tree, wish)

@@ -19,6 +19,7 @@ DIALECT = Dialect(
     curves=("coordinate/q",),
     form="form:DafmsForm",
     new_name="NEW.DAT",
+    spline_cards="spline_cards:spline_cards",
     rigid_model="rigid_model:rigid_model",
     rigid_deck="rigid_deck:rigid_deck",
 )

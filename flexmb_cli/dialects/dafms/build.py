@@ -10,6 +10,7 @@ from ...model.diagnostics import Findings
 from ...model.inertia_checks import check_inertia
 from ...model.tree import Tree
 from .bodies import build_bodies
+from .elements import with_elements
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
@@ -62,6 +63,8 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         shapes=shapes,
         **functions,
     )
+    tree = with_elements(tree, values, findings)
+    _stop_at_errors(deck, findings)
     _check_dof(tree, values, findings)
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)

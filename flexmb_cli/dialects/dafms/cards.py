@@ -11,30 +11,12 @@ The whole format is described for users in decks/dafms/FORMAT.md.
 from functools import cache
 
 from ...deck.fortran_records import Item
-from ...quick_dataclass import dataclass
+from .card import Card
+from .element_cards import ELEMENT_CARDS
 
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"
 SWITCHES = (END, PRINT_ON, PRINT_OFF)
-
-
-@dataclass(frozen=True)
-class Card:
-    """A card: its word (four columns), the section of its records, FORMAT and list of one record.
-
-    `layout` tells how many records follow: "bodies" N, each headed by the body's number; "list" one
-    list over all bodies; "coordinates", "state" a list over the coordinates; "single" one record;
-    "switch" none; "entries" a count, then so many entries, each with the records `parts`.
-    """
-
-    word: str
-    section: str
-    layout: str
-    format: str = ""
-    items: tuple[Item, ...] = ()
-    tail: str = ""
-    extension: bool = False
-    head: int = 0  # items in the first of the two records of an entry, 0: it has one
 
 
 def _axes(
@@ -225,6 +207,7 @@ EXTENSIONS = (
     Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", extension=True, head=5),
 )
 
+EXTENSIONS += ELEMENT_CARDS  # type: ignore[assignment]
 CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}
 KNOWN_WORDS = (*MACROS, *SWITCHES, *CARDS)
 

@@ -87,6 +87,7 @@ class _Conversion:
         for k in range(len(tree.bodies)):
             self._add_hinge(joints, k)
         joints += self._closures()
+        self.refusals.add_elements(tree.elements)
         explicit = tree.integration.method in ("dop853", "lsoda")
         stepping = Stepping(tolerance=tree.integration.rtol)
         return RigidModel(

@@ -1,13 +1,14 @@
 """The cards of TSYSIN, in any order up to END: DAFMS thesis (Zhao, 1992), appendix C."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.fortran_records import Item, MissingRecord, Records
 from ...deck.number_list import record_of
 from ...deck.record import Number, Record
 from ...errors import Place
-from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON, Card
+from .card import Card
+from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines
 
 if TYPE_CHECKING:
@@ -39,6 +40,11 @@ def _of_point(k: int) -> tuple[str, str, str]:
     """Key, meaning and unit of a table's number: times and efforts take turns."""
     point = k // 2 + 1
     return (f"f({point})", "torque or force", "N m or N") if k % 2 else (f"t({point})", "time", "s")
+
+
+def _of_function(k: int) -> tuple[str, str, str]:
+    """Key, meaning and unit of a number that defines a function."""
+    return f"c({k + 1})", "number that defines it", "SI"
 
 
 class _System:
@@ -152,14 +158,17 @@ class _System:
         elif card.word == "NROT":
             numbers += self._read_rotation(card, numbers, subject)
         elif card.tail:
-            return numbers, self._read_table(card, numbers[-1], subject)
+            labels, each = (_of_function, 1) if card.word == "FUNC" else (_of_point, 2)
+            return numbers, self._read_table(card, numbers[-1], subject, labels, each)
         return numbers, ()
 
-    def _read_table(self, card: Card, count: Number, subject: str) -> Sequence[Number]:
+    def _read_table(
+        self, card: Card, count: Number, subject: str, labels: Any, each: int
+    ) -> Sequence[Number]:
         if count.value < 1:
             message = f"NP = {count.value} points, a table needs at least 1"
             self.records.stop(subject, message, count.place)
-        return self.records.read_list(card.tail, 2 * count.value, _of_point, subject)
+        return self.records.read_list(card.tail, each * count.value, labels, subject)
 
     def _read_rotation(self, card: Card, head: list[Number], subject: str) -> list[Number]:
         """Three rows, rotation about axis 1, 2, 3 per unit of each elastic coordinate of the body."""

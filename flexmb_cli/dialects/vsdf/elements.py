@@ -45,8 +45,10 @@ def _places(numbers: "Any") -> "Any":
 
 
 def _points(record: "Any", numbers: "Any", tables: "Any", findings: "Any") -> "Any":
-    """Times and values of the table that a function goes through, one after the other."""
-    if len(numbers) != 1 or numbers[0].value not in tables:
+    """Times and values that a function goes through, one after the other, on its card or of a table."""
+    if len(numbers) > 1:
+        return [item.value for item in numbers]
+    if numbers[0].value not in tables:
         message = f"{record['kind']} wants the number of a table; cards TABL give some"
         findings.error(record.subject, message, numbers[0].place, id="VSDF-101")
         return None

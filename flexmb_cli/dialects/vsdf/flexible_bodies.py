@@ -51,7 +51,7 @@ def flexible_body(
         return VsdfBody(record.subject, **pose)
     nodes = dict(zip(map(int, table.numbers), table.positions, strict=True))
     sets = sets_of(values, k, nodes, findings)
-    given = FlexibleInput(  # type: ignore[assignment]
+    given = FlexibleInput(
         record.subject,
         files["mass_matrix"],  # type: ignore[arg-type]
         files["stiffness_matrix"],  # type: ignore[arg-type]
@@ -68,10 +68,10 @@ def flexible_body(
         place=record.place,
     )
     stiffened = _stiffened(values.record("stiffening", k), given, findings)
-    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)  # type: ignore[arg-type]
+    return VsdfBody(record.subject, **pose, flexible=given, nodes=nodes, sets=sets, stiffened=stiffened)
 
 
-def _refuse_rigid_cards(values, k, findings):
+def _refuse_rigid_cards(values: Any, k: Any, findings: Any) -> None:
     for section, word in (("rigid", "RIGI"), ("node", "NODE")):
         for given in values.section(section):
             if given["body"] == k:
@@ -79,7 +79,7 @@ def _refuse_rigid_cards(values, k, findings):
                 findings.error(given.subject, message, given.place, id="VSDF-022")
 
 
-def _or_density(values, k, files):
+def _or_density(values: Any, k: Any, files: Any) -> Any:
     """What else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"

@@ -110,7 +110,11 @@ def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}
-    used |= {r.numbers[2].value for r in values.section("function") if r["kind"] in OF_TABLES}
+    used |= {
+        r.numbers[2].value
+        for r in values.section("function")
+        if r["kind"] in OF_TABLES and len(r.numbers) == 3
+    }
     idle = {number for number, function in tables.items() if function is not None} - used
     for record in values.section("table"):
         if not idle:  # there may be a million points

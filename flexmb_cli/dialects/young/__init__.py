@@ -31,6 +31,7 @@ DIALECT = Dialect(
     form="form:YoungForm",
     new_name="IN-NEW.dat",
     relabel="reader:relabelled",
+    spline_cards="spline_cards:spline_cards",
     rigid_model="rigid_model:rigid_model",
     rigid_deck="rigid_deck:rigid_deck",
     any_units=True,

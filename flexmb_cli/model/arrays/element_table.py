@@ -37,6 +37,9 @@ class Joints(Protocol):
     def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
         """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
 
+    def start(self, joint: int, coordinate: str) -> float:
+        """A coordinate at the start."""
+
     def bodies(self, joint: int) -> tuple[int, int]:
         """Its two bodies."""
 
@@ -67,6 +70,10 @@ class PointJoints:
             if coordinate == STROKE
             else self.table.angle(*body_vectors.turning(), expected)  # type: ignore[call-arg]
         )
+
+    def start(self, joint: int, coordinate: str) -> float:
+        """All begin with 0."""
+        return 0.0
 
     def bodies(self, joint: int) -> tuple[int, int]:
         """Its bodies."""
@@ -115,6 +122,8 @@ class ElementTable:
         for item in self.elements.couplings:
             records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]  # type: ignore[arg-type]
             is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
+            first = sum(factor * self.joints.start(*where) for *where, factor in item.terms)  # type: ignore[arg-type, misc]
+            records[0]["constant"] += first
             record = self.table.chained(records)
             ends = self.joints.bodies(item.terms[0][0])
             self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])

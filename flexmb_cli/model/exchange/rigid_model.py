@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import Place
-from ...quick_dataclass import dataclass
-from ..joint_elements import JointDriver, JointMotor
+from ...quick_dataclass import dataclass, fields
+from ..joint_elements import JointDriver, JointElements, JointMotor
 from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
@@ -168,3 +168,9 @@ class Refusals:
     def add(self, item: "Any", message: str) -> None:
         """Refuse an item, which has a name and a place in its deck."""
         self.items.append((message, item.place, item.name))
+
+    def add_elements(self, elements: JointElements) -> None:
+        """Refuse elements at joints and between bodies."""
+        for field in fields(elements):
+            for item in getattr(elements, field.name) or ():
+                self.add(item, "elements at joints are not converted from this dialect")

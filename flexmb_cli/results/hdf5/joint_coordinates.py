@@ -42,7 +42,9 @@ def with_elements(
             texts, units = zip(*names, strict=True)
             axes.append(with_units(numbered_axis(kind, texts), kind, units))
     present = {axis.path for axis in axes}
-    series = [item for item in SERIES.values() if present.issuperset(item.axes)]
+    # A tree has series of its coordinates already.
+    wanted = SERIES if coordinates else ELEMENT_SERIES
+    series = [item for item in wanted.values() if present.issuperset(item.axes)]
     return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
 
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...model.element_names import names_of
 from ...model.tree import ELASTIC, ROTATION, Body, Tree
+from .joint_coordinates import ELEMENT_SERIES, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, tree_geometry
@@ -60,6 +62,8 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         long_name = "force of the closure on its second body (KB), opposite on the first, global axes"
         series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
     layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
+    if tree.elements:
+        layout = with_elements(layout, (), list(names_of(tree.elements)))
     return with_shapes(layout, tree.shapes)
 
 
@@ -77,6 +81,8 @@ def tree_values(tree: Tree, rows: "TreeRows", points: "PointMotion") -> Values:
         values[f"energy/{name}"] = getattr(rows, name)
     for (k, _), displacement in zip(_flexible(tree), rows.displacement, strict=True):
         values[_displacement(tree, k)] = displacement
+    if tree.elements:
+        values |= joint_values(rows, ELEMENT_SERIES)
     if tree.closures:
         for name, (path, *_) in GAPS.items():
             values[path] = getattr(rows, name)

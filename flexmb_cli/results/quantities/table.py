@@ -63,8 +63,10 @@ def table_text(
         yield _lines(heads, values, style)
 
 
-def function_cards(result: h5py.File, quantities: Sequence[Quantity], rows: range, first: int) -> str:
-    """SPLINE cards of a YOUNG deck through the rows of each quantity: functions `first`, `first` + 1, …
+def function_points(
+    result: h5py.File, quantities: Sequence[Quantity], rows: range, first: int
+) -> list[tuple[int, str, list[tuple[float, float]]]]:
+    """The rows of each quantity as points of functions `first`, `first` + 1, …: number, heading, points.
 
     Raises ResultError where a column holds what is no number, or where there is one row only.
     """
@@ -74,13 +76,11 @@ def function_cards(result: h5py.File, quantities: Sequence[Quantity], rows: rang
         raise ResultError(
             result.filename, "a table needs two rows or more, and numbers in all", id="RESULT-050"
         )
-    return "".join(
-        f"{{ {column.header} }}\nSPLINE {number}\n" + "".join(f"{t!r} {v!r}\n" for t, v in points)
-        for number, column, points in (
-            (first + k, column, zip(values[:, 0].tolist(), values[:, k + 1].tolist(), strict=True))
-            for k, column in enumerate(columns[1:])
-        )
-    )
+    times = values[:, 0].tolist()
+    return [
+        (first + k, column.header, list(zip(times, values[:, k + 1].tolist(), strict=True)))
+        for k, column in enumerate(columns[1:])
+    ]
 
 
 def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def solution(tree: Tree, run: Run) -> Solution:
     """Return the motion of `tree` by the formulation of the options, ready to be solved."""
-    absolute = run.options.formulation == ABSOLUTE
+    absolute = run.options.formulation == ABSOLUTE or bool(tree.elements)
     if absolute:
         run.warn(list(_unused_method(tree)))
     analysis = (absolute_analysis if absolute else kane_analysis)(tree, run)
@@ -67,7 +67,7 @@ def absolute_analysis(tree: Tree, run: Run) -> "Any":
 
 def _unused_method(tree: Any) -> "Iterator[Any]":
     """The choice of an integrator is one of Kane's equations."""
-    if tree.integration.method != "dop853":
+    if tree.integration.method not in (("dop853", "radau", "sdirk4") if tree.elements else ("dop853",)):
         message = f"absolute coordinates are stepped by DOP853: {tree.integration.method} is not used"
         yield Fault("warning", message, id="RUN-010")
 
@@ -78,7 +78,8 @@ def _finer_blocks(tree: Any, run: Any) -> "Any":
     run.outcome.faults += why_no_estimate(given.rtol)
     # An absolute tolerance has no round-off to heed.
     second = replace(tree, integration=replace(given, rtol=finer(given.rtol), atol=FINER * given.atol))
-    return (values_of(second, rows) for rows in kane_analysis(second, run).rows())
+    analysis = absolute_analysis if tree.elements else kane_analysis
+    return (values_of(second, rows) for rows in analysis(second, run).rows())
 
 
 class TreeCount(NoCount):

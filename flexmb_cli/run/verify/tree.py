@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...deck.record import Deck
+from ...errors import Fault, ModelError
 from ...model.tree import ELASTIC, ROTATION, TRANSLATION, Tree
 from ...quick_dataclass import replace
 from ..context import Run
@@ -26,6 +27,9 @@ POINTS = {"position": "m", "velocity": "m/s"}
 
 def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     """Run `tree` both ways and return what the motions differ in.  Raises FlexmbError."""
+    if tree.elements:
+        message = "Kane's equations have no elements at hinges, which this deck has: nothing to compare with"
+        raise ModelError([Fault("error", message, id="RUN-033")])
     given = {"method": "dop853", "rtol": RTOL, "atol": ATOL} | run.options.integration
     tree = replace(tree, integration=replace(tree.integration, **given))
     found = compare(tree, *_motions(tree, run))

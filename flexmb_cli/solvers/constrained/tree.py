@@ -9,11 +9,14 @@ import numpy as np
 from ...fe.lumped_body import floating_body, massless_body
 from ...kernels.constrained.report import Report
 from ...model.arrays.constraint_table import PrimitiveTable
+from ...model.arrays.element_table import ElementTable
 from ...model.arrays.flexible import flexible_arrays, length_scale
+from ...model.arrays.records import LOAD
 from ...model.arrays.system import SystemArrays
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.tree import Tree
+from ...model.tree_as_mechanism.elements import HingeJoints
 from ...model.tree_as_mechanism.frames import Frames, hinge_frames
 from ...model.tree_as_mechanism.hinges import add_closures, add_hinges, add_prescribed
 from ...model.tree_as_mechanism.limits import refuse_foreign
@@ -23,7 +26,11 @@ from ...model.tree_as_mechanism.poses import elastic_start, first_poses
 from ...quick_dataclass import replace
 from ..tree.rows import TreeRows
 from .analysis import ConstrainedMotion
+from .integrators import RadauSteps
+from .tree_element_rows import with_elements
 from .tree_rows import absolute_rows
+
+IMPLICIT = ("radau", "sdirk4")
 
 
 class AbsoluteTree(ConstrainedMotion):
@@ -45,7 +52,8 @@ class AbsoluteTree(ConstrainedMotion):
             for node_frame, pose in zip(self.frames.node_frames, poses[len(bodies) :], strict=True)
         ]
         arrays = absolute_arrays(tree, self.frames, tuple(bodies))
-        super().__init__(arrays, tree.time, tree.integration.rtol)
+        stiff = tree.elements and tree.integration.method in IMPLICIT
+        super().__init__(arrays, tree.time, tree.integration.rtol, RadauSteps() if stiff else None)
         self.clock["atol"] = tree.integration.atol
         self._speeds = np.concatenate([np.concatenate([body.velocity, body.omega]) for body in bodies])
         self._elastic = [elastic_start(tree, k) for k in range(len(tree.bodies))]
@@ -65,7 +73,7 @@ class AbsoluteTree(ConstrainedMotion):
         """The rows of a report in the terms of the tree."""
         rows = absolute_rows(self.tree, self.frames, self.arrays, report, self._last)
         self._last = rows  # type: ignore[assignment]
-        return rows
+        return with_elements(self.tree, rows, report) if self.tree.elements else rows
 
 
 def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple) -> SystemArrays:
@@ -75,6 +83,9 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple) -> SystemArrays:
     table = PrimitiveTable(bodies, length_scale(free))
     add_hinges(table, tree, frames)
     add_prescribed(table, tree, frames)
+    elements = ElementTable(table, HingeJoints(table, tree, frames), tree.elements, ())
+    elements.add_couplings()
+    elements.add_drivers(tree.time.start)
     add_closures(table, tree)
-    loads = tree_loads(table, tree, frames)
+    loads = np.array([*tree_loads(table, tree, frames), *elements.loads()], dtype=LOAD).reshape(-1)
     return replace(flexible_arrays(free), loads=loads, **table.arrays())

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.dialects.vsdf.build import build_vsdf
+from flexmb_cli.dialects.vsdf.spline_cards import spline_cards
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.constrained.flexible_element_rows import FlexibleElementRows
@@ -238,3 +239,19 @@ def test_slips_are_told_with_place_object_and_remedy():
     assert faults("LSPR\n 0,1,0,3,5") == [
         "17:6: error: lspring 1: both ends are on the ground, so nothing changes between them"
     ]
+
+
+def test_the_effort_of_a_driven_run_moves_the_arm_in_a_forward_run():
+    """Effort by a spline card at the steps of the rows; the forward run reproduces the angle."""
+    driven = rows_of(TURNING, 1, 0.01, "FUNC\n 3,STEP,0,0,1,2\nMOTN\n 1,ANGL,1,5,3\nOUTJ\n 1")
+    card = spline_cards(
+        [
+            (
+                4,
+                "driver.1.effort",
+                list(zip(driven.time.tolist(), driven.driver_effort[:, 0].tolist(), strict=True)),
+            )
+        ]
+    )
+    free = rows_of(TURNING, 1, 0.25, f"{card}TMOT\n 1,4\nOUTJ\n 1")
+    assert free.joint_coordinate[:, 0] == pytest.approx(driven.joint_coordinate[::25, 0], abs=1e-8)

@@ -30,6 +30,7 @@ from ....model.joints import ANGLE, STROKE
 from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
 from ....model.mechanism import Point
 from ....model.vectors import rotation_matrix
+from ....quick_dataclass import replace
 
 if TYPE_CHECKING:
     pass
@@ -79,6 +80,10 @@ class _Conversion:
         joints = [self._joint(joint) for joint in deck.joints]
         drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
         self._refuse_several_turns(drivers)
+        self.refusals.add_elements(replace(deck.elements, reported=False))
+        for pin in deck.pins:
+            if any(pin.functions):
+                self.refusals.add(pin, "supports that move are not converted")
         pins, held = self._pins()
         return RigidModel(
             tuple(self._body(k) for k in range(len(deck.bodies))),

@@ -1,0 +1,24 @@
+"""What a card of FMBD.DAT is."""
+
+from ...deck.fortran_records import Item
+from ...quick_dataclass import dataclass
+
+
+@dataclass(frozen=True)
+class Card:
+    """A card: its word (four columns), the section of its records, FORMAT and list of one record.
+
+    `layout` tells how many records follow: "bodies" N, each headed by the body's number; "list" one
+    list over all bodies; "coordinates", "state" a list over the coordinates; "single" one record;
+    "switch" none; "entries" a count, then so many entries.  Of those the first `head` items
+    stand in `format`, the others in `tail`; without a head all do, and `tail` is that of a list.
+    """
+
+    word: str
+    section: str
+    layout: str
+    format: str = ""
+    items: tuple[Item, ...] = ()
+    tail: str = ""
+    extension: bool = False
+    head: int = 0

@@ -1,0 +1,148 @@
+"""Cards of functions and elements in FMBD.DAT: closed forms, and the same arm in a YOUNG deck."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flexmb_cli.quick_dataclass import fields, replace
+from flexmb_cli.solvers.constrained.tree import AbsoluteTree
+from flexmb_cli.solvers.constrained.tree_element_rows import TreeElementRows
+from tests.dialects.dafms.dafms_decks import build, reported
+from tests.solvers.constrained.element_decks import ARM
+from tests.solvers.constrained.element_decks import rows_of as young_rows
+
+# Bodies 1 and 2 turn about axis 3, the second on the end of the first, 1 m away.
+TWO_LINKS = """    2    3
+DFMB ARM
+    1    0    0    0    0
+    2    0    0    0    0
+    1    1    0    0    1
+    2    1    0    0    1
+    0    0
+    0    0
+    5
+       0.1
+CONN
+    0    1
+MASS
+    1       1.5
+    2       0.8
+INER
+    1       0.1      0.44      0.44
+    2      0.05     0.172     0.172
+Q(k)
+    1       0.0       0.0       0.0
+    2       1.0       0.0       0.0
+EULT
+    1       0.0       0.0       0.0       1.0
+    2       0.0       0.0       0.0       1.0
+EULL
+    1       0.0       0.0       0.0       1.0
+    2       0.0       0.0       0.0       1.0
+Y(L)
+       0.0       0.0       0.0       0.0
+RC(K
+    1       0.4       0.0       0.0
+    2       0.3       0.0       0.0
+GRAV
+    0       0.0     -9.81       0.0
+TOLR
+    1.000E-12    1.000E-13
+"""
+MASSES = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVITY 0 -9.81 0\n"
+
+
+def integers(*values):
+    return "".join(f"{value:5d}" for value in values)
+
+
+def reals(*values):
+    return "".join(f"{value:10.4f}" for value in values)
+
+
+def card(word, *lines):
+    return "\n".join([word, integers(1), *lines])
+
+
+def deck(cards):
+    return f"{TWO_LINKS}{cards}\nEND \nSTAR\nSTOP\n"
+
+
+def rows_of(cards, method="dop853"):
+    tree = build(deck(cards))[0]
+    tree = replace(tree, integration=replace(tree.integration, method=method))
+    blocks = list(AbsoluteTree(tree).rows())
+    names = [field.name for field in fields(TreeElementRows) if field.name != "displacement"]
+    return SimpleNamespace(
+        **{name: np.concatenate([getattr(block, name) for block in blocks]) for name in names}
+    )
+
+
+def function(number, kind, *values):
+    lines = [integers(number, kind, len(values))]
+    lines += ["".join(f"{v:20.10E}" for v in values[k : k + 4]) for k in range(0, len(values), 4)]
+    return card("FUNC", *lines)
+
+
+ENDS, HELD = integers(0, 0, 2, 0), reals(1, 2, 0, 0.6, 0, 0)
+CASES = {
+    "hinge spring": ("TSPRING 1 20 0.2 0.3 1", card("HSPR", integers(1, 3) + reals(20, 0.2, 0.3, 1))),
+    "stop": ("TSTOP 1 -0.5 3 4000 0.2", card("HSTO", integers(1, 3) + reals(-0.5, 3, 4000, 0.2))),
+    "line": (
+        "LSPRING 0 3 1 2 0 0.6 0 0 30 1.2 0.5 2",
+        card("LSPR", ENDS + integers(0, 0), HELD, reals(30, 1.2, 0.5, 2)),
+    ),
+    "cable": (
+        "CABLE 0 3 1 2 0 0.6 0 0 300 1.9 0.1",
+        card("CABL", ENDS, HELD, reals(300, 1.9, 0.1)),
+    ),
+    "bushing": (
+        "BUSHING 0 3 1 2 0 0.6 0 0 90 160 250 6 9 16 5 6 7 0.2 0.3 0.4",
+        card("BUSH", ENDS, HELD, reals(90, 160, 250, 6, 9, 16), reals(5, 6, 7, 0.2, 0.3, 0.4)),
+    ),
+    "gears": (
+        "COUPLING 1 1 2 2 1 3",
+        "\n".join(["COUP", integers(2), integers(1, 1, 3) + reals(2), integers(1, 2, 3) + reals(3)]),
+    ),
+    "friction": (
+        "FRICTION 1 0.2 0.3 0.1 0.01 0.05 3",
+        card("FRIC", integers(1) + reals(0.2, 0.3, 0.1, 0.01, 0.05, 3)),
+    ),
+    "motor": ("SINE 4 0 3 5\nTMOTOR 2 4", f"{function(4, 4, 0, 3, 5)}\n{card('MOTF', integers(2, 3, 4))}"),
+    "driver": (
+        "STEP 4 0 0 0.4 1\nANGLE 2 4",
+        f"{function(4, 6, 0, 0, 0.4, 1)}\n{card('PREF', integers(2, 3, 4, 0))}",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_arm_moves_as_the_same_arm_in_a_young_deck(name):
+    young, dafms = CASES[name]
+    one = young_rows(ARM, "0 0.5 0.1", f"{MASSES}{young}\nJOINTS\nTOLERANCE 1e-12")
+    other = rows_of(dafms)
+    assert other.q == pytest.approx(one.joint_coordinate, abs=1e-8)
+    assert other.y == pytest.approx(one.joint_rate, abs=1e-7)
+    assert other.element_effort == pytest.approx(one.element_effort, abs=1e-6)
+    assert other.element_power == pytest.approx(one.element_power, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", ["dop853", "radau"])
+def test_a_stiff_hinge_spring_keeps_its_energy_by_both_integrators(method):
+    """Two links from rest: what the springs and the weights lose is kinetic."""
+    rows = rows_of(card("HSPR", integers(2, 3) + reals(400, 0.1)), method)
+    spring = 200 * (rows.q[:, 1] - 0.1) ** 2
+    one, both = rows.q[:, 0], rows.q.sum(axis=1)
+    height = 1.5 * 0.4 * np.sin(one) + 0.8 * (np.sin(one) + 0.3 * np.sin(both))
+    total = rows.kinetic + spring + 9.81 * height
+    assert total == pytest.approx(np.full(6, 200 * 0.01), abs=1e-7 if method == "dop853" else 1e-6)
+
+
+def test_slips_are_told_with_place_object_and_remedy():
+    faults = reported(deck(card("HSPR", integers(1, 2) + reals(20))))
+    assert any("hinge spring 1: A = 2: rotation 2 of this hinge is not free" in line for line in faults)
+    faults = reported(deck(card("MOTF", integers(1, 3, 7))))
+    assert any("function motor 1: there is no function 7; the deck has none" in line for line in faults)
+    faults = reported(deck(function(1, 9, 1.0)))
+    assert any("function 1: kind is 1 to 8; read 9" in line for line in faults)
