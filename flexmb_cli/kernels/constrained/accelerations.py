@@ -12,7 +12,7 @@ accelerations and projections.
 
 import numpy as np
 
-from .._jit import kernel, part
+from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
 from ..linalg.rank_revealing_lu import (
     WORN,
@@ -217,7 +217,7 @@ def _forces(system, work, q, u, t):
     return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
 
 
-@kernel
+@allocating
 def _settle_friction(system, work, q, u, t):
     """Find the normal forces of friction that agree with the accelerations they cause."""
     n = work.jacobian.shape[1]

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from .body_vectors import ARM, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
@@ -44,7 +44,7 @@ def normal_changes(system, work, ud):
     return change / largest if largest > 0.0 else 0.0
 
 
-@kernel
+@allocating
 def _across(system, work, load, lam):
     """Size of the joint's force across its axis, N."""
     group, axis = system.groups[load["group"]], vector(work.arms[ARM], load["arm"])

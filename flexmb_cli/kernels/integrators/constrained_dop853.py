@@ -17,7 +17,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
 from ..constrained.projection import largest_gap, project_position, project_speeds
@@ -267,15 +267,15 @@ def _next_stage(system, work, march):
     return _ask(clock, STEP_END, STAGES, clock["t"] + h, 1)
 
 
-@kernel
+@allocating
 def _project(system, work, march, z, t):
     """Bring a state onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
     """
-    clock = march.clock[0]
-    q, u = coordinates_and_speeds(system, z)
-    before = z.copy()
+    clock, n = march.clock[0], system.speed_scale.shape[0]
+    end = n + system.masses.shape[0]
+    q, u, before = z[:end], z[end : end + n], z.copy()
     normalise(system.masses.shape[0], q)
     code = project_position(system, work, q, t, march.turns[NEAR])
     if code == SOLVED:

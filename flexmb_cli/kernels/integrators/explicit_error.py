@@ -5,9 +5,8 @@ Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second e
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import solve
-from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD
 from .dop853_table import ERROR_3, ERROR_5, STAGES
@@ -36,7 +35,7 @@ def step_error(march, h):
     return _combined(h, square_5, square_3, counted)
 
 
-@kernel
+@allocating
 def error_on_constraints(system, work, march, h):
     """Error of the step from z to trial, which has been projected, whose factors are at hand.
 
@@ -45,13 +44,13 @@ def error_on_constraints(system, work, march, h):
     """
     clock, n = march.clock[0], system.speed_scale.shape[0]
     first = march.z.shape[0] - 1 - n
-    q, u = coordinates_and_speeds(system, march.trial)
+    q, u = march.trial[:first], march.trial[first : first + n]
     square_5 = square_3 = 0.0
     for order in range(2):
         change, square = np.empty(march.z.shape[0]), 0.0
         for i in range(change.shape[0]):
             change[i] = _weighted(ERROR_3 if order else ERROR_5, march.slopes, i)
-        of_q, of_speeds = coordinates_and_speeds(system, change)
+        of_q, of_speeds = change[:first], change[first : first + n]
         of_position = np.empty(n)
         speeds_of_rates(system.masses.shape[0], q, of_q, of_position)
         _keep_allowed(system, work, of_position)

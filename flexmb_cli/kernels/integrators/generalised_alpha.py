@@ -12,7 +12,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import NEAR, OLD, note_turns
 from ..constrained.angle_unwrapping import NEW as TURNED
 from ..constrained.body_vectors import geometry_of, place_arms
@@ -234,7 +234,7 @@ def _fill_row(system, work, march, t, report):
     return True
 
 
-@kernel
+@allocating
 def _between(system, march, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]

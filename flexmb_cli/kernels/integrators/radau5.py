@@ -12,7 +12,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import factorise_constraints
 from ..constrained.angle_unwrapping import MOST_TURNED, NEAR, NEW, OLD, expect_turns, note_turns
 from ..constrained.mass_matrix import mass_matrices
@@ -244,7 +244,7 @@ def _leap_or_try(system, work, march, left):
     return _try_step(system, work, march, clock["length"])
 
 
-@kernel
+@allocating
 def _try_step(system, work, march, h):
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
     clock = march.clock[0]

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.speeds import coordinate_accelerations, coordinate_rates, speeds_of_rates
 from .radau5_step import LAST, START
 
 
-@kernel
+@allocating
 def between(system, march, x, point):
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]

@@ -7,7 +7,7 @@ they do, the equations say at its end, where they are as firm as at its beginnin
 or one that would come onto another branch, has other accelerations there.
 """
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_turns
 from ..constrained.system import SOLVED
 from .radau5_projection import moved, settle
@@ -21,7 +21,7 @@ UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
 BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
 
 
-@kernel
+@allocating
 def leap(system, work, march, h):
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
     clock, rates = march.clock[0], march.rates

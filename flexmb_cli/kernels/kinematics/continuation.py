@@ -7,7 +7,7 @@ one smooth curve, so that a mechanism is never carried over to another way of as
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from . import constraints as equations
 from .joints import driver
 from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, largest, make_work, newton, rates
@@ -193,7 +193,7 @@ def advance(system, work, state, motion, clock, target, new, near):
     return True, gap
 
 
-@kernel
+@allocating
 def march(system, state, motion, clock, times, out, audit):
     """Report rows at `times` (rows,), from `state` (3, n) at clock[TIME] on; state and clock move along.
 

@@ -7,7 +7,7 @@ not involve.
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from .kinematics import attitude_rates, place_frames
 from .loop_closures import measure_closures, push_rows, solve_rows
 from .motion import normalise_attitudes, parts
@@ -98,11 +98,17 @@ def _close_gaps(tree, work, coordinates, z):
 @kernel
 def move_coordinates(tree, coordinates, z):
     """Move the coordinates by their responses, none further than LONGEST."""
+    _y, q, attitudes = parts(tree, z)
+    _move_parts(tree, coordinates, q, attitudes)
+    normalise_attitudes(tree, z)
+
+
+@allocating
+def _move_parts(tree, coordinates, q, attitudes):
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))
     share = min(1.0, LONGEST / largest) if largest > 0.0 else 1.0
-    _y, q, attitudes = parts(tree, z)
     move = np.zeros(q.shape[0])
     for m in range(q.shape[0]):
         move[m] = share * coordinates[m]["response"]
@@ -114,7 +120,6 @@ def move_coordinates(tree, coordinates, z):
     for ball in range(attitudes.shape[0]):
         for i in range(4):
             attitudes[ball, i] += turn[ball, i]
-    normalise_attitudes(tree, z)
 
 
 @kernel

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ..._jit import kernel
+from ..._jit import allocating, kernel
 from ...linalg.rotation import add_rotation_row, rotate
 from ..joint_primitives import (
     n1_acceleration,
@@ -95,7 +95,7 @@ def acceleration(c, q, qd, A, Ad, Add, gamma):
     gamma[c["first_row"] + 4] = slide + c["pitch"] * turn
 
 
-@kernel
+@allocating
 def second_rate(c, u_i, q, qdd, A, Ad, Add):
     """d²/dt² of u_i · h_j for second derivatives qdd of the coordinates."""
     row = np.zeros(14)
