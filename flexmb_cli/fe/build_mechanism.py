@@ -16,7 +16,6 @@ from ..model.flexible_mechanism import (
     PointSpring,
 )
 from ..quick_dataclass import replace
-from .elements.stress_outputs import stress_outputs
 from .flexible_bodies import flexible_body
 
 STEPS_A_PERIOD = 20
@@ -38,8 +37,17 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
     faults += _step_doubts(model, bodies)
-    stresses = stress_outputs(model, bodies)
+    stresses = _stresses(model, bodies)
     return replace(_Points(model, bodies).mechanism(), stresses=stresses), faults
+
+
+def _stresses(model, bodies):
+    """What is reported of stresses; most decks ask for none, and need no elements."""
+    if not model.stresses:
+        return ()
+    from .elements.stress_outputs import stress_outputs
+
+    return stress_outputs(model, bodies)
 
 
 def _step_doubts(model, bodies):

@@ -1,18 +1,24 @@
 """The matrix formats by their names in the deck."""
 
+import importlib
 from pathlib import Path
 
-from .abaqus import read_abaqus
-from .calculix import read_calculix, read_freedoms
-from .harwell_boeing import read_harwell_boeing, read_mapping
 from .matrix_file import FEFileFault, MatrixFile
-from .matrix_market import read_matrix_market
-from .nastran import read_dmig
-from .nastran_op4 import read_op4
 
 # The mapping that a format needs beside the matrix itself.
 NEEDS_MAPPING = {"HB": "ANS", "CCX": "CCX"}
-_MAPPINGS = {"ANS": read_mapping, "CCX": read_freedoms}
+# The form of a "file" that stands for the elements themselves.
+OF_ELEMENTS = "MESH"
+# Module and function that reads a format; a run imports those of its files.
+_MATRICES = {
+    "HB": ("harwell_boeing", "read_harwell_boeing"),
+    "CCX": ("calculix", "read_calculix"),
+    "DMIG": ("nastran", "read_dmig"),
+    "OP4": ("nastran_op4", "read_op4"),
+    "MM": ("matrix_market", "read_matrix_market"),
+    "ABQ": ("abaqus", "read_abaqus"),
+}
+_MAPPINGS = {"ANS": ("harwell_boeing", "read_mapping"), "CCX": ("calculix", "read_freedoms")}
 
 
 def read_matrix(
@@ -37,8 +43,10 @@ def _read(path, form, letter, mapping, mapping_form) -> MatrixFile:
                 f"format {form} needs the equation mapping: add a card FEMP of format {NEEDS_MAPPING[form]}",
                 id="FE-031",
             )
-        reader = read_harwell_boeing if form == "HB" else read_calculix
-        return reader(path, _MAPPINGS[mapping_form](mapping))
-    if form in ("DMIG", "OP4"):
-        return (read_dmig if form == "DMIG" else read_op4)(path, letter)
-    return (read_matrix_market if form == "MM" else read_abaqus)(path)
+        return _reader(*_MATRICES[form])(path, _reader(*_MAPPINGS[mapping_form])(mapping))
+    letters = (letter,) if form in ("DMIG", "OP4") else ()
+    return _reader(*_MATRICES[form])(path, *letters)
+
+
+def _reader(module: str, function: str):
+    return getattr(importlib.import_module(f".{module}", __package__), function)

@@ -7,8 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from .ansys_cdb import cdb_nodes
-from .bulk_data import bulk_cards, integer_field, real_field
 from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault
 
@@ -27,7 +25,7 @@ class NodeTable:
 
 def read_node_table(path: Path, form: str) -> NodeTable:
     """The node table at `path` in the format TXT, CDB, INP or BDF.  Raises FEFileFault."""
-    readers = {"TXT": _plain_nodes, "CDB": cdb_nodes, "INP": _inp_nodes, "BDF": _bdf_nodes}
+    readers = {"TXT": _plain_nodes, "CDB": _cdb_nodes, "INP": _inp_nodes, "BDF": _bdf_nodes}
     found = list(readers[form](path))
     if not found:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
@@ -86,7 +84,15 @@ def _node(name, number, words):
     return node, position, number
 
 
+def _cdb_nodes(path):
+    from .ansys_cdb import cdb_nodes
+
+    return cdb_nodes(path)
+
+
 def _bdf_nodes(path):
+    from .bulk_data import bulk_cards, integer_field, real_field
+
     for card in bulk_cards(path, ("GRID",)):
         node = integer_field(path, card, 0, "the number of the point")
         for index, what in ((1, "position"), (5, "displacement")):
