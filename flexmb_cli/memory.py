@@ -1,4 +1,4 @@
-"""Want of memory: foreseen before libraries fail of it, and told from other faults afterwards."""
+"""Want of memory: foreseen before libraries fail of it, and distinguished from other faults afterwards."""
 
 import errno
 import mmap
@@ -43,7 +43,7 @@ def file_lacks_memory(fault: OSError) -> bool:
     return fault.errno == errno.ENOMEM or _OF_HDF5 in str(fault)
 
 
-def told_of_lack(fault: BaseException) -> str:
+def lack_of_memory_text(fault: BaseException) -> str:
     """The sentence for a `fault` that `lacks_memory`: what a library says may be another thing after all."""
     if isinstance(fault, ImportError) or (isinstance(fault, OSError) and fault.errno is None):
         return f"a library cannot be loaded, for want of memory or a broken installation: {fault}"

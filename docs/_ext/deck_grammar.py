@@ -9,7 +9,7 @@ from pathlib import Path
 
 from flexmb_cli.dialects.dafms.cards import CARDS as DAFMS
 from flexmb_cli.dialects.vsdf.cards import BY_WORD, DATA_WORDS
-from flexmb_cli.dialects.young.dynamic_cards import BY_KEYWORD, CLOSING
+from flexmb_cli.dialects.young.dynamic_cards import BY_KEYWORD, LAST_CARD
 
 FILE = Path(__file__).resolve().parents[2] / "docs/editors/vscode/syntaxes/flexmb.tmLanguage.json"
 # Lines of their own that open and close models.
@@ -21,7 +21,7 @@ def grammar() -> dict:
     """Return the grammar; scopes are those that themes of VS Code and TextMate know."""
     dafms = [re.escape(word.strip()) for word in DAFMS]
     vsdf = [re.escape(word) for word in BY_WORD]
-    young = [*map(re.escape, BY_KEYWORD), CLOSING]
+    young = [*map(re.escape, BY_KEYWORD), LAST_CARD]
     return {
         "$schema": "https://raw.githubusercontent.com/martinring/tmlanguage/master/tmlanguage.json",
         "name": "flexmb deck",

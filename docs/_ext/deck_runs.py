@@ -56,8 +56,8 @@ def solved(decks: list[Path], *options: str) -> dict[Path, Path]:
 def _solve(decks, folders, options):
     here = RESULTS / "solving"
     here.mkdir(parents=True, exist_ok=True)
-    told = flexmb("run", "--no-out", "--json", "-q", *options, *decks, folder=here)
-    for deck, line in zip(decks, told.splitlines(), strict=True):
+    reported = flexmb("run", "--no-out", "--json", "-q", *options, *decks, folder=here)
+    for deck, line in zip(decks, reported.splitlines(), strict=True):
         folders[deck].mkdir(parents=True, exist_ok=True)
         name = json.loads(line)["files"][0]
         os.replace(here / name, folders[deck] / name)
@@ -65,5 +65,5 @@ def _solve(decks, folders, options):
 
 def checked(decks: list[Path]) -> dict[Path, dict]:
     """The record of `flexmb check --json` of each deck."""
-    told = flexmb("check", "--json", "-q", *decks, folder=TOP)
-    return dict(zip(decks, map(json.loads, told.splitlines()), strict=True))
+    reported = flexmb("check", "--json", "-q", *decks, folder=TOP)
+    return dict(zip(decks, map(json.loads, reported.splitlines()), strict=True))

@@ -14,7 +14,7 @@ import click
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, INTERNAL_FAULT, Fault, FlexmbError, compiler_style
-from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
+from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.exit_codes import epilog
 from .terminal.screen import lines_visible
@@ -131,7 +131,7 @@ def main():
 
 
 def _run_command():
-    """Run the command that is asked for; how it ended is told, and is the exit code."""
+    """Run the command that is asked for; how it ended is reported, and is the exit code."""
     try:
         cli.main(standalone_mode=False, prog_name="flexmb")
     except (SystemExit, OSError):
@@ -168,11 +168,11 @@ def _refuse_lack(fault):
     """The machine has too little memory: no fault of flexmb, nor of the deck."""
     if "--debug" in sys.argv:
         raise fault
-    told = told_of_lack(fault)
-    if told == LACK_OF_MEMORY:
-        told = f"{told}; what was not complete is not written"
-    _tell(f"flexmb: error: {told}")
-    _print_json(ANALYSIS_FAILED, Fault("error", told, id="CLI-001"))
+    said = lack_of_memory_text(fault)
+    if said == LACK_OF_MEMORY:
+        said = f"{said}; what was not complete is not written"
+    _tell(f"flexmb: error: {said}")
+    _print_json(ANALYSIS_FAILED, Fault("error", said, id="CLI-001"))
     sys.exit(ANALYSIS_FAILED)
 
 
@@ -180,12 +180,12 @@ def _admit(fault):
     """A fault of flexmb itself, with a request to report it."""
     if "--debug" in sys.argv:
         raise fault
-    told = lines_visible(f"a fault of flexmb itself: {type(fault).__name__}: {fault}")
+    said = lines_visible(f"a fault of flexmb itself: {type(fault).__name__}: {fault}")
     click.echo(
-        f"flexmb: error: {told}\nPlease report it with the deck; `flexmb --debug …` shows where it happened.",
+        f"flexmb: error: {said}\nPlease report it with the deck; `flexmb --debug …` shows where it happened.",
         err=True,
     )
-    _print_json(INTERNAL_FAULT, Fault("error", told, id="CLI-002"))
+    _print_json(INTERNAL_FAULT, Fault("error", said, id="CLI-002"))
     sys.exit(INTERNAL_FAULT)
 
 
@@ -195,9 +195,9 @@ def _refuse_usage(fault):
     if context is not None:
         help_line = f"Try '{context.command_path} --help' for help."
         click.echo(lines_visible(f"{context.get_usage()}\n{help_line}\n"), err=True)
-    told = fault.format_message()
-    click.echo(f"flexmb: error: {lines_visible(told)}", err=True)
-    _print_json(BAD_INPUT, Fault("error", " ".join(told.split()), id="CLI-003"))
+    said = fault.format_message()
+    click.echo(f"flexmb: error: {lines_visible(said)}", err=True)
+    _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
 
 
 def _print_json(exit_code, *faults, file=None):

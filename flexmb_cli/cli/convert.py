@@ -31,7 +31,7 @@ def convert(deck, form, output, changes, quiet):
 
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
+    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     stem = "flexmb" if deck == "-" else PurePath(deck).stem
     output = output or f"{stem}{SUFFIX[form]}"
@@ -42,4 +42,4 @@ def convert(deck, form, output, changes, quiet):
     else:
         write_whole(output, text.encode("utf-8"))
     if not quiet:
-        tell(f"{deck} → {told(output)}")
+        tell(f"{deck} → {reported(output)}")

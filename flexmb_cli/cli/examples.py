@@ -49,7 +49,7 @@ def examples(names, output_dir, force, quiet):
 def supplied() -> dict[str, Path]:
     """Return the supplied decks and studies by name.
 
-    Decks of two dialects with one name are told apart by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
+    Decks of two dialects with one name are distinguished by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
     """
     folder = next((place for place in PLACES if place.is_dir()), None)
     if folder is None:
@@ -65,8 +65,8 @@ def _list(decks):
         described |= dict(_descriptions(folder))
     width = max(map(len, decks))
     for name, path in sorted(decks.items(), key=lambda item: (list(SUFFIXES).index(item[1].suffix), item[0])):
-        told = described.get((path.suffix, path.stem), "")
-        click.echo(f"{name:{width}}  {SUFFIXES[path.suffix]:5}  {told}".rstrip())
+        reported = described.get((path.suffix, path.stem), "")
+        click.echo(f"{name:{width}}  {SUFFIXES[path.suffix]:5}  {reported}".rstrip())
 
 
 def _descriptions(folder: Path) -> Iterator[tuple[tuple[str, str], str]]:

@@ -29,7 +29,7 @@ def export(result, form, output, quiet):
     """
     from ..results.quantities.quantities import open_result, refuse_uneven, shortfall
     from ..study.text import is_study
-    from .options.output_file import refuse_inputs, refuse_standard_output, told
+    from .options.output_file import refuse_inputs, refuse_standard_output, reported
 
     output = output or f"{Path(result).stem}{SUFFIX[form]}"
     refuse_inputs(output, [result])
@@ -38,7 +38,7 @@ def export(result, form, output, quiet):
     if is_study(result):
         _export_study(result, form, output)
         if not quiet:
-            tell(f"{result} → {told(output)}")
+            tell(f"{result} → {reported(output)}")
         return
     with open_result(result) as file:
         refuse_uneven(file)
@@ -47,7 +47,7 @@ def export(result, form, output, quiet):
     if lacking and not quiet:
         tell(f"{result}: note: {lacking}")
     if not quiet:
-        tell(f"{result} → {told(output)}")
+        tell(f"{result} → {reported(output)}")
 
 
 def _export_study(path, form, output):

@@ -145,16 +145,16 @@ def _source(open_files, path, label, names, across, window, quiet):
         raise click.UsageError(f"--x {across} means {len(abscissa)} quantities ({few} …); name one of them")
     quantities = resolve(file, names, path) if names else default_quantities(file)
     quantities = [quantity for quantity in quantities if quantity.name != abscissa[0].name]
-    rows, told = chosen_rows(file, *window), shortfall(file)
+    rows, reported = chosen_rows(file, *window), shortfall(file)
     if not rows:
-        reason = "no rows in this window of time" if len(file["time"]) else told or "it has no rows"
+        reason = "no rows in this window of time" if len(file["time"]) else reported or "it has no rows"
         raise ResultError(path, f"nothing to draw: {reason}", id="CLI-006")
     if not quantities:
         raise ResultError(
             path, f"nothing to draw over {abscissa[0].name}: name another quantity", id="CLI-007"
         )
-    if told and not quiet:
-        tell(f"{path}: note: {told}")
+    if reported and not quiet:
+        tell(f"{path}: note: {reported}")
     still = () if names or quiet else still_energies(file)
     if still:
         tell(f"{path}: note: not drawn, for they do not change: {', '.join(still)}")

@@ -28,7 +28,7 @@ def report(result, output, quiet):
 
     from ..results.files.replaced_file import write_whole
     from ..study.text import is_study
-    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, told
+    from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
@@ -43,7 +43,7 @@ def report(result, output, quiet):
     if lacking and not quiet:
         tell(f"{result}: note: {lacking}")
     if not quiet:
-        tell(f"{result} → {told(output)}, {len(page) / 1e6:.1f} MB")
+        tell(f"{result} → {reported(output)}, {len(page) / 1e6:.1f} MB")
 
 
 def _result_page(path):

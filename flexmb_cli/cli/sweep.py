@@ -80,15 +80,15 @@ def _require_libraries(output, scheduler):
 
 def _report_stop(study, output, made, parts, on_cluster, as_json, exit_code):
     cases, failed, table = made.job.study.cases, made.failed, output
-    told = f"{output} is complete"
+    reported = f"{output} is complete"
     if os.path.isdir(parts):
         with faults_in_json(as_json, {"study": study}, study):
-            made.job.parts.settle()
+            made.job.parts.sync_all()
         codes = [result.exit_code for result in made.results()]
         more = " so far; its workers end what they have begun" if on_cluster else ""
-        told = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command goes on"
+        reported = f"{len(codes)} of {cases} cases are kept in {parts}{more}; the same command goes on"
         failed, table = sum(map(bool, codes)), None
-    _say(f"{study}: interrupted; {told}", False)
+    _say(f"{study}: interrupted; {reported}", False)
     if as_json:
         _print_record(study, "interrupted", exit_code, made, failed, table)
         sys.stdout.flush()
@@ -155,8 +155,8 @@ def _report(study, output, made, failures, quiet):
     cases = made.job.study.cases
     for case, message in failures:
         _say(f"{study}: case {case}: {message}", quiet)
-    told = f", {made.failed} failed" if made.failed else ""
-    _say(f"{study}: {cases} cases{told} → {output}", quiet)
+    reported = f", {made.failed} failed" if made.failed else ""
+    _say(f"{study}: {cases} cases{reported} → {output}", quiet)
 
 
 def _print_record(study, status, exit_code, made, failed, table):

@@ -107,8 +107,8 @@ def _remark(path, file, rows, quiet):
     """Tell on standard error what the numbers do not show."""
     from ..results.quantities.quantities import shortfall
 
-    told = shortfall(file)
-    if told and not quiet:
-        tell(f"{path}: note: {told}")
+    reported = shortfall(file)
+    if reported and not quiet:
+        tell(f"{path}: note: {reported}")
     if not rows and len(file["time"]) and not quiet:
         tell(f"{path}: note: it has no rows in this window of time")

@@ -1,4 +1,4 @@
-"""The fields of a printed line: parted by blanks, or by their columns where they touch.
+"""The fields of a printed line: separated by blanks, or by their columns where they touch.
 
 A field that is just full touches its left neighbour, and an overfull one is stars, so that a historic line
 keeps its columns; flexmb's own lines keep a blank between fields and may lose their columns instead.

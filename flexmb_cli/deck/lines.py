@@ -19,7 +19,7 @@ class Lines(Sequence[str]):
     def __init__(self, text: str):
         self.text = text
         self.starts = array("i", [0])
-        self._near: tuple[int, list[str]] = 0, []
+        self._neighbours: tuple[int, list[str]] = 0, []
         self.starts.extend(found.end() for found in _LINE_END.finditer(text))
 
     def __reduce__(self):
@@ -31,15 +31,15 @@ class Lines(Sequence[str]):
     def __getitem__(self, index):
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
-        first, near = self._near
+        first, neighbours = self._neighbours
         # Readers go from line to line.
-        if first <= index < first + len(near):
-            return near[index - first]
+        if first <= index < first + len(neighbours):
+            return neighbours[index - first]
         if not -len(self) <= index < len(self):
             raise IndexError(index)
         index %= len(self)
-        self._near = index, self._cut(index, min(index + _AT_ONCE, len(self)))
-        return self._near[1][0]
+        self._neighbours = index, self._cut(index, min(index + _AT_ONCE, len(self)))
+        return self._neighbours[1][0]
 
     def __iter__(self) -> Iterator[str]:
         return self.after(0)

@@ -31,8 +31,8 @@ class Block(Sequence[Record]):
 
     def numbered(self, number: int) -> Record | None:
         """Return the record of this number; those of most sections are numbered in their order."""
-        near = (self[k] for k in (number - 1, number) if 0 <= k < self.size)
-        return next((record for record in chain(near, self) if record.number == number), None)
+        neighbours = (self[k] for k in (number - 1, number) if 0 <= k < self.size)
+        return next((record for record in chain(neighbours, self) if record.number == number), None)
 
     def _record(self, index):
         return self.changed[index] if index in self.changed else self.made(index)

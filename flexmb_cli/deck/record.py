@@ -117,8 +117,8 @@ class Deck:
     `records` is a tuple, or `ManyRecords` where they are too many to be kept.
     `slips`, also among the `warnings`, are lines that seem to have lost a number: when the model
     proves wrong, they are the likely cause.  `settings` are the changes by `--set`, "NAME=VALUE" each,
-    `options` what the run was told of how to solve it, "rtol=1e-06" for instance; `model`: which of several
-    models of a DAFMS deck it is, 0 for the only one.
+    `options` what the run was reported of how to solve it, "rtol=1e-06" for instance; `model`: which of
+    several models of a DAFMS deck it is, 0 for the only one.
     """
 
     dialect: str

@@ -28,8 +28,8 @@ def slips(
     slipped = _walk([held for _, held in lines], [needed for _, needed in records], kept_per_slip)
     if not slipped:
         return ()
-    spans = _spans(read_words)
-    return tuple(_warning(spans, *lines[line], *records[record]) for line, record in slipped)
+    extents = _extents(read_words)
+    return tuple(_warning(extents, *lines[line], *records[record]) for line, record in slipped)
 
 
 def with_slip_named(faults: Sequence[Fault], slipped: Sequence[Fault]) -> list[Fault]:
@@ -88,16 +88,16 @@ def _reach(sizes, start, total):
     return 0
 
 
-def _spans(read_words):
-    spans = {}
+def _extents(read_words):
+    extents = {}
     for word in read_words:
-        first = spans.setdefault(word.line, (word.column, 0))[0]
-        spans[word.line] = first, word.column + len(word.text) - first
-    return spans
+        first = extents.setdefault(word.line, (word.column, 0))[0]
+        extents[word.line] = first, word.column + len(word.text) - first
+    return extents
 
 
-def _warning(spans, line, held, subject, needed):
-    column, width = spans[line]
+def _warning(extents, line, held, subject, needed):
+    column, width = extents[line]
     place = Place(line, column, min(width, 2 * LONGEST_CARET))
     return Fault("warning", f"needs {needed} numbers; line {line} has {held}", place, subject, id="DECK-008")
 

@@ -128,7 +128,7 @@ def _rows_of(given, nodes):
 
 
 def _eigen_basis(given, K, S, frame, available):
-    """One mode more than asked for is computed, so that the first dropped frequency can be told."""
+    """One mode more than asked for is computed, so that the first dropped frequency can be reported."""
     values, shapes = modes.eigenmodes(K, S, frame, min((given.modes or available) + 1, available))
     if len(values) < given.modes:
         raise modes.TooFewMasses(len(values))
@@ -169,5 +169,5 @@ def _interface_basis(given, K, S, frame):
 
 
 def _named(given, rows):
-    """Node and axis of the body frame of freedoms `rows`."""
+    """Node and axis of the body frame of degrees of freedom `rows`."""
     return tuple((int(given.numbers[row // 3]), _AXES[row % 3]) for row in rows)

@@ -44,12 +44,14 @@ def _check_exchanged(given, S, K, findings):
 
 
 def _largest(matrix):
-    """The largest entry, by which others are measured; 1 where all are 0, which is told of each freedom."""
+    """The largest entry, by which others are measured; 1 where all are 0, which is reported of each degree of
+    freedom.
+    """
     return abs(matrix).max() or 1.0
 
 
 def check_holes(given: FlexibleInput, matrix, what: str, place: Place | None, findings: Findings) -> None:
-    """Every freedom needs a mass and a stiffness above zero on the diagonal."""
+    """Every degree of freedom needs a mass and a stiffness above zero on the diagonal."""
     diagonal = matrix.diagonal()
     wrong = np.flatnonzero(~(diagonal > 0))
     if wrong.size:

@@ -11,7 +11,7 @@ from ..model.flexible_body import FlexibleBody
 from ..model.flexible_mechanism import FloatingBody
 from ..model.geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..model.tree import Tree
-from ..model.tree_as_mechanism.frames import Rider, shape_of
+from ..model.tree_as_mechanism.frames import NodeFrame, shape_of
 from ..model.tree_as_mechanism.poses import Pose
 from .build_mechanism import euler_parameters
 from .invariants import inertia_invariants
@@ -29,9 +29,9 @@ def floating_body(tree: Tree, k: int, pose: Pose) -> FloatingBody:
     )
 
 
-def massless_body(rider: Rider, pose: Pose) -> FloatingBody:
-    """A rider: its hinge to the body it sits on leaves it no motion of its own."""
-    return FloatingBody(rider.name, *_motion(pose), 0.0, np.zeros(3), np.zeros((3, 3)))
+def massless_body(node_frame: NodeFrame, pose: Pose) -> FloatingBody:
+    """A node frame: its hinge to the body it sits on leaves it no motion of its own."""
+    return FloatingBody(node_frame.name, *_motion(pose), 0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def _motion(pose):
@@ -73,6 +73,8 @@ def _stiffening(tree, k):
     if elastic.stiffened_from is None:
         return np.zeros((0, 0, elastic.coordinates, elastic.coordinates))
     d = beam_direction(elastic.positions, elastic.stiffened_from)
-    pulls = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ d)
-    matrix = across(geometric_stiffness(elastic.positions, elastic.stiffened_from, pulls), d, elastic.axes)
+    axial_forces = (elastic.masses + hanging_masses(tree, k)) * (elastic.positions @ d)
+    matrix = across(
+        geometric_stiffness(elastic.positions, elastic.stiffened_from, axial_forces), d, elastic.axes
+    )
     return -np.multiply.outer(np.outer(d, d), matrix)

@@ -49,7 +49,7 @@ def massless_modes(K, S, frame: Frame) -> np.ndarray:
 
 
 def _modes_of(K, S, free, count):
-    """Modes of the freedoms `free` with all others at rest, as shapes of the whole body."""
+    """Modes of the degrees of freedom `free` with all others at rest, as shapes of the whole body."""
     count = min(count, len(free))
     if not count:
         return np.zeros(0), np.zeros((K.shape[0], 0))
@@ -63,7 +63,7 @@ def _modes_of(K, S, free, count):
 
 
 def _placed(shapes, free, size):
-    """The shapes of the freedoms `free` as those of all."""
+    """The shapes of the degrees of freedom `free` as those of all."""
     full = np.zeros((size, *shapes.shape[1:]))
     full[free] = shapes
     return full
@@ -134,7 +134,7 @@ def _mean_axis_modes(K, S, frame, count):
 
 
 def interface_rows(frame: Frame, rows: np.ndarray) -> np.ndarray:
-    """Return those of the freedoms `rows` of interface nodes that no clamp holds."""
+    """Return those of the degrees of freedom `rows` of interface nodes that no clamp holds."""
     return np.setdiff1d(rows, _clamped(frame))
 
 
@@ -143,7 +143,8 @@ def _clamped(frame):
 
 
 def craig_bampton(K, S, frame: Frame, rows: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return `count` fixed-interface eigenmodes, then the interface modes of the freedoms `rows`; the forces.
+    """Return `count` fixed-interface eigenmodes, then the interface modes of the degrees of freedom `rows`;
+    the forces.
 
     The rigid motion in the interface modes is taken out, which leaves six of them dependent; the forces
     that K answers them with are at the interface.  Raises FreeMotion, IndefiniteMass, and TooFewMasses.

@@ -1,7 +1,8 @@
-"""M and K in the order of the node table, x y z node by node, internal freedoms of elements eliminated.
+"""M and K in the order of the node table, x y z node by node, internal degrees of freedom of elements
+eliminated.
 
-Elements with incompatible modes may bring freedoms of pseudo-nodes that no node table has.  They are
-condensed statically in K, and dropped in M: condensing M as well (Guyan) would couple directions, so that
+Elements with incompatible modes may bring degrees of freedom of pseudo-nodes that no node table has.  They
+are condensed statically in K, and dropped in M: condensing M as well (Guyan) would couple directions, so that
 S^ij = m_ij E no longer held, of which the equations of motion make use.
 """
 
@@ -46,7 +47,7 @@ def nodal_part(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
 
 
 def condensed(name: str, file: MatrixFile, numbers: np.ndarray) -> NodalMatrix:
-    """The matrix of the nodes `numbers` (n,), internal freedoms condensed.  Raises FEFileFault."""
+    """The matrix of the nodes `numbers` (n,), internal degrees of freedom condensed.  Raises FEFileFault."""
     full, nodal, internal = _ordered(name, file, numbers)
     outer = full[nodal][:, nodal]
     if not len(internal):

@@ -125,7 +125,9 @@ def _with_massless(Mff, count):
 
 
 def _effective_limit(S, frame):
-    """Sums of the effective masses over all modes: R' S R less what only the held freedoms carry."""
+    """Sums of the effective masses over all modes: R' S R less what only the held degrees of freedom
+    carry.
+    """
     rigid = rigid_motions(frame.r0)
     if frame.mean:
         return np.zeros(6)

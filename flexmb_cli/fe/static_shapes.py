@@ -30,8 +30,8 @@ class FreeBody:
 def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
     """Return `shapes` (3 n, k) less the rigid motion by which they differ from what K was solved for.
 
-    In mean axes that is a body held at six freedoms; the forces by which an imprecise K resists rigid motion
-    then do no work on the shapes as they are.
+    In mean axes that is a body held at six degrees of freedom; the forces by which an imprecise K resists
+    rigid motion then do no work on the shapes as they are.
     """
     if not frame.mean:
         return shapes
@@ -40,7 +40,7 @@ def as_solved(frame: Frame, shapes: np.ndarray) -> np.ndarray:
 
 
 def unit_forces(size: int, rows: np.ndarray) -> np.ndarray:
-    """Return unit forces in each of the freedoms `rows`, (size, k)."""
+    """Return unit forces in each of the degrees of freedom `rows`, (size, k)."""
     forces = np.zeros((size, len(rows)))
     forces[rows, np.arange(len(rows))] = 1.0
     return forces
@@ -80,7 +80,7 @@ def _supports(r0):
 
 
 def held_solver(K, free):
-    """The solution of K x = b with all freedoms but `free` at rest, as a function of b.
+    """The solution of K x = b with all degrees of freedom but `free` at rest, as a function of b.
 
     Raises FreeMotion, then or at once: whether a pivot of exactly 0 is met depends on the processor.
     """
@@ -99,7 +99,9 @@ def held_solver(K, free):
 
 
 def _weakest(K, free):
-    """The shape of the freedoms `free` with the least strain energy; 0 where finding it takes too long."""
+    """The shape of the degrees of freedom `free` with the least strain energy; 0 where finding it takes too
+    long.
+    """
     shape = np.zeros(K.shape[0])
     if is_small(len(free), 1):
         shape[free] = np.linalg.eigh(as_array(K[free][:, free]))[1][:, 0]

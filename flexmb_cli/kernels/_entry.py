@@ -185,9 +185,9 @@ def emit(unit: str, entries: list, digest: str, targets: list[str]) -> dict[str,
     words = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
     return {
         target: _objects.write(
-            {"unit": unit, "digest": digest, "target": target, "compiler": words, "entries": told}, code
+            {"unit": unit, "digest": digest, "target": target, "compiler": words, "entries": reported}, code
         )
-        for target, (told, code) in made.items()
+        for target, (reported, code) in made.items()
     }
 
 

@@ -194,8 +194,8 @@ def emit_object(unit: str, entries: list[Entry], machines: dict) -> dict:
     The parts of all entries are linked once, and only the entries can be seen from outside.
     """
     with global_compiler_lock:
-        module, told = _linked(unit, entries)
-        return {target: (told, _machine_code(module, *machine)) for target, machine in machines.items()}
+        module, reported = _linked(unit, entries)
+        return {target: (reported, _machine_code(module, *machine)) for target, machine in machines.items()}
 
 
 def _linked(unit, entries):
@@ -203,7 +203,7 @@ def _linked(unit, entries):
     context = cpu_target.target_context
     library = context.codegen().create_library(unit)
     wrappers = library.create_ir_module(unit)
-    told, called = [], []
+    reported, called = [], []
     for number, entry in enumerate(entries):
         types_ = tuple(map(_numba_type, entry.parameters))
         entry.kernel.part.compile(types_)
@@ -211,16 +211,18 @@ def _linked(unit, entries):
         symbol = f"flexmb_{number}_{entry.name.replace('.', '_')}"
         _add_wrapper(context, wrappers, symbol, compiled)
         result = _result(compiled.signature.return_type)
-        told.append({"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result})
+        reported.append(
+            {"name": entry.name, "symbol": symbol, "parameters": entry.parameters, "result": result}
+        )
         called.append(compiled.library)
     add_allocator(wrappers)
     module = llvm.parse_assembly(str(wrappers))
     for part in _with_parts_of_parts(called):
         module.link_in(part._get_module_for_linking(), preserve=True)
     module.link_in(llvm.parse_assembly(str(create_nrt_module(context)[0])))
-    _hide_all_but(module, {one["symbol"] for one in told})
+    _hide_all_but(module, {one["symbol"] for one in reported})
     _refuse_missing(module)
-    return module.as_bitcode(), told
+    return module.as_bitcode(), reported
 
 
 def _hide_all_but(module, symbols):

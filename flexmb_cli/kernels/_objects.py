@@ -159,7 +159,7 @@ def _llvm_engine(code):
     require_memory(TO_LOAD)
     import llvmlite.binding as llvm
 
-    with contextlib.suppress(RuntimeError):  # llvmlite may have been told already
+    with contextlib.suppress(RuntimeError):  # llvmlite may know already
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
     if sys.platform == "win32":

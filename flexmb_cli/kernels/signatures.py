@@ -21,15 +21,18 @@ PROCESSORS = {
 # Where records are defined.
 RECORDS = {
     "CONSTRAINT": "model.arrays.kinematic:CONSTRAINT",
-    **{name: f"model.arrays.records:{name}" for name in ("MASS", "FLEXIBLE", "ARM", "MEASURE", "LOAD")},
-    "LAW": "model.arrays.records:LAW",
+    **{
+        name: f"model.arrays.records:{name}"
+        for name in ("MASS", "FLEXIBLE", "BODY_VECTOR", "PRIMITIVE", "LOAD")
+    },
+    "FUNCTION": "model.arrays.records:FUNCTION",
     "GROUP": "model.arrays.records:GROUP",
     "FRAME": "model.arrays.tree_frames:FRAME",
-    "LUMP": "model.arrays.tree_frames:LUMP",
+    "NODAL_MASS": "model.arrays.tree_frames:NODAL_MASS",
     **{name: f"model.arrays.tree:{name}" for name in ("ELASTIC_BODY", "SPRING", "PRESCRIBED", "CLOSURE_ROW")},
-    "TREE_LAW": "model.arrays.tree:LAW",
-    "RIDER": "model.arrays.node_frames:RIDER",
-    "RIDDEN_BODY": "model.arrays.node_frames:RIDDEN_BODY",
+    "TREE_FUNCTION": "model.arrays.tree:FUNCTION",
+    "NODE_FRAME": "model.arrays.node_frames:NODE_FRAME",
+    "FLEXIBLE_PARENT": "model.arrays.node_frames:FLEXIBLE_PARENT",
     "FRAME_WORK": "kernels.tree.work:FRAME_WORK",
     "COORDINATE_WORK": "kernels.tree.work:COORDINATE_WORK",
     "TREE_CLOCK": "kernels.integrators.tree_dop853:CLOCK",
@@ -43,26 +46,30 @@ TUPLES = {
     "Newton": ("kernels.kinematics.newton:Work", "f4 f2 f2 f2 i1 i2"),
     "System": (
         "kernels.constrained.system:System",
-        "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 ARM1 f1 MEASURE1 LOAD1 LAW1 f2 f1 GROUP1",
+        "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 FUNCTION1 f2 f1 GROUP1",
     ),
     "Work": ("kernels.constrained.system:Work", "f4 f2 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2"),
     "Inertia": ("kernels.constrained.mass_matrix:Inertia", "MASS1 FLEXIBLE1 f3 f1"),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
-    "March": ("kernels.integrators.constrained_dop853:March", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
-    "AlphaMarch": (
-        "kernels.integrators.generalised_alpha:AlphaMarch", "ALPHA_CLOCK1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
+    "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
+    "AlphaIntegration": (
+        "kernels.integrators.generalised_alpha:AlphaIntegration",
+        "ALPHA_CLOCK1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
     ),
-    "RadauMarch": (
-        "kernels.integrators.radau5:RadauMarch",
+    "RadauIntegration": (
+        "kernels.integrators.radau5:RadauIntegration",
         "RADAU_CLOCK1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f3 f3 c2 f1 c1 Work",
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
-        "FRAME1 LUMP1 ELASTIC_BODY1 f1 f1 f1 i2 SPRING1 PRESCRIBED1 TREE_LAW1 CLOSURE_ROW1 f2 f1 b1 b1 f1 "
-        "Riders bool",
+        "FRAME1 NODAL_MASS1 ELASTIC_BODY1 f1 f1 f1 i2 SPRING1 PRESCRIBED1 TREE_FUNCTION1 CLOSURE_ROW1 f2 f1 "
+        "b1 b1 f1 NodeFrames bool",
     ),
-    "Riders": ("model.arrays.node_frames:Riders", "RIDER1 RIDDEN_BODY1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1"),
-    "TreeMarch": ("kernels.integrators.tree_dop853:March", "TREE_CLOCK1 f1 f1 f1 f2 f2"),
+    "NodeFrames": (
+        "model.arrays.node_frames:NodeFrames",
+        "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",
+    ),
+    "TreeIntegration": ("kernels.integrators.tree_dop853:Integration", "TREE_CLOCK1 f1 f1 f1 f2 f2"),
     "TreeReport": ("kernels.integrators.tree_dop853:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2"),
     "Implicit": ("kernels.integrators.sdirk4:Implicit", "MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff"),
     "Stiff": ("kernels.tree.implicit_matrix:Stiff", "f2 f2 f2 i1 i1 i1 f1 CLOSURE_ROW1 f2 f2 f2"),
@@ -78,14 +85,14 @@ UNITS = {
         "linalg.rotation.rotation_rates": "f1 f1 f3 f3",
     },
     "kinematics": {
-        "kinematics.continuation.march": "Mechanism f2 f2 f1 f1 f3 f2",
+        "kinematics.continuation.follow": "Mechanism f2 f2 f1 f1 f3 f2",
         "kinematics.newton.evaluate_position": "Mechanism Newton f1 float f1",
         "kinematics.newton.reach_of": "Mechanism f1",
         "kinematics.continuation.predict": "f2 float f1",
         "kinematics.continuation.screws_expected": "f2 float f1",
         "kinematics.continuation.defect": "Mechanism f2 f2 float",
         "kinematics.continuation.step_to": "f1 float",
-        "kinematics.continuation.turns_too_far": "CONSTRAINT1 float float",
+        "kinematics.continuation.angle_too_far": "CONSTRAINT1 float float",
         "kinematics.continuation.acceptable": "f1 float float int",
         "kinematics.continuation.accept": "Mechanism Newton f2 f1 f2 f2",
         "kinematics.continuation.after_success": "f1 float float int",
@@ -107,18 +114,20 @@ UNITS = {
         "constrained.speeds.normalise": "int f1",
         "constrained.report.observe_rows": "System Work f2 Report",
     },
-    "explicit": {"integrators.constrained_dop853.march_rows": "int System Work March Report int"},
-    "alpha": {"integrators.generalised_alpha.march_rows": "int System Work AlphaMarch Report int"},
-    "radau": {"integrators.radau5.march_rows": "int System Work RadauMarch Report int"},
+    "explicit": {"integrators.constrained_dop853.integrate_rows": "int System Work Integration Report int"},
+    "alpha": {"integrators.generalised_alpha.integrate_rows": "int System Work AlphaIntegration Report int"},
+    "radau": {"integrators.radau5.integrate_rows": "int System Work RadauIntegration Report int"},
     "trees": {
-        "integrators.tree_dop853.call": "int int Tree FRAME_WORK1 COORDINATE_WORK1 TreeMarch TreeReport",
+        "integrators.tree_dop853.call": (
+            "int int Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration TreeReport"
+        ),
         "tree.motion.derivative": "Tree FRAME_WORK1 COORDINATE_WORK1 float f1 f1",
         "tree.motion.normalise_attitudes": "Tree f1",
         "tree.motion.turn_attitudes": "Tree f1 f2 f2",
-        "tree.projection.measure": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",
+        "tree.projection.evaluate_gaps": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",
     },
     "implicit_trees": {
-        "integrators.sdirk4.march_implicitly": (
+        "integrators.sdirk4.integrate_implicitly": (
             "float int Tree FRAME_WORK1 COORDINATE_WORK1 TREE_CLOCK1 f1 Implicit"
         ),
         "integrators.sdirk4.between": "float float f1 Implicit f1",

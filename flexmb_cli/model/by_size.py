@@ -1,4 +1,4 @@
-"""The order in which shares of a combination are told: largest first, equal ones in the deck's order.
+"""The order in which shares of a combination are reported: largest first, equal ones in the deck's order.
 
 Singular vectors come from LAPACK, whose last digits depend on the processor: what symmetry makes equal must
 not be ordered by them.

@@ -6,21 +6,26 @@ from .diagnostics import Findings
 from .mechanism import Driver, Mechanism, TimeGrid
 
 LARGEST_ANGLE = 1e9  # rad; beyond it a double leaves less than ten digits to a position within a turn
-MANY_TURNS = 1000.0  # between two report times, each of which is followed
+MANY_REVOLUTIONS = 1000.0  # between two report times, each of which is followed
 NO_ANGLE = f"beyond {LARGEST_ANGLE:.0e} rad numbers tell no position within a turn"
 
 
 def check_driver_angles(mechanism: Mechanism, findings: Findings) -> None:
-    """Refuse angles beyond `LARGEST_ANGLE`, and doubt `MANY_TURNS` in a report step."""
+    """Refuse angles beyond `LARGEST_ANGLE`, and doubt `MANY_REVOLUTIONS` in a report step."""
     for driver in mechanism.drivers:
         if driver.direction < 4:
             continue
-        angle, turns = _largest_angle(driver, mechanism.time), _turns_in_a_step(driver, mechanism.time)
+        angle, revolutions = (
+            _largest_angle(driver, mechanism.time),
+            _revolutions_in_a_step(driver, mechanism.time),
+        )
         if angle > LARGEST_ANGLE:
             message = f"its angle reaches {angle:.3g} rad; {NO_ANGLE}: C is in rad, B in rad/s, A in rad/s²"
             findings.error(driver.name, message, driver.place, id="MODEL-002")
-        elif turns > MANY_TURNS:
-            message = f"it turns {turns:.3g} times between two report times, each followed: is B in rad/s?"
+        elif revolutions > MANY_REVOLUTIONS:
+            message = (
+                f"it turns {revolutions:.3g} times between two report times, each followed: is B in rad/s?"
+            )
             findings.note(driver.name, message, driver.place, id="MODEL-003")
 
 
@@ -32,6 +37,6 @@ def _largest_angle(driver: Driver, grid: TimeGrid) -> float:
     return max(abs(driver.C + t * (driver.B + t * driver.A / 2)) for t in times)
 
 
-def _turns_in_a_step(driver, grid):
+def _revolutions_in_a_step(driver, grid):
     fastest = max(abs(driver.B + driver.A * t) for t in (grid.start, grid.end))
     return fastest * grid.step / (2 * math.pi)

@@ -10,7 +10,7 @@ from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .mechanism import TimeGrid, Vector
-from .time_functions import Motion, MotionLaw
+from .time_functions import Motion, MotionFunction
 
 GROUND = -1
 
@@ -110,7 +110,7 @@ class NodeForce:
     end: End
     force: Vector
     follows: bool
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 
@@ -122,7 +122,7 @@ class BodyTorque:
     body: int
     torque: Vector
     follows: bool
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 

@@ -78,9 +78,9 @@ class FlexibleInput:
 class Dropped:
     """What the body's basis leaves out.
 
-    `internal`: freedoms inside elements, condensed; `shapes`: nodes and axes of the static shapes that
-    others or the frame's conditions made superfluous; `modes`: eigenmodes of (104) that exist and are not
-    kept; `next_frequency`: the first of these, Hz, nan when it is not known.
+    `internal`: degrees of freedom inside elements, condensed; `shapes`: nodes and axes of the static shapes
+    that others or the frame's conditions made superfluous; `modes`: eigenmodes of (104) that exist and are
+    not kept; `next_frequency`: the first of these, Hz, nan when it is not known.
     """
 
     internal: int = 0

@@ -11,7 +11,7 @@ from ..quick_dataclass import dataclass
 from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
 from .mechanism import TimeGrid, Vector
-from .time_functions import Motion, MotionLaw
+from .time_functions import Motion, MotionFunction
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class PointForce:
     point: NodePoint
     force: Vector
     follows: bool
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 

@@ -33,8 +33,9 @@ def beam_direction(positions: np.ndarray, root: float) -> np.ndarray | None:
     return direction
 
 
-def geometric_stiffness(positions: np.ndarray, root: float, pulls: np.ndarray) -> np.ndarray:
-    """Matrix (NP, NP), N/m, for deflections across a beam whose nodes pull outward with `pulls` (NP,), N.
+def geometric_stiffness(positions: np.ndarray, root: float, axial_forces: np.ndarray) -> np.ndarray:
+    """Matrix (NP, NP), N/m, for deflections across a beam whose nodes pull outward with `axial_forces` (NP,),
+    N.
 
     positions (NP, 3): straight, see `beam_direction`; `root`: clamped end, m from O_k.
     """
@@ -42,7 +43,7 @@ def geometric_stiffness(positions: np.ndarray, root: float, pulls: np.ndarray) -
     order = np.argsort(along)
     lengths = np.diff(np.concatenate([[root], along[order]]))
     # An element is pulled by all nodes from its outer end on.
-    tensions = np.cumsum(pulls[order][::-1])[::-1]
+    tensions = np.cumsum(axial_forces[order][::-1])[::-1]
     bending = _assembled(lengths, _BENDING, 1.0 / lengths**3)
     string = _assembled(lengths, _STRING, tensions / lengths)
     deflections, slopes = slice(2, None, 2), slice(3, None, 2)

@@ -57,15 +57,15 @@ def hinge_motions(tree: Tree, k: int) -> np.ndarray:
     angles = [
         q for q, c in zip(tree.q, tree.coordinates, strict=True) if (c.body, c.motion) == (k, "rotation")
     ]
-    turns, frame = [], np.eye(3)
+    directions, frame = [], np.eye(3)
     for axis, angle in zip(hinge.rotations, angles, strict=True):
-        turns.append(frame[:, axis - 1])
+        directions.append(frame[:, axis - 1])
         if len(hinge.rotations) < 3:
             frame = frame @ _rotation(axis, angle)
     if not hinge.rotations:
         frame = _matrix(hinge.attitude)
     slides = [frame[axis - 1] for axis in hinge.translations]
-    columns = [np.concatenate([np.zeros(3), frame.T @ turn]) for turn in turns]
+    columns = [np.concatenate([np.zeros(3), frame.T @ turn]) for turn in directions]
     columns += [np.concatenate([slide, np.zeros(3)]) for slide in slides]
     return np.array(columns).reshape(-1, 6).T
 

@@ -8,7 +8,7 @@ ground, whose axes are global.
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
 from .mechanism import Vector
-from .time_functions import MotionLaw
+from .time_functions import MotionFunction
 
 ANGLE, STROKE = "angle", "stroke"
 # The coordinates that the joints of each kind have.
@@ -24,33 +24,35 @@ COORDINATES_OF = {
 
 @dataclass(frozen=True)
 class JointDriver:
-    """A joint coordinate that follows a law."""
+    """A joint coordinate that follows a function."""
 
     name: str
     joint: int
     coordinate: str
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 
 @dataclass(frozen=True)
 class JointMotor:
-    """A force or torque of a law of time in a joint coordinate, N or N m, opposite on body i."""
+    """A force or torque of a function of time in a joint coordinate, N or N m, opposite on body i."""
 
     name: str
     joint: int
     coordinate: str
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 
 @dataclass(frozen=True)
 class DrivenItem:
-    """The driver, or the simplified constraint in direction 1 to 3, number `item`, which follows a law."""
+    """The driver, or the simplified constraint in direction 1 to 3, number `item`, which follows a
+    function.
+    """
 
     name: str
     item: int
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None
 
 
@@ -68,8 +70,8 @@ class JointSpring:
     rest: float = 0.0
     damping: float = 0.0
     preload: float = 0.0
-    curve: MotionLaw | None = None
-    damper: MotionLaw | None = None
+    curve: MotionFunction | None = None
+    damper: MotionFunction | None = None
     place: Place | None = None
 
 
@@ -89,8 +91,8 @@ class LineSpring:
     rest: float = 0.0
     damping: float = 0.0
     preload: float = 0.0
-    curve: MotionLaw | None = None
-    damper: MotionLaw | None = None
+    curve: MotionFunction | None = None
+    damper: MotionFunction | None = None
     slack: bool = False
     place: Place | None = None
 

@@ -10,7 +10,7 @@ from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .joint_elements import JointElements
 from .mechanism import Mechanism, Vector
-from .time_functions import MotionLaw
+from .time_functions import MotionFunction
 
 NOWHERE: Vector = (0.0, 0.0, 0.0)
 
@@ -39,7 +39,7 @@ class AppliedForce:
     force: Vector
     point: Vector = NOWHERE
     following: bool = False
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 
@@ -51,7 +51,7 @@ class AppliedTorque:
     body: int
     torque: Vector
     following: bool = False
-    factor: MotionLaw | None = None
+    factor: MotionFunction | None = None
     place: Place | None = None
 
 

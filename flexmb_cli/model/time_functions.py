@@ -1,4 +1,5 @@
-"""Laws of time: polynomials, spin-up, sines, tables, sums and products, with their first two derivatives.
+"""Functions of time: polynomials, spin-up, sines, tables, sums and products, with their first two
+derivatives.
 
 The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w over the time T.
 """
@@ -17,15 +18,15 @@ POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 
 
 
 @dataclass(frozen=True)
-class MotionLaw:
-    """A law of `kind` with constants `c` (4,); SI units.
+class MotionFunction:
+    """A function of `kind` with constants `c` (4,); SI units.
 
     1: c0 + c1 t + c2 t² + c3 t³.  2: (w/T) (t²/2 + (T/2 pi)² (cos(2 pi t/T) - 1)) up to T = c1, then
     w (t - T/2), with w = c0.  3: c0 + c1 sin(c2 t + c3).  4: the natural cubic spline through the points
     (`times`, `values`), whose `curvature` (k,) is known at each; outside it goes on straight.  5: the same,
     which keeps its first and last value outside.  6: `pieces`, see `piecewise_polynomials`.  7: the sum of
-    `terms`, each a product of laws of the other kinds.  The points of a table may be a million: arrays of
-    doubles.
+    `terms`, each a product of functions of the other kinds.  The points of a table may be a million: arrays
+    of doubles.
     """
 
     kind: int
@@ -34,26 +35,26 @@ class MotionLaw:
     values: Sequence[float] = ()
     curvature: Sequence[float] = ()
     pieces: Pieces = ()
-    terms: tuple[tuple["MotionLaw", ...], ...] = ()
+    terms: tuple[tuple["MotionFunction", ...], ...] = ()
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Value and its first and second derivative at time `t`, s."""
         return _VALUES[self.kind](self, t)
 
     @property
-    def of_factor(self) -> "MotionLaw":
+    def of_factor(self) -> "MotionFunction":
         """A table as the factor of a load: linear between its points, constant outside.
 
         A spline would swing beyond the values given, and pull before a pulse begins.
         """
         flat = array("d", bytes(8 * len(self.times)))
-        return MotionLaw(HELD_TABLE, self.c, self.times, self.values, flat)
+        return MotionFunction(HELD_TABLE, self.c, self.times, self.values, flat)
 
 
-def table_law(times: Sequence[float], values: Sequence[float]) -> MotionLaw:
-    """The law through at least two points, times ascending."""
+def table_function(times: Sequence[float], values: Sequence[float]) -> MotionFunction:
+    """The function through at least two points, times ascending."""
     t, f = array("d", times), array("d", values)
-    return MotionLaw(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
+    return MotionFunction(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
 
 
 def _natural_curvature(t, f):
@@ -77,13 +78,13 @@ def _natural_curvature(t, f):
     return reduced
 
 
-def _polynomial(law, t):
-    c0, c1, c2, c3 = law.c
+def _polynomial(function, t):
+    c0, c1, c2, c3 = function.c
     return c0 + t * (c1 + t * (c2 + t * c3)), c1 + t * (2 * c2 + 3 * t * c3), 2 * c2 + 6 * t * c3
 
 
-def _spin_up(law, t):
-    w, T = law.c[:2]
+def _spin_up(function, t):
+    w, T = function.c[:2]
     if t >= T:
         return w * (t - T / 2), w, 0.0
     turn = math.tau * t / T
@@ -91,14 +92,14 @@ def _spin_up(law, t):
     return value, w / T * (t - T / math.tau * math.sin(turn)), w / T * (1 - math.cos(turn))
 
 
-def _sine(law, t):
-    c0, c1, c2, c3 = law.c
+def _sine(function, t):
+    c0, c1, c2, c3 = function.c
     phase = c2 * t + c3
     return c0 + c1 * math.sin(phase), c1 * c2 * math.cos(phase), -c1 * c2 * c2 * math.sin(phase)
 
 
-def _spline(law, t):
-    times, f, g = law.times, law.values, law.curvature
+def _spline(function, t):
+    times, f, g = function.times, function.values, function.curvature
     inside = min(max(t, times[0]), times[-1])
     k = min(max(int(np.searchsorted(times, inside, side="right")) - 1, 0), len(times) - 2)
     h = times[k + 1] - times[k]
@@ -110,19 +111,19 @@ def _spline(law, t):
     return value, rate, a * g[k] + b * g[k + 1]
 
 
-def _held(law, t):
-    if law.times[0] <= t <= law.times[-1]:
-        return _spline(law, t)
-    return law.values[0 if t < law.times[0] else -1], 0.0, 0.0
+def _held(function, t):
+    if function.times[0] <= t <= function.times[-1]:
+        return _spline(function, t)
+    return function.values[0 if t < function.times[0] else -1], 0.0, 0.0
 
 
-def _pieces(law, t):
-    return value_and_rates(law.pieces, t)
+def _pieces(function, t):
+    return value_and_rates(function.pieces, t)
 
 
-def _compound(law, t):
+def _compound(function, t):
     total = (0.0, 0.0, 0.0)
-    for factors in law.terms:
+    for factors in function.terms:
         f, fd, fdd = 1.0, 0.0, 0.0
         for g, gd, gdd in (factor.at(t) for factor in factors):
             f, fd, fdd = f * g, fd * g + f * gd, fdd * g + 2.0 * fd * gd + f * gdd
@@ -141,59 +142,61 @@ _VALUES = {
 }
 
 
-def piecewise(pieces: Pieces) -> MotionLaw:
-    """The law of these pieces."""
-    return MotionLaw(PIECEWISE, pieces=pieces)
+def piecewise(pieces: Pieces) -> MotionFunction:
+    """The function of these pieces."""
+    return MotionFunction(PIECEWISE, pieces=pieces)
 
 
-def _terms(law):
-    return law.terms if law.kind == COMPOUND else ((law,),)
+def _terms(function):
+    return function.terms if function.kind == COMPOUND else ((function,),)
 
 
-def sum_of(laws: Iterable[MotionLaw]) -> MotionLaw:
-    """The sum of laws."""
-    return MotionLaw(COMPOUND, terms=tuple(term for law in laws for term in _terms(law)))
+def sum_of(functions: Iterable[MotionFunction]) -> MotionFunction:
+    """The sum of functions."""
+    return MotionFunction(COMPOUND, terms=tuple(term for function in functions for term in _terms(function)))
 
 
-def product_of(laws: Iterable[MotionLaw]) -> MotionLaw:
-    """The product of laws, multiplied out."""
-    products: list[tuple[MotionLaw, ...]] = [()]
-    for law in laws:
-        products = [(*before, *term) for before in products for term in _terms(law)]
-    return MotionLaw(COMPOUND, terms=tuple(products))
+def product_of(functions: Iterable[MotionFunction]) -> MotionFunction:
+    """The product of functions, multiplied out."""
+    products: list[tuple[MotionFunction, ...]] = [()]
+    for function in functions:
+        products = [(*before, *term) for before in products for term in _terms(function)]
+    return MotionFunction(COMPOUND, terms=tuple(products))
 
 
-def integral_of(law: MotionLaw, start: float = 0.0) -> MotionLaw | None:
+def integral_of(function: MotionFunction, start: float = 0.0) -> MotionFunction | None:
     """The antiderivative that is 0 at `start`; None where flexmb has none: of a product."""
-    if law.kind == PIECEWISE:
-        return piecewise(integral(law.pieces, start))
-    if law.kind == POLYNOMIAL:
-        return piecewise(integral(((0.0, *law.c),), start))
-    if law.kind == SINE and law.c[2] != 0.0:
-        mean, size, omega, phase = law.c
-        turning = MotionLaw(SINE, (0.0, -size / omega, omega, phase + math.pi / 2))
+    if function.kind == PIECEWISE:
+        return piecewise(integral(function.pieces, start))
+    if function.kind == POLYNOMIAL:
+        return piecewise(integral(((0.0, *function.c),), start))
+    if function.kind == SINE and function.c[2] != 0.0:
+        mean, size, omega, phase = function.c
+        turning = MotionFunction(SINE, (0.0, -size / omega, omega, phase + math.pi / 2))
         return sum_of([piecewise(((start, -turning.at(start)[0], mean),)), turning])
-    if law.kind == COMPOUND and all(len(factors) == 1 for factors in law.terms):
-        parts = [integral_of(factors[0], start) for factors in law.terms]
+    if function.kind == COMPOUND and all(len(factors) == 1 for factors in function.terms):
+        parts = [integral_of(factors[0], start) for factors in function.terms]
         return None if None in parts else sum_of(parts)
     return None
 
 
-def smoothness(law: MotionLaw) -> int:
-    """How many derivatives of a law are continuous, at most 2; -1: its value jumps."""
-    if law.kind == PIECEWISE:
-        return continuous_rates(law.pieces)
-    if law.kind == COMPOUND:
-        return min((smoothness(factor) for factors in law.terms for factor in factors), default=2)
-    return {HELD_TABLE: 0}.get(law.kind, 2)
+def smoothness(function: MotionFunction) -> int:
+    """How many derivatives of a function are continuous, at most 2; -1: its value jumps."""
+    if function.kind == PIECEWISE:
+        return continuous_rates(function.pieces)
+    if function.kind == COMPOUND:
+        return min((smoothness(factor) for factors in function.terms for factor in factors), default=2)
+    return {HELD_TABLE: 0}.get(function.kind, 2)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What a law prescribes: a coordinate of a body (`kind` TRAX ... ROTZ), or of a joint (ANGL, STRK)."""
+    """What a function prescribes: a coordinate of a body (`kind` TRAX ... ROTZ), or of a joint (ANGL,
+    STRK).
+    """
 
     name: str
     kind: str
     target: int
-    law: MotionLaw
+    function: MotionFunction
     place: Place | None = None

@@ -104,12 +104,12 @@ class Table:
 
 
 def constant(value: float) -> Table:
-    """The law that never changes."""
+    """The function that never changes."""
     return Table((0.0,), (value,))
 
 
 def pulse(value: float, duration: float) -> Table:
-    """The DESN law: +value, nothing, -value for `duration` each, then nothing."""
+    """The DESN function: +value, nothing, -value for `duration` each, then nothing."""
     t, f = duration, value
     return Table((0.0, t, t, 2 * t, 2 * t, 3 * t, 3 * t), (f, f, 0.0, 0.0, -f, -f, 0.0))
 
@@ -120,7 +120,7 @@ class BodyTorque:
 
     body: int
     axis: int
-    law: Table
+    function: Table
     place: Place | None = None
 
 
@@ -147,7 +147,7 @@ class Motor:
     body: int
     motion: str
     axis: int
-    law: Table
+    function: Table
     place: Place | None = None
 
 

@@ -1,6 +1,6 @@
 """What a stopped run leaves to go on from: the rows so far and the state after them, in `<stem>.resume`.
 
-The file is a journal: one line that says of which run it is, then one entry for each block of rows, each
+The file is a resume file: one line that says of which run it is, then one entry for each block of rows, each
 with its length and checksum.  A checkpoint stands behind the rows of an entry; one that is larger than the
 rows since the last is left out for a while.  A kill tears at most the last entry, which then does not count.
 Result files are written anew from the entries up to the last checkpoint.
@@ -32,10 +32,11 @@ _BEGINNING = b'{"'
 _DESCRIPTION = b"[["
 
 
-class Journal:
-    """The journal at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's types.
+class ResumeFile:
+    """The resume file at `path` (None keeps none); `identity` is all that the rows depend on, in JSON's
+    types.
 
-    `find` the journal of a stopped run if there may be one; then `begin`, take the `stored` entries,
+    `find` the resume file of a stopped run if there may be one; then `begin`, take the `stored` entries,
     and `append` further ones.  `doubts`: what could not be used of the one found, `last_checkpoint` where it
     goes on.
     """
@@ -52,9 +53,9 @@ class Journal:
         self._pending: dict = {}  # the checkpoint behind them
 
     def find(self) -> None:
-        """Look for the journal of a stopped run, and remove the files that it left unfinished.
+        """Look for the resume file of a stopped run, and remove the files that it left unfinished.
 
-        Raises ModelError when the journal is of another run.
+        Raises ModelError when the resume file is of another run.
         """
         if self.path is None or not os.path.lexists(self.path):
             return
@@ -73,7 +74,7 @@ class Journal:
                 if any(name.startswith(_STATE) for name in names):
                     last, self._end = entry, whole
             if last:
-                self.last_checkpoint = _parted(_arrays(last))[1]
+                self.last_checkpoint = _split(_arrays(last))[1]
             lost = os.fstat(file.fileno()).st_size - whole
         if lost:
             self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
@@ -86,23 +87,23 @@ class Journal:
         return json.dumps(self.identity).encode() + b"\n"
 
     def begin(self, unfinished: Sequence[str]) -> None:
-        """Start the journal, or go on with the one found; a kill would leave the files `unfinished`."""
+        """Start the resume file, or go on with the one found; a kill would leave the files `unfinished`."""
         if self.path is None:
             return
         with located(self.path):
             self._open()
-            # Names only: a journal may be another's, and no file but beside it is to be touched.
+            # Names only: a resume file may be another's, and no file but beside it is to be touched.
             self._write({_UNFINISHED: np.array([os.path.basename(path) for path in unfinished], str)})
 
     def stored(self) -> Iterator[tuple[dict, dict]]:
-        """Pairs (values, checkpoint) of the journal that was found, oldest first."""
+        """Pairs (values, checkpoint) of the resume file that was found, oldest first."""
         if self._end == self._first:
             return
         with self._opened() as file:
             file.seek(self._first)
             for entry in _entries(file):
                 arrays = _arrays(entry)
-                values, state = _parted(arrays)
+                values, state = _split(arrays)
                 if "time" in values:
                     yield values, state
                 if file.tell() >= self._end:
@@ -129,19 +130,19 @@ class Journal:
         return self._file is not None or self._end > self._first
 
     def close(self) -> None:
-        """Leave the journal for `--resume`."""
+        """Leave the resume file for `--resume`."""
         if self._file:
             if self._pending:
                 with suppress(OSError, OutputError):
                     self._write(self._pending)
-            # The run ends for another reason, which is told; but for power cuts the file is whole anyway.
+            # The run ends for another reason, which is reported; but for power cuts the file is whole anyway.
             with suppress(OSError):
                 sync(self._file.fileno())
                 sync_folder(os.path.dirname(self.path))
             self._file.close()
 
     def remove(self) -> None:
-        """The run is over and leaves nothing to resume; a journal that was not begun stays."""
+        """The run is over and leaves nothing to resume; a resume file that was not begun stays."""
         if self._file:
             self._file.close()
             # Where it must stay, it would only give the same results once more.
@@ -194,7 +195,7 @@ class Journal:
 
 
 def _obstacle(file):
-    """Return why the open file may not be written as a journal; "" where it may."""
+    """Return why the open file may not be written as a resume file; "" where it may."""
     if hold(file) is False:
         return "another run is writing it; wait until it ends"
     head = file.read(_LONGEST_HEAD)
@@ -204,7 +205,7 @@ def _obstacle(file):
 
 
 def _is_blank(head):
-    """Return whether a journal begins with nothing, or with the zeros that a loss of power may leave."""
+    """Return whether a resume file begins with nothing, or with the zeros that a loss of power may leave."""
     return not head.strip(b"\0")
 
 
@@ -228,8 +229,8 @@ def _entries(file):
 def _packed(arrays):
     """An entry: a line that describes the arrays, and their bytes; files of numpy take ten times longer."""
     given = {name: np.asarray(array) for name, array in arrays.items()}
-    told = [[name, dtype_to_descr(array.dtype), array.shape] for name, array in given.items()]
-    return json.dumps(told).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
+    reported = [[name, dtype_to_descr(array.dtype), array.shape] for name, array in given.items()]
+    return json.dumps(reported).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
 
 
 def _names(entry):
@@ -259,7 +260,7 @@ def _with_tuples(described):
     return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]
 
 
-def _parted(arrays):
+def _split(arrays):
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
     return {name: array for name, array in arrays.items() if not name.startswith(_STATE)}, state
 

@@ -1,4 +1,4 @@
-"""What one run has from beginning to end: its options, what becomes of it, and who is told how far it is."""
+"""What one run has from beginning to end: its options, what becomes of it, and who hears how far it is."""
 
 from typing import NamedTuple, TextIO
 

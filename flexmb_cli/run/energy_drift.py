@@ -19,10 +19,10 @@ OF_TREES = (
 class EnergyDrift:
     """How far the total energy has moved from its first value, and what it may be measured against.
 
-    `reasons` and what to do about them end the warning; `measure` names what `scale` is.
+    `reasons` and what to do about them end the warning; `reference` names what `scale` is.
     """
 
-    measure = "kinetic and strain energy reach"
+    reference = "kinetic and strain energy reach"
     reasons = OF_TREES
 
     def __init__(self):
@@ -48,13 +48,13 @@ class EnergyDrift:
         return (Fault("warning", f"{self}, {STRAYS}{self.reasons}", id="RUN-014"),)
 
     def __str__(self):
-        return f"total energy drifts by {self.largest:.1e} J, {self.measure} {self.scale:.2g} J"
+        return f"total energy drifts by {self.largest:.1e} J, {self.reference} {self.scale:.2g} J"
 
 
 class ConstrainedDrift(EnergyDrift):
     """That of a mechanism under constraints, whose total has the work of drivers and loads taken off."""
 
-    measure = "the energies and the work done reach"
+    reference = "the energies and the work done reach"
 
     def __init__(self, reasons: str):
         super().__init__()

@@ -110,7 +110,7 @@ def nothing_to_refine(run: Run, reason: str = NO_STEPS) -> None:
 def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[dict] | None:
     """Return the blocks of values of a second analysis at a tighter tolerance, if that chooses its steps."""
     second = analysis_of(run.unheard)
-    if not second.stepper.chosen:
+    if not second.integrator.chosen:
         return nothing_to_refine(run, GIVEN_STEPS)
     clock = second.clock
     tolerance = float(clock["rtol"][0])

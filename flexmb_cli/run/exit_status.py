@@ -1,9 +1,9 @@
-"""How a deck ends that does not come to its last time: what is told of it, and its exit code."""
+"""How a deck ends that does not come to its last time: what learns of it, and its exit code."""
 
 from contextlib import contextmanager
 
 from ..errors import ANALYSIS_FAILED, INTERNAL_FAULT, AnalysisError, Fault, FlexmbError, ModelError
-from ..memory import LACK_OF_MEMORY, lacks_memory, told_of_lack
+from ..memory import LACK_OF_MEMORY, lack_of_memory_text, lacks_memory
 from ..quick_dataclass import replace
 from .outcome import INTERRUPTED, TERMINATED, Outcome, RunOptions, Stop, Terminated
 
@@ -61,8 +61,8 @@ def _record_failure(outcome, failure, options):
 
 def _by_change(fault, options):
     """A fault of the model without a place, where numbers were changed, may be theirs."""
-    told = any(change in fault.message for change in options.changes)
-    if fault.place is None and options.changes and fault.severity == "error" and not told:
+    reported = any(change in fault.message for change in options.changes)
+    if fault.place is None and options.changes and fault.severity == "error" and not reported:
         return replace(
             fault, message=f"{fault.message} (numbers changed by --set: {', '.join(options.changes)})"
         )
@@ -78,11 +78,11 @@ def _record_fault(outcome, fault, options):
         raise fault
     outcome.exit_code = ANALYSIS_FAILED
     if lacks_memory(fault):
-        told = told_of_lack(fault)
+        reported = lack_of_memory_text(fault)
     elif isinstance(fault, OSError):
         named = f": {fault.filename}" if fault.filename else ""
-        told = f"the system refused: {fault.strerror}{named}"
+        reported = f"the system refused: {fault.strerror}{named}"
     else:
         outcome.exit_code = INTERNAL_FAULT
-        told = f"a fault of flexmb itself: {type(fault).__name__}: {fault}; {_REPORT}"
-    outcome.faults.append(Fault("error", told, id="RUN-016"))
+        reported = f"a fault of flexmb itself: {type(fault).__name__}: {fault}; {_REPORT}"
+    outcome.faults.append(Fault("error", reported, id="RUN-016"))

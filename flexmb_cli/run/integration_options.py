@@ -15,8 +15,8 @@ def refuse_foreign_method(deck: Deck, options: RunOptions) -> None:
     dialect, method = dialect_named(deck.dialect), options.integration.get("method")
     if method not in (None, *dialect.methods) and dialect.takes_steps(deck):
         known = dialect.methods
-        told = f"--method {method}: a {dialect.title} deck is integrated by {', '.join(known[:-1])}"
-        raise ModelError([Fault("error", f"{told} or {known[-1]}", id="RUN-025")])
+        reported = f"--method {method}: a {dialect.title} deck is integrated by {', '.join(known[:-1])}"
+        raise ModelError([Fault("error", f"{reported} or {known[-1]}", id="RUN-025")])
 
 
 def set_tolerances(analysis: object, options: RunOptions, outcome: Outcome) -> None:
@@ -24,7 +24,7 @@ def set_tolerances(analysis: object, options: RunOptions, outcome: Outcome) -> N
     given = {name: options.integration[name] for name in ("rtol", "atol") if name in options.integration}
     if not given:
         return
-    if not analysis.stepper.chosen:
+    if not analysis.integrator.chosen:
         names = " and ".join(f"--{name}" for name in given)
         message = f"{names}: the deck gives the length of the steps; set it to 0, or take --method radau"
         outcome.faults.append(Fault("warning", message, id="RUN-026"))

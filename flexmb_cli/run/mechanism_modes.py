@@ -104,7 +104,7 @@ def dynamic_modes(model: DynamicModel, wish: Wish, run: Run) -> MechanismModes:
     return _of_mechanism(ForwardDynamics(model), wish, run)
 
 
-def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_dop853.march_rows"):
+def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_dop853.integrate_rows"):
     """Small mechanisms that need not move first are looked at by uncompiled kernels."""
     from ..solvers import compilation
 
@@ -123,7 +123,7 @@ def _prepare(speeds, wish: Wish, grid, listener, entry="integrators.constrained_
 def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
     from ..solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes_of
     from ..solvers.linearisation.constrained_responses import ConstrainedResponses, constrained_signals
-    from ..solvers.linearisation.equilibrium import settle
+    from ..solvers.linearisation.equilibrium import find_equilibrium
 
     try:
         bring_to(analysis, analysis.grid.start if wish.time is None else wish.time)
@@ -131,7 +131,7 @@ def _of_mechanism(analysis, wish: Wish, run: Run) -> MechanismModes:
         run.outcome.faults += analysis.warnings
     run.warn(())
     if wish.equilibrium:
-        settle(analysis, ConstrainedLinearised)
+        find_equilibrium(analysis, ConstrainedLinearised)
     motion, A, constant = linearised(analysis)
     space = _space(wish, ConstrainedResponses, motion, A, constrained_signals)
     found, arrays = modes_of(motion, A, constant), analysis.arrays
@@ -159,7 +159,7 @@ def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     grid = tree.time
     _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.call")
     from ..solvers.linearisation.constrained import linearised, modes_of
-    from ..solvers.linearisation.equilibrium import settle
+    from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree
     from ..solvers.linearisation.tree_responses import TreeResponses, tree_signals
     from ..solvers.tree.analysis import TreeAnalysis
@@ -170,7 +170,7 @@ def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     analysis = TreeAnalysis(tree)
     start_tree(analysis, time)
     if wish.equilibrium:
-        settle(analysis, TreeLinearised)
+        find_equilibrium(analysis, TreeLinearised)
     motion, A, constant = linearised(analysis, TreeLinearised)
     space = _space(wish, TreeResponses, motion, A, tree_signals)
     found = modes_of(motion, A, constant)

@@ -64,8 +64,8 @@ def warn_of_foreign_options(deck: Deck, options: RunOptions, outcome: Outcome) -
             foreign.setdefault(INSTEAD[name], []).append(f"--{name}")
     for instead, names in foreign.items():
         *others, last = names
-        told = f"{', '.join(others)} and {last} have" if others else f"{last} has"
-        message = f"{told} no effect on this {title} deck: {instead}"
+        reported = f"{', '.join(others)} and {last} have" if others else f"{last} has"
+        message = f"{reported} no effect on this {title} deck: {instead}"
         outcome.faults.append(Fault("warning", message, id="RUN-012"))
 
 

@@ -107,7 +107,7 @@ class ResultFiles:
     def discard(self) -> None:
         """Leave no file; what standard output was given already is marked."""
         if self.begun and self.paths.out == STANDARD_OUTPUT:
-            # It may be the very thing that fails, and what ended the run is told, not this.
+            # It may be the very thing that fails, and what ended the run is reported, not this.
             with suppress(OSError, OutputError):
                 self.table.stopped()
         for file in self._all():

@@ -12,7 +12,7 @@ from ..deck.record import Deck
 from ..errors import AnalysisError, Fault, FlexmbError, OutputError, sentences
 from ..quick_dataclass import dataclass, field
 from ..results.files.file_names import ResultPaths
-from .checkpoint import Journal
+from .checkpoint import ResumeFile
 from .context import Run
 from .exit_status import reason_of
 from .integration_options import refuse_foreign_method
@@ -84,15 +84,15 @@ def solve_deck(deck: Deck, paths: ResultPaths, run: Run) -> None:
         solution = solution_of(model_of(deck, run), run)
         doubts = solution.doubts()
         run.outcome.faults += doubts
-        journal = _journal(deck, solution, paths, run)
+        resume_file = _resume_file(deck, solution, paths, run)
         estimate = _estimate(solution, run)
     with Stop.later():
-        _Keeper(deck, solution, paths, run, journal, estimate, doubts).keep()
+        _Keeper(deck, solution, paths, run, resume_file, estimate, doubts).keep()
 
 
 @contextmanager
 def _resumable_if_stopped(paths, run):
-    """Who stops a run before it has looked at its journal is told of it, too."""
+    """Who stops a run before it has looked at its resume file learns of it, too."""
     try:
         yield
     except (KeyboardInterrupt, Terminated):
@@ -101,14 +101,14 @@ def _resumable_if_stopped(paths, run):
         raise
 
 
-def _journal(deck, solution, paths, run) -> Journal:
-    """The journal of a run; one that cannot be resumed keeps none."""
+def _resume_file(deck, solution, paths, run) -> ResumeFile:
+    """The resume file of a run; one that cannot be resumed keeps none."""
     kept = paths.resume if solution.resumable else None
-    journal = Journal(kept, identity_of(deck, solution, run))
+    resume_file = ResumeFile(kept, identity_of(deck, solution, run))
     if run.options.resume:
-        journal.find()
-        run.outcome.faults += journal.doubts
-    return journal
+        resume_file.find()
+        run.outcome.faults += resume_file.doubts
+    return resume_file
 
 
 def identity_of(deck: Deck, solution: Solution, run: Run) -> dict:
@@ -134,36 +134,36 @@ def _estimate(solution, run):
 
 
 class _Keeper:
-    """Keeps the rows of one run: journal first, then tables and result."""
+    """Keeps the rows of one run: resume file first, then tables and result."""
 
-    def __init__(self, deck, solution: Solution, paths, run: Run, journal: Journal, estimate, doubts):
-        self.solution, self.run, self.journal, self.estimate = solution, run, journal, estimate
+    def __init__(self, deck, solution: Solution, paths, run: Run, resume_file: ResumeFile, estimate, doubts):
+        self.solution, self.run, self.resume_file, self.estimate = solution, run, resume_file, estimate
         self.doubts = doubts
         self.files = ResultFiles(deck, solution, paths, run, estimate is not None)
 
     def keep(self) -> None:
         """Write the rows as they come, and put the files in their places; raises as `solve_deck`."""
-        outcome, journal, files = self.run.outcome, self.journal, self.files
+        outcome, resume_file, files = self.run.outcome, self.resume_file, self.files
         try:
-            journal.begin(files.unfinished)
+            resume_file.begin(files.unfinished)
             self._keep_blocks()
             self._tell_doubts()
             self.run.warn(())
         except AnalysisError as failure:
             self._tell_doubts()
             outcome.files = files.close_failed(failure.args[0], True, self.notes)
-            journal.remove()
+            resume_file.remove()
             raise
         except OutputError:
             files.discard()
-            self._leave_journal()
+            self._leave_resume_file()
             raise
         except BaseException as ending:
             if isinstance(ending, FlexmbError):
-                journal.remove()
+                resume_file.remove()
             else:
                 outcome.faults += self.solution.warnings
-                self._leave_journal()
+                self._leave_resume_file()
             outcome.files = files.close_stopped(outcome.rows, reason_of(ending), self.notes)
             raise
         self._complete()
@@ -185,11 +185,11 @@ class _Keeper:
                 Stop.heed()
 
     def _blocks(self):
-        """Blocks of values: those of a stopped run first, then what the analysis adds to the journal."""
-        solution, journal = self.solution, self.journal
-        if (state := journal.last_checkpoint) is not None:
+        """Blocks of values: those of a stopped run first, then what the analysis adds to the resume file."""
+        solution, resume_file = self.solution, self.resume_file
+        if (state := resume_file.last_checkpoint) is not None:
             solution.analysis.restore(state)
-            for values, _ in journal.stored():
+            for values, _ in resume_file.stored():
                 # The second run is not kept: it begins anew.
                 yield self._with_errors(values)
         elif self.run.options.resume:
@@ -198,9 +198,9 @@ class _Keeper:
             return
         for rows in solution.analysis.rows():
             values = solution.values(rows)
-            if journal.path is not None:
+            if resume_file.path is not None:
                 with Stop.later():
-                    journal.append(values, solution.analysis.checkpoint)
+                    resume_file.append(values, solution.analysis.checkpoint)
             yield self._with_errors(values)
 
     def _with_errors(self, values):
@@ -223,18 +223,20 @@ class _Keeper:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the model made doubtful and the analysis told about its way, for the result file."""
+        """What the model made doubtful and the analysis reported about its way, for the result file."""
         return sentences((*self.doubts, *self.solution.warnings))
 
-    def _leave_journal(self):
-        self.journal.close()
-        self.run.outcome.resumable = self.journal.begun
+    def _leave_resume_file(self):
+        self.resume_file.close()
+        self.run.outcome.resumable = self.resume_file.begun
 
     def _complete(self):
-        """Put the results in their places; where they cannot be, the journal stays for the next attempt."""
+        """Put the results in their places; where they cannot be, the resume file stays for the next
+        attempt.
+        """
         try:
             self.run.outcome.files = self.files.close(self.notes)
         except (OutputError, MemoryError):
-            self._leave_journal()
+            self._leave_resume_file()
             raise
-        self.journal.remove()
+        self.resume_file.remove()

@@ -33,11 +33,11 @@ def _walk(record, prefix) -> Iterator[tuple[str, np.ndarray]]:
             yield path, value
 
 
-def told(warnings: list[Fault]) -> np.ndarray:
+def reported(warnings: list[Fault]) -> np.ndarray:
     """Return faults as an array of one text."""
     return np.array(json.dumps([fault.as_record() for fault in warnings]))
 
 
-def faults_told(stored: np.ndarray) -> list[Fault]:
-    """Return the faults that `told` was given."""
+def faults_reported(stored: np.ndarray) -> list[Fault]:
+    """Return the faults that `reported` was given."""
     return [Fault.of_record(record) for record in json.loads(str(stored))]

@@ -5,7 +5,7 @@ from typing import Protocol
 
 from ..errors import OutputError
 
-_told: set[str] = set()  # entries this process need not look for again: a study asks for every case
+_reported: set[str] = set()  # entries this process need not look for again: a study asks for every case
 COMPILING = "compiling kernels (once per version, 10 s to a minute)"
 NO_FOLDER = "no folder to keep compiled kernels in; set NUMBA_CACHE_DIR to one that can be written"
 
@@ -36,9 +36,9 @@ def interpreted() -> bool:
 
 def tell_of_compiling(listener: Notices, entry: str) -> None:
     """Notices for the user when the kernel `entry` ("module.function") has to be compiled."""
-    if entry in _told:
+    if entry in _reported:
         return
-    _told.add(entry)
+    _reported.add(entry)
     from ..kernels import _jit
 
     if not _jit.must_compile(entry):

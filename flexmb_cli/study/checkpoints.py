@@ -94,13 +94,13 @@ class Parts:
         with file:
             yield from _records(file, cases)
 
-    def settle(self) -> None:
+    def sync_all(self) -> None:
         """Hand to the disk what all processes have kept so far.  Raises OutputError."""
         with located(self.folder):
             for name in os.listdir(self.folder):
                 if name.endswith(_PART):
                     GROWING.note(os.path.join(self.folder, name))
-            GROWING.settle()
+            GROWING.sync_all()
 
     def remove(self) -> None:
         """Remove all of this or another study but the lock of its folder."""

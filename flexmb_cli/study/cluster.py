@@ -95,7 +95,7 @@ class _Cluster:
         self.shared = client.submit(_handed_on, sweep.job, pure=False)
         self.rest, self.struck, self.deaths = deque(), deque(), Counter()
         self.shares = {}  # blocks by the key of their future
-        self.seconds = None  # of a block, as told last
+        self.seconds = None  # of a block, as reported last
         self.threads, self.counted = 1, -CENSUS
         self.arriving = as_completed(loop=client.loop)
 

@@ -75,7 +75,7 @@ class CaseSolver:
         return solution_of(model_of(deck, run), run)
 
     def solve(self, case: int) -> CaseResult:
-        """The result of a case; what fails is told in it."""
+        """The result of a case; what fails is reported in it."""
         taken, rows, code, message = self._nothing_taken(), 0, DONE, ""
         try:
             deck = self._settable.with_settings(self.cases.settings(case))
@@ -90,7 +90,7 @@ class CaseSolver:
         except Exception as fault:
             # A stop that became another exception is none of the case's.
             Stop.heed()
-            code, message = _told(fault)
+            code, message = _reported(fault)
         return self._result(case, code, rows, taken, message)
 
     def unsolved(self, case: int, code: int, message: str) -> CaseResult:
@@ -116,7 +116,7 @@ class CaseSolver:
             raise DeckError([Fault("error", message, id="STUDY-015")])
 
 
-def _told(fault):
+def _reported(fault):
     """Exit code and message of a case that ended of what no deck should bring about."""
     if lacks_memory(fault):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"

@@ -88,7 +88,7 @@ class Sweep:
     def of(cls, path: str, parts_folder: str, fresh: bool = False) -> "Sweep":
         """The study in the file at `path`; begins its folder of parts or goes on with it."""
         text = _study_text(path)
-        with told_at(path, text.lines):
+        with reported_at(path, text.lines):
             study = read_study(text)
         deck_path = os.path.join(os.path.dirname(path), study.deck)
         deck_text = _readable_deck(deck_path, study)
@@ -96,7 +96,7 @@ class Sweep:
         size = max(1, min(LARGEST_BLOCK, study.cases // BLOCKS_WANTED))
         identity = {"version": __version__, "deck": deck_text.sha256, "study": text.sha256}
         job = Job(deck_text, folder, study, size, os.path.abspath(parts_folder), tuple(identity.items()))
-        with told_at(path, text.lines):
+        with reported_at(path, text.lines):
             solver = solver_of(job)
         lock = job.parts.lock(path)
         try:
@@ -148,7 +148,7 @@ class StudyError(DeckError):
 
 
 @contextmanager
-def told_at(path: str, lines=()):
+def reported_at(path: str, lines=()):
     """Faults of what is done here are those of the file at `path`, whose `lines` are."""
     try:
         yield
@@ -157,9 +157,9 @@ def told_at(path: str, lines=()):
 
 
 def _study_text(path) -> DeckText:
-    with told_at(path):
+    with reported_at(path):
         text = read_text(path, "study")
-    with told_at(path, text.lines):
+    with reported_at(path, text.lines):
         if text.warnings:
             place = text.warnings[0].place
             raise DeckError(
@@ -169,15 +169,15 @@ def _study_text(path) -> DeckText:
 
 
 def _readable_deck(path, study) -> DeckText:
-    """The text of the study's deck; what is wrong with it is told at its own lines."""
-    with told_at(path):
+    """The text of the study's deck; what is wrong with it is reported at its own lines."""
+    with reported_at(path):
         if os.path.exists(path) and not os.path.isfile(path):
             # A pipe would be waited for: the study, which may be a stranger's, chose the name.
             raise DeckError(
                 [Fault("error", "is no regular file, but a folder, a pipe or a device", id="STUDY-018")]
             )
         text = read_text(path)
-    with told_at(path, text.lines):
+    with reported_at(path, text.lines):
         try:
             read_deck(text, study.dialect)
         except DeckError as failure:

@@ -12,7 +12,7 @@ import numpy as np
 from .. import __version__
 from ..extras import needed
 from ..quick_dataclass import dataclass
-from ..results.files.full_disk_guard import ForgivingDisk
+from ..results.files.full_disk_guard import FullDiskGuard
 from ..results.files.replaced_file import Replacement, located
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
 
@@ -76,7 +76,7 @@ def _blocks(head: TableHead, rows) -> Iterator[list[Row]]:
 
 def _write_hdf5(place, head, rows):
     with (
-        ForgivingDisk(place.duplicate()) as disk,
+        FullDiskGuard(place.duplicate()) as disk,
         disk.blamed(),
         h5py.File(disk, "w", libver=FILE_FORMAT) as file,
     ):

@@ -66,7 +66,7 @@ def _every_case(sweep):
         elif not missing:
             yield from found
     if missing:
-        raise OutputError(_told(missing, sweep.job), ANALYSIS_FAILED, id="STUDY-020")
+        raise OutputError(_reported(missing, sweep.job), ANALYSIS_FAILED, id="STUDY-020")
 
 
 def _add(ranges, cases):
@@ -75,7 +75,7 @@ def _add(ranges, cases):
     ranges.append(cases)
 
 
-def _told(missing, job):
+def _reported(missing, job):
     numbers = ", ".join(map(_numbers, missing[:MOST_RANGES])) + (", …" if len(missing) > MOST_RANGES else "")
     return (
         f"{job.parts_folder}: {sum(map(len, missing))} of {job.study.cases} cases are missing ({numbers}): "

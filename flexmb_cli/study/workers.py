@@ -39,7 +39,7 @@ def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int],
             pass
         end_all(work.given)
     except BaseException:
-        # What is then told to be kept shall not grow any more.
+        # What is then reported to be kept shall not grow any more.
         for worker in work.given:
             worker.kill()
         raise
@@ -48,7 +48,7 @@ def solve_in_processes(sweep: Sweep, blocks: list[int], advance: Callable[[int],
 @dataclass
 class _Work:
     """`waiting` blocks; `alone` those to be solved with nothing beside them; `given` blocks by worker, in
-    the order in which it solves them; `begun` the workers that have told so.
+    the order in which it solves them; `begun` the workers that have reported so.
     """
 
     sweep: Sweep
@@ -162,7 +162,7 @@ def _solve(job, block):
 
 
 def keep(sweep: Sweep, done: BlockDone, advance: Callable[[int], None]) -> None:
-    """Note that a block is done; `advance` is told how many cases this call brought."""
+    """Note that a block is done; `advance` gets how many cases this call brought."""
     sweep.done[done.block] = done
     # Cases of a process that died count too, but it could not tell.
     advance(len(sweep.job.cases(done.block)) - sweep.kept[done.block])

@@ -54,7 +54,7 @@ def mechanism(modes, folder=DECKS, *changes):
     ]
 
 
-def march(given, method, step, parameter, end=END, outputs=slice(0, 1)):
+def integration(given, method, step, parameter, end=END, outputs=slice(0, 1)):
     """(places (ROWS, 3 nodes) of output nodes at even times, processor seconds, steps)."""
     from flexmb_cli.model.fe_model import Integrator
     from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
@@ -75,10 +75,10 @@ def agree(choice):
 
 def require_agreement(modes, given):
     """Print how far apart the converged places of the tip are; return flexmb's, or end the program."""
-    exact = march(given, "RK45", 0.0, 1e-11)[0]
+    exact = integration(given, "RK45", 0.0, 1e-11)[0]
     places, corrected = flexible_pendulum.converged(given.bodies[0].flexible, END, ROWS)
     apart = np.abs(places - exact).max()
-    galf = np.abs(march(given, "GALF", 2e-5, 0.9)[0] - exact).max()
+    galf = np.abs(integration(given, "GALF", 2e-5, 0.9)[0] - exact).max()
     print(f"{modes} modes, {END:g} s: converged Exudyn is off flexmb by {apart:.1e} m", end=" ")
     print(f"(after a correction of {corrected:.0e} m); GALF with steps of 2e-5 s by {galf:.1e} m", flush=True)
     if not apart <= LIMIT:
@@ -93,13 +93,13 @@ def contestants(given):
     tolerances = [10.0 ** (-k / 4) for k in range(8, 41)]
 
     def exudyn(newton):
-        return lambda h: flexible_pendulum.exudyn_march(body, h, newton, END, ROWS)
+        return lambda h: flexible_pendulum.exudyn_integration(body, h, newton, END, ROWS)
 
     return {
         **{f"Exudyn, Newton {newton:g}": (exudyn(newton), steps) for newton in NEWTON},
-        "flexmb GALF": (lambda h: march(given, "GALF", h, 0.9), steps),
-        "flexmb RK45": (lambda tol: march(given, "RK45", 0.0, tol), tolerances),
-        "flexmb RAD5": (lambda tol: march(given, "RAD5", 0.0, tol), tolerances),
+        "flexmb GALF": (lambda h: integration(given, "GALF", h, 0.9), steps),
+        "flexmb RK45": (lambda tol: integration(given, "RK45", 0.0, tol), tolerances),
+        "flexmb RAD5": (lambda tol: integration(given, "RAD5", 0.0, tol), tolerances),
     }
 
 
@@ -155,19 +155,21 @@ def slider(_choice):
     places = flexible_slider.OUTPUTS
     contestants = {
         "Exudyn": (
-            lambda h: flexible_slider.exudyn_march(given, M, K, h, flexible_slider.whole_bodies, ROWS),
+            lambda h: flexible_slider.exudyn_integration(given, M, K, h, flexible_slider.whole_bodies, ROWS),
             (flexible_slider.REFERENCE, *flexible_slider.STEPS),
         ),
         "Exudyn 1D": (
-            lambda h: flexible_slider.exudyn_march(given, M, K, h, flexible_slider.single_coordinates, ROWS),
+            lambda h: flexible_slider.exudyn_integration(
+                given, M, K, h, flexible_slider.single_coordinates, ROWS
+            ),
             (flexible_slider.REFERENCE, *flexible_slider.STEPS),
         ),
         "flexmb GALF": (
-            lambda h: march(given, "GALF", h, 0.9, end, places),
+            lambda h: integration(given, "GALF", h, 0.9, end, places),
             (flexible_slider.REFERENCE, *flexible_slider.STEPS),
         ),
-        "flexmb RK45": (lambda tol: march(given, "RK45", 0.0, tol, end, places), (1e-12, *TOLERANCES)),
-        "flexmb RAD5": (lambda tol: march(given, "RAD5", 0.0, tol, end, places), (1e-10, *TOLERANCES)),
+        "flexmb RK45": (lambda tol: integration(given, "RK45", 0.0, tol, end, places), (1e-12, *TOLERANCES)),
+        "flexmb RAD5": (lambda tol: integration(given, "RAD5", 0.0, tol, end, places), (1e-10, *TOLERANCES)),
     }
     print(f"slider-crank, rod of {given.bodies[1].flexible.modes} modes, {end:g} s")
     exact = compare(contestants, end, flexible_slider.EQUAL_ERRORS)
@@ -247,8 +249,8 @@ def growth(_choice):
             begin = time.process_time()
             given = mechanism(8, Path(name), chord, tip)
             built = time.process_time() - begin
-        march(given, "GALF", 1e-4, 0.9, 0.001)
-        runs = [march(given, "GALF", 1e-4, 0.9) for _ in range(REPEATS)]
+        integration(given, "GALF", 1e-4, 0.9, 0.001)
+        runs = [integration(given, "GALF", 1e-4, 0.9) for _ in range(REPEATS)]
         cost = min(spent / steps for _, spent, steps in runs)
         print(f"{6 * (cells + 1):8d} {built:12.2f} {cost * 1e6:12.1f}", flush=True)
 

@@ -68,7 +68,7 @@ def exudyn_pendulum(body):
     return mbs, sensor
 
 
-def exudyn_march(body, step, tolerance, end, rows):
+def exudyn_integration(body, step, tolerance, end, rows):
     """Run by generalised-alpha: (places (rows, 3) of the tip at even times, processor seconds, steps)."""
     mbs, sensor = exudyn_pendulum(body)
     return flexible_slider.solve(mbs, [sensor], step, end, rows, tolerance)
@@ -79,5 +79,5 @@ def converged(body, end, rows):
 
     Returns them and the largest correction made.
     """
-    coarse, fine = (exudyn_march(body, h, 1e-10, end, rows)[0] for h in (2 * FINE, FINE))
+    coarse, fine = (exudyn_integration(body, h, 1e-10, end, rows)[0] for h in (2 * FINE, FINE))
     return fine + (fine - coarse) / 3, np.abs(fine - coarse).max() / 3

@@ -135,12 +135,12 @@ def drive(mbs, node, coordinate):
 
     ends = ((mbs.AddNode(item.NodePointGround()), 0), (node, coordinate))
     markers = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=n, coordinate=c)) for n, c in ends]
-    laws = {
-        name: CreateSymbolicUserFunction(mbs, law, name, itemTypeName="ObjectConnectorCoordinate")
-        for law, name in ((angle, "offsetUserFunction"), (angle_rate, "offsetUserFunction_t"))
+    functions = {
+        name: CreateSymbolicUserFunction(mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
+        for function, name in ((angle, "offsetUserFunction"), (angle_rate, "offsetUserFunction_t"))
     }
-    mbs.AddObject(item.ObjectConnectorCoordinate(markerNumbers=markers, **laws))
-    return laws
+    mbs.AddObject(item.ObjectConnectorCoordinate(markerNumbers=markers, **functions))
+    return functions
 
 
 def exudyn_slider_crank(rod, M, K, rigid):
@@ -152,13 +152,13 @@ def exudyn_slider_crank(rod, M, K, rigid):
     ground, body = mbs.AddObject(item.ObjectGround()), exudyn_rod(mbs, rod, M, K)
     crank, slider, node, coordinate = rigid(mbs, ground)
     hang_rod(mbs, ground, rod, body, crank, slider)
-    laws = drive(mbs, node, coordinate)
+    functions = drive(mbs, node, coordinate)
     place = {"outputVariableType": exu.OutputVariableType.Position, "storeInternal": True}
     rows = [int(np.flatnonzero(rod.numbers == number)[0]) for number in (MIDDLE, SLIDER)]
     watched = [item.SensorSuperElement(bodyNumber=body, meshNodeNumber=row, **place) for row in rows]
     sensors = [mbs.AddSensor(sensor) for sensor in watched]
     mbs.Assemble()
-    return mbs, sensors, laws
+    return mbs, sensors, functions
 
 
 def solve(mbs, sensors, step, end, rows, tolerance=1e-8):
@@ -183,7 +183,7 @@ def solve(mbs, sensors, step, end, rows, tolerance=1e-8):
     return np.hstack(stored), spent, round(end / step)
 
 
-def exudyn_march(given, M, K, step, rigid, rows):
+def exudyn_integration(given, M, K, step, rigid, rows):
     """What `solve` says of the rod's middle and end."""
     mbs, sensors, _laws = exudyn_slider_crank(given.bodies[1].flexible, M, K, rigid)
     return solve(mbs, sensors, step, END, rows)

@@ -82,10 +82,10 @@ def main():
                 begin = time.process_time()
                 clock, blocks, stopped = run(deck_of(count, method, tolerance, given.end))
                 spent, share = time.process_time() - begin, energy_error(blocks) / tolerance
-                told = stopped.splitlines()[0] if stopped else f"t = {blocks[-1].time[-1]:g} s"
+                reported = stopped.splitlines()[0] if stopped else f"t = {blocks[-1].time[-1]:g} s"
                 print(
                     f"{count:3d} {method:6} {tolerance:9.0e} {clock['steps']:7d} {clock['rejections']:8d} "
-                    f"{spent:8.2f} {share:10.2g}  {told[:110]}",
+                    f"{spent:8.2f} {share:10.2g}  {reported[:110]}",
                     flush=True,
                 )
 

@@ -54,8 +54,8 @@ def main() -> int:
             size = len(text.encode())
             too_much = peak > MOST_PER_BYTE * size + MOST_BESIDES
             bad += bool(too_much or fault)
-            told = f"{name:22} {size / 1e6:6.1f} MB {took:7.1f} s {peak / 1e6:7.0f} MB"
-            print(told, "too much" if too_much else "", fault, flush=True)
+            reported = f"{name:22} {size / 1e6:6.1f} MB {took:7.1f} s {peak / 1e6:7.0f} MB"
+            print(reported, "too much" if too_much else "", fault, flush=True)
     return 1 if bad else 0
 
 

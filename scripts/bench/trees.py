@@ -208,12 +208,12 @@ def compare_methods(methods=tuple(EQUAL_ACCURACY)):
     print("nodes  method  tolerance   s per s   s per s and node   evaluations   error of the tip, m")
     for nodes in NODES:
         tree = replace(shaft_and_beam(nodes), time=TimeGrid(0.0, SPAN, SPAN / 20))
-        exact = march(replace(tree, integration=Integration("dop853", 1e-9, 1e-9)))[2]
+        exact = integration(replace(tree, integration=Integration("dop853", 1e-9, 1e-9)))[2]
         for method in methods:
             tolerance = EQUAL_ACCURACY[method]
             chosen = replace(tree, integration=Integration(method, tolerance, tolerance))
-            march(replace(chosen, time=TimeGrid(0.0, 1e-6, 1e-6)))
-            spent, count, tip = march(chosen)
+            integration(replace(chosen, time=TimeGrid(0.0, 1e-6, 1e-6)))
+            spent, count, tip = integration(chosen)
             error, cost = np.max(np.abs(tip - exact)), spent / SPAN
             print(
                 f"{nodes:5d}  {method:6}  {tolerance:9.0e}   {cost:7.2f}   {cost / nodes:16.4f}"
@@ -222,7 +222,7 @@ def compare_methods(methods=tuple(EQUAL_ACCURACY)):
             )
 
 
-def march(tree):
+def integration(tree):
     """Processor seconds, evaluations and tip deflections of a run."""
     analysis = TreeAnalysis(tree)
     begin = time.process_time()

@@ -13,45 +13,45 @@ def other_run_resumed(stage, chance, number, folder) -> Verdict:
     """--resume with another deck, other options or of another version: refused, and the journal stays."""
     command = _trees(stage, number)
     before = command.prepare(folder, with_old=False)
-    journal = _stopped(command, folder, chance)
-    if journal is None:
+    resume_file = _stopped(command, folder, chance)
+    if resume_file is None:
         return Verdict(command.name, skipped="the run was over")
-    kept, options = journal.read_bytes(), ()
+    kept, options = resume_file.read_bytes(), ()
     deck = folder / next(iter(command.inputs))
     way = number // 2 % 6
     if way == 0:
         deck.write_bytes(deck.read_bytes() + b" ")
     elif way == 1:
-        journal.write_bytes(kept.replace(b'{"flexmb": "', b'{"flexmb": "9.', 1))
-        kept = journal.read_bytes()
+        resume_file.write_bytes(kept.replace(b'{"flexmb": "', b'{"flexmb": "9.', 1))
+        kept = resume_file.read_bytes()
     else:
         options = OPTIONS[way - 2]
     ended = command.run_other((*command.arguments, "--resume", *options), folder)
     found = faults_of_end(ended, {2})
-    if journal.read_bytes() != kept:
+    if resume_file.read_bytes() != kept:
         found.append("the journal was changed")
     deck.write_bytes(command.inputs[deck.name])
-    journal.write_bytes(kept.replace(b'{"flexmb": "9.', b'{"flexmb": "', 1))
+    resume_file.write_bytes(kept.replace(b'{"flexmb": "9.', b'{"flexmb": "', 1))
     found += faults_of_finish(command, folder, before, _go_on(command, folder, Hit()))
     return Verdict(command.name, found, not found)
 
 
-def damaged_journal(stage, chance, number, folder) -> Verdict:
+def damaged_resume_file(stage, chance, number, folder) -> Verdict:
     """A journal cut, zeroed or garbled: the run goes on from what is whole, or says that it cannot."""
     command = _trees(stage, number)
     before = command.prepare(folder, with_old=False)
-    journal = _stopped(command, folder, chance)
-    if journal is None:
+    resume_file = _stopped(command, folder, chance)
+    if resume_file is None:
         return Verdict(command.name, skipped="the run was over")
-    content = journal.read_bytes()
+    content = resume_file.read_bytes()
     damaged = _damaged(chance, content, content.index(b"\n"), number // 2)
-    journal.write_bytes(damaged)
+    resume_file.write_bytes(damaged)
     ended = _go_on(command, folder, Hit())
     found = faults_of_end(ended, {0, 2})
     if ended.code == 2:
         found += [] if ".resume" in ended.stderr else ["refused without naming the journal"]
-        found += [] if journal.read_bytes() == damaged else ["refused, but the journal was changed"]
-        journal.unlink()
+        found += [] if resume_file.read_bytes() == damaged else ["refused, but the journal was changed"]
+        resume_file.unlink()
         ended = _go_on(command, folder, Hit())
     elif (
         damaged != content

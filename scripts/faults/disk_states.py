@@ -82,13 +82,13 @@ def states(calls: list[Call], folder: Path, before: Tree) -> Iterator[tuple[int,
         if not _do(disk, call):
             continue
         for tree in _possible(disk):
-            mark = hash(frozenset((name, _told(name, content)) for name, content in tree.items()))
+            mark = hash(frozenset((name, _reported(name, content)) for name, content in tree.items()))
             if mark not in seen:
                 seen.add(mark)
                 yield number, tree
 
 
-def _told(name, content):
+def _reported(name, content):
     return b"" if name.endswith(".tmp") else content
 
 

@@ -106,7 +106,7 @@ def _one(command, with_old, folder, call, error):
     before = {name: content for name, content in before.items() if not is_left_by_stop(name)}
     options = ("-e", f"trace={call.name}", "-e", f"inject={call.name}:error={error}:when={call.at}")
     ended = command.run(folder, Hit(begin=tracer(folder.parent / "log", *options)))
-    if "(INJECTED)" not in _told(folder.parent / "log"):
+    if "(INJECTED)" not in _reported(folder.parent / "log"):
         return [f"{call.name} {call.at} did not come"], ended.code
     found = faults_of_end(ended, {0, 1, 2}) + faults_of_files(command, folder, before, ended)
     if call.name in KEEPS:
@@ -115,6 +115,6 @@ def _one(command, with_old, folder, call, error):
     return found + faults_of_finish(command, folder, before, again), ended.code
 
 
-def _told(log):
+def _reported(log):
     recorded(log)
     return log.read_text(errors="replace")

@@ -69,7 +69,7 @@ KINDS = {
     places.failing_run_keeps_the_old: 16,
     places.no_working_folder: 8,
     damage.other_run_resumed: 24,
-    damage.damaged_journal: 64,
+    damage.damaged_resume_file: 64,
     damage.changed_study: 10,
     damage.damaged_parts: 20,
     damage.damaged_result: 60,
@@ -105,8 +105,8 @@ def main() -> int:
     start = time.monotonic()
     stage = Stage(top, set(options.commands))
     tasks = _tasks(options)
-    told = list(_told(stage, tasks, options, top))
-    return _summary(told, options, top, time.monotonic() - start)
+    reported = list(_reported(stage, tasks, options, top))
+    return _summary(reported, options, top, time.monotonic() - start)
 
 
 def _options():
@@ -132,7 +132,7 @@ def _tasks(options):
     return tasks[: options.most]
 
 
-def _told(stage, tasks, options, top):
+def _reported(stage, tasks, options, top):
     """(kind, verdict, folder) of every task, by forks of this process that share the work."""
     files, workers = [], []
     for job in range(options.jobs):
@@ -180,9 +180,9 @@ def _one(stage, name, number, seed, folder) -> Verdict:
         return Verdict("the script", [traceback.format_exc()])
 
 
-def _summary(told, options, top, seconds) -> int:
+def _summary(reported, options, top, seconds) -> int:
     injected, broken, resumed, skipped = Counter(), Counter(), Counter(), {}
-    for name, _, verdict in told:
+    for name, _, verdict in reported:
         if verdict.skipped:
             skipped[name] = verdict.skipped
             continue

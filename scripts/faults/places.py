@@ -19,7 +19,7 @@ def read_only_folder(stage, chance, number, folder) -> Verdict:
     _open_to_all(folder, 0o755, 0o644)
     ended = command.run(folder, Hit(begin=_become_nobody))
     found = faults_of_end(ended, {2}) + faults_of_files(command, folder, before, ended)
-    found += _told(ended, "permission denied")
+    found += _reported(ended, "permission denied")
     return Verdict(command.name, found)
 
 
@@ -56,7 +56,7 @@ def output_is_a_folder(stage, chance, number, folder) -> Verdict:
     (folder / output).mkdir(parents=True)
     ended = command.run(folder, Hit())
     found = faults_of_end(ended, {2}) + faults_of_files(command, folder, before, ended)
-    found += _told(ended, "folder")
+    found += _reported(ended, "folder")
     (folder / output).rmdir()
     found += faults_of_finish(command, folder, before, _go_on(command, folder, Hit()))
     return Verdict(command.name, found)
@@ -103,10 +103,10 @@ def no_working_folder(stage, chance, number, folder) -> Verdict:
     command = stage.spread([c for c in stage.writers if not c.inputs], number)
     ended = command.run(folder, Hit(begin=lambda: Path(folder).rmdir()))
     folder.mkdir()
-    return Verdict(command.name, faults_of_end(ended, {2}) + _told(ended, "folder|no such file"))
+    return Verdict(command.name, faults_of_end(ended, {2}) + _reported(ended, "folder|no such file"))
 
 
-def _told(ended, words):
+def _reported(ended, words):
     import re
 
     return [] if re.search(words, ended.stderr) else [f"no word of {words!r}: {ended.stderr[-300:]!r}"]

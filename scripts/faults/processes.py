@@ -102,7 +102,10 @@ class Place:
         self.work.mkdir()
         arguments = self.arguments(command, self.work, chance.randint(2, 6))
         ended = watched(arguments, in_trouble(trouble, chance), limit(trouble, chance))
-        broken = [*told(ended), *(self._runs(ended) if command == "run" else self._sweep(ended, arguments))]
+        broken = [
+            *reported(ended),
+            *(self._runs(ended) if command == "run" else self._sweep(ended, arguments)),
+        ]
         if trouble != "kills" and any(self.work.rglob("*.tmp")):
             broken.append("a temporary file stays")
         return broken
@@ -138,7 +141,7 @@ def records_of(ended: Ended) -> list[dict]:
     return [json.loads(line) for line in ended.printed.splitlines()]
 
 
-def told(ended: Ended) -> list[str]:
+def reported(ended: Ended) -> list[str]:
     """Rules for every command."""
     broken = {"it did not end": ended.hung, "processes are left": ended.left}
     broken["a traceback"] = "Traceback" in ended.said or "Error:" in ended.said

@@ -69,7 +69,7 @@ def _hunt(name, options) -> tuple[int, bool]:
         command = [sys.executable, *sys.argv, "--kind", name, "--alone", str(folder)]
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
         counted = json.loads((folder / "counted").read_text() or "[0, 0]")
-        told = (folder / "fault").read_text() if (folder / "fault").exists() else ""
+        reported = (folder / "fault").read_text() if (folder / "fault").exists() else ""
         found = [path for path in folder.iterdir() if path.name.startswith(("crash", "timeout", "oom"))]
         if found and options.keep:
             options.keep.mkdir(parents=True, exist_ok=True)
@@ -82,7 +82,7 @@ def _hunt(name, options) -> tuple[int, bool]:
         flush=True,
     )
     if bad:
-        print(f"    exit {done.returncode}: {(told or done.stderr).strip()[-1500:]}", flush=True)
+        print(f"    exit {done.returncode}: {(reported or done.stderr).strip()[-1500:]}", flush=True)
     return counted[0], bad
 
 

@@ -33,20 +33,20 @@ def built(name, raw, folder) -> Answer:
     """Read, build and list a deck."""
     from flexmb_cli.results.texts.echo import echo
 
-    lines, faults, told = [], (), ""
+    lines, faults, reported = [], (), ""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             source = decode(name, raw)
             lines = source.lines
             deck = read_deck(source)
-            told = echo(deck)
+            reported = echo(deck)
             faults = (*deck.warnings, *_model(deck, folder))
     except FlexmbError as refused:
-        return Answer(refused.exit_code, told, "", unfit(name, refused.faults, lines))
+        return Answer(refused.exit_code, reported, "", unfit(name, refused.faults, lines))
     except Exception:
-        return Answer(None, told, "", traceback.format_exc())
-    return Answer(DONE, told, "", unfit(name, faults, lines))
+        return Answer(None, reported, "", traceback.format_exc())
+    return Answer(DONE, reported, "", unfit(name, faults, lines))
 
 
 def _model(deck, folder):

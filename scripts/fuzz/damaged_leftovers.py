@@ -39,21 +39,21 @@ def go_on_with_draft(chance, seeds, work):
     return answered(["new", path.parent.name, "--draft", "-o", str(work / "x.dat")], typed)
 
 
-def journal_seeds(folder):
+def resume_file_seeds(folder):
     """The journal of a run of some rows, kept as a kill would leave it."""
-    from flexmb_cli.run.checkpoint import Journal
+    from flexmb_cli.run.checkpoint import ResumeFile
 
     fe = (DECKS / "dafms" / "sliding_mass.DAT").read_text().splitlines()
     (folder / "x.DAT").write_text("\n".join(fe) + "\n")
-    keep, Journal.remove = Journal.remove, Journal.close
+    keep, ResumeFile.remove = ResumeFile.remove, ResumeFile.close
     try:
         done = answered(["run", str(folder / "x.DAT"), "-o", str(folder)])
     finally:
-        Journal.remove = keep
+        ResumeFile.remove = keep
     assert done.code == DONE and (folder / "x.resume").exists(), done.errors
 
 
-def resume_from_journal(chance, seeds, work):
+def resume_from_file(chance, seeds, work):
     """`run --resume` on a damaged journal: refused, or the bytes of a run that was not stopped."""
     os.link(seeds / "x.DAT", work / "x.DAT")
     raw = (seeds / "x.resume").read_bytes()

@@ -52,13 +52,13 @@ def _calculix(draw):
     return _rows(draw, indices, indices, reals, most=12)
 
 
-def _freedoms(draw):
+def _dofs(draw):
     return _rows(draw, st.builds("{}.{}".format, indices, mostly(st.integers(1, 3), st.integers(0, 9))))
 
 
 def _mapping(draw):
-    freedoms = st.sampled_from(("UX", "UY", "UZ", "ux", "ROTX"))
-    return ["   Matrix Eqn   Node   DOF", *_rows(draw, indices, indices, mostly(freedoms, st.just("P")))]
+    dofs = st.sampled_from(("UX", "UY", "UZ", "ux", "ROTX"))
+    return ["   Matrix Eqn   Node   DOF", *_rows(draw, indices, indices, mostly(dofs, st.just("P")))]
 
 
 def _harwell_boeing(draw):
@@ -135,8 +135,8 @@ def _op4_binary(draw):
         values = struct.pack(f"{order}3d", 1.0, draw(st.floats()), -2.0)
         inner = [draw(mostly(st.just(k), INT32)) for k in (column, 1, 6)]
         packed = [draw(mostly(st.just(65536 * 7 + 1), INT32))] if draw(st.booleans()) else []
-        told = draw(mostly(st.none(), INT32))
-        raw += op4_record([*inner, *packed], values, order, told)
+        reported = draw(mostly(st.none(), INT32))
+        raw += op4_record([*inner, *packed], values, order, reported)
     end = [draw(mostly(st.just(n + 1), INT32)), 1, 2]
     return raw + (op4_record([min(max(k, -(2**31)), 2**31 - 1) for k in end], bytes(8), order))
 
@@ -196,7 +196,7 @@ GRAMMARS = {
     "matrix HB of two rows": _harwell_boeing,
     "matrix CCX of two rows": _calculix,
     "mapping ANS": _mapping,
-    "mapping CCX": _freedoms,
+    "mapping CCX": _dofs,
     "nodes TXT": _nodes_txt,
     **{f"{what} INP": _nodes_inp for what in ("nodes", "bricks")},
     **{f"{what} BDF": _nodes_bdf for what in ("nodes", "bricks")},

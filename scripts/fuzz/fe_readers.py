@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexmb_cli.fe.formats.calculix import read_calculix, read_freedoms
+from flexmb_cli.fe.formats.calculix import read_calculix, read_dofs
 from flexmb_cli.fe.formats.connectivity import read_elements
 from flexmb_cli.fe.formats.formats import read_matrix
 from flexmb_cli.fe.formats.harwell_boeing import read_harwell_boeing, read_mapping
@@ -27,7 +27,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "matrix CCX": lambda p: read_calculix(p, EQUATIONS),
     "matrix CCX of two rows": lambda p: read_calculix(p, FEW),
     "mapping ANS": read_mapping,
-    "mapping CCX": read_freedoms,
+    "mapping CCX": read_dofs,
     **{
         f"nodes {form}": lambda p, form=form: read_node_table(p, form)
         for form in ("TXT", "CDB", "INP", "BDF")
@@ -47,8 +47,8 @@ def read_file(reader: str, path: Path) -> str:
     return ""
 
 
-def op4_record(integers, payload: bytes = b"", order: str = "<", told: int | None = None) -> bytes:
+def op4_record(integers, payload: bytes = b"", order: str = "<", reported: int | None = None) -> bytes:
     """A FORTRAN record between its lengths, which are `told` when they shall lie."""
     body = struct.pack(f"{order}{len(integers)}i", *integers) + payload
-    length = struct.pack(f"{order}i", len(body) if told is None else told)
+    length = struct.pack(f"{order}i", len(body) if reported is None else reported)
     return length + body + length

@@ -56,8 +56,8 @@ def _by_simpson(time, rate, second, exact):
     return gap, h * (0.1 * twice if exact else once) + ROUND_OFF * (1 + np.abs(rate).max())
 
 
-def _same(name, told, shown):
-    gap, allowed = told
+def _same(name, reported, shown):
+    gap, allowed = reported
     bad = shown & (np.abs(gap) > allowed)
     # A spin-up may be over within the first step: no row shows its acceleration.
     bad[0] = False

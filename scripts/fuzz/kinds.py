@@ -12,9 +12,9 @@ from damaged_leftovers import (
     cache_seeds,
     draft_seeds,
     go_on_with_draft,
-    journal_seeds,
     reduce_from_cache,
-    resume_from_journal,
+    resume_file_seeds,
+    resume_from_file,
 )
 from damaged_results import (
     argument_seeds,
@@ -56,7 +56,7 @@ def kinds() -> Iterator[Kind]:
     yield Kind("draft", draft_seeds, go_on_with_draft)
     yield Kind("body-cache", cache_seeds, reduce_from_cache)
     yield Kind("study-parts", study_seeds, go_on_from_parts)
-    yield Kind("journal", journal_seeds, resume_from_journal)
+    yield Kind("journal", resume_file_seeds, resume_from_file)
 
 
 KINDS = {kind.name: kind for kind in kinds()}

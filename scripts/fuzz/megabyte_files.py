@@ -55,7 +55,7 @@ def cases(seeds: Path) -> Iterator[Case]:
     yield from _bricks(seeds / "bricks")
     yield from _results(seeds / "journal")
     yield from _drafts(seeds / "drafts")
-    yield from _journals(seeds / "journal")
+    yield from _resume_files(seeds / "journal")
 
 
 def _filled(filling):
@@ -235,7 +235,7 @@ def _draft(dialect, raw):
     return prepare
 
 
-def _journals(seeds):
+def _resume_files(seeds):
     raw = (seeds / "x.resume").read_bytes()
     head, _, entries = raw.partition(b"\n")
     contents = {
@@ -246,10 +246,10 @@ def _journals(seeds):
         "a length": head + b"\n" + b"\xff" * SIZE,
     }
     for name, content in contents.items():
-        yield Case("journal", name, _journal(seeds / "x.DAT", content))
+        yield Case("journal", name, _resume_file(seeds / "x.DAT", content))
 
 
-def _journal(deck, raw):
+def _resume_file(deck, raw):
     def prepare(work):
         shutil.copy(deck, work / "x.DAT")
         (work / "x.resume").write_bytes(raw)

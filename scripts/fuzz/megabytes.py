@@ -14,7 +14,7 @@ from pathlib import Path
 
 from answer import answered, without_surroundings
 from damaged_bricks import brick_seeds
-from damaged_leftovers import draft_seeds, journal_seeds
+from damaged_leftovers import draft_seeds, resume_file_seeds
 from megabyte_files import Case, cases
 
 # s, kB, s
@@ -27,7 +27,7 @@ def main() -> int:
     bad = total = 0
     with tempfile.TemporaryDirectory() as folder:
         seeds = Path(folder)
-        for name, fill in (("bricks", brick_seeds), ("drafts", draft_seeds), ("journal", journal_seeds)):
+        for name, fill in (("bricks", brick_seeds), ("drafts", draft_seeds), ("journal", resume_file_seeds)):
             (seeds / name).mkdir()
             fill(seeds / name)
         for case in cases(seeds):
@@ -55,9 +55,9 @@ def _measured(case: Case, work: Path) -> bool:
         os._exit(0)
     os.close(write)
     with os.fdopen(read, "rb") as pipe:
-        told = pipe.read().decode() or f"{HOPELESS} 0 None not ended"
+        reported = pipe.read().decode() or f"{HOPELESS} 0 None not ended"
     os.waitpid(child, 0)
-    took, grown, code, fault = told.split(" ", 3)
+    took, grown, code, fault = reported.split(" ", 3)
     name = f"{case.kind:15} {case.filling:24}"
     print(f"{name} {float(took):6.2f} s {int(grown) / 1024:5.0f} MB  exit {code}  {fault}", flush=True)
     # `diff` gets two of them.

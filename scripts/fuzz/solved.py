@@ -141,21 +141,21 @@ def _solved(chance, work, dialect) -> dict:
     end = {0: "solved", 1: "failed in words", 2: "refused"}.get(ran.exit_code, "interrupted")
     judged = []
     wrong = _disagree(checked, ran) or _judged(deck, ran, work / "r.h5", judged)
-    told = {"name": deck.name, "end": end if end != "interrupted" else "too long", "wrong": wrong}
-    return told | {"judged": judged}
+    reported = {"name": deck.name, "end": end if end != "interrupted" else "too long", "wrong": wrong}
+    return reported | {"judged": judged}
 
 
 def _disagree(checked, ran) -> str:
     """What `check` promised and `run` did not do, or the other way round."""
     codes = f"check ends with {checked.exit_code}, run with {ran.exit_code}"
-    told = [fault.message for fault in (*checked.faults, *ran.faults) if fault.severity == "error"]
+    reported = [fault.message for fault in (*checked.faults, *ran.faults) if fault.severity == "error"]
     if 3 in (checked.exit_code, ran.exit_code):
-        return f"a fault of flexmb: {codes}: {told}"
+        return f"a fault of flexmb: {codes}: {reported}"
     if ran.exit_code in (130, 143) or checked.exit_code in (130, 143):
         return ""
     if (checked.exit_code == 2) != (ran.exit_code == 2) or (checked.exit_code and not ran.exit_code):
-        return f"check and run disagree: {codes}: {told}"
-    if ran.exit_code and not told:
+        return f"check and run disagree: {codes}: {reported}"
+    if ran.exit_code and not reported:
         return f"no word: {codes}"
     return ""
 
@@ -171,10 +171,10 @@ def _judged(deck, ran, result, judged) -> str:
     if text is not None and deck.changes:
         text = _with_changes(text, deck.changes)
     # The equations of UNCO leave out what the deflection does to the rigid motion, and with it energy.
-    told = b"UNCO" in deck.raw or any("energy" in fault.message for fault in ran.faults)
+    reported = b"UNCO" in deck.raw or any("energy" in fault.message for fault in ran.faults)
     # Steps that leave out the highest modes make rates that are not theirs; flexmb says so.
     coarse = any("a step of" in fault.message for fault in ran.faults)
-    return judge(result, text, told, coarse, judged)
+    return judge(result, text, reported, coarse, judged)
 
 
 def _with_changes(text, changes):

@@ -84,7 +84,7 @@ class Trial:
 
     def batch(self, count: int, number: int) -> str:
         """The fault of the smallest file that is not answered, "" when all are."""
-        told = {}
+        reported = {}
 
         @seed(number)
         @settings(
@@ -99,7 +99,7 @@ class Trial:
         def answers(example):
             record = self._answer(example)
             # Faults in one place are one to hypothesis, which shrinks them to the smallest.
-            told["fault"] = record["fault"]
+            reported["fault"] = record["fault"]
             assert not record["fault"]
 
         try:
@@ -107,7 +107,7 @@ class Trial:
         except BaseException as failure:
             if isinstance(failure, KeyboardInterrupt):
                 raise
-            return told.get("fault") or repr(failure)
+            return reported.get("fault") or repr(failure)
         return ""
 
     def _answer(self, example):

@@ -100,8 +100,8 @@ def manipulator(results, pictures) -> Section:
     figure, axes = plt.subplots(2, 1, figsize=(9, 4.5), sharex=True, layout="constrained")
     rows = []
     found = run(results, "dafms/two_link_n2.DAT", "dafms/two_link_n2_unco.DAT")
-    told = (("coupled", "+0.93"), ("one-way", "-0.43"))
-    for axis, result, (name, expected) in zip(axes, found, told, strict=True):
+    reported = (("coupled", "+0.93"), ("one-way", "-0.43"))
+    for axis, result, (name, expected) in zip(axes, found, reported, strict=True):
         tips = [result[f"elastic/body {k}/displacement"][:, -1] for k in (1, 2)]
         slow = [_slow(tip[:, np.ptp(tip, axis=0).argmax()], result["time"][:]) for tip in tips]
         rows.append((name, expected, f"{np.corrcoef(*slow)[0, 1]:+.2f}"))

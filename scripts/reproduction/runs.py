@@ -16,5 +16,5 @@ def run(folder: Path, *decks: str, options: tuple[str, ...] = ()) -> list[h5py.F
     """The open results of `decks` (paths below decks/), run in `folder`; stops when a run fails."""
     options = ("-q", "--no-out", "--json", "-o", folder, *options)
     command = [sys.executable, "-m", "flexmb_cli", "run", *(DECKS / deck for deck in decks), *options]
-    told = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
-    return [h5py.File(json.loads(line)["files"][0]) for line in told.splitlines()]
+    reported = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return [h5py.File(json.loads(line)["files"][0]) for line in reported.splitlines()]

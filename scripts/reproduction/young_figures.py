@@ -108,13 +108,15 @@ def _draw(figure, axis, fine, emulated):
     axis.set_title(f"{figure.number}: {figure.title}, {figure.unit}", fontsize=10)
     axis.set_xlabel("time, s")
     gap = np.abs(np.interp(when, time, values) - printed)
-    told = "to the printed digit" if gap.max() <= 0.51 * 10.0**-decimals else None
-    if told is None:
+    reported = "to the printed digit" if gap.max() <= 0.51 * 10.0**-decimals else None
+    if reported is None:
         as_printed = emulated[figure.path][:][step, k, component]
         axis.plot(emulated["time"][:], emulated[figure.path][:, k, component], "--", lw=0.9)
         same = np.abs(as_printed - printed).max()
-        told = f"printed values are wrong: transposed index, components M for N; with these errors {same:.0e}"
-    return figure.number, figure.title, len(printed), f"{gap.max():.2g} {figure.unit}", told
+        reported = (
+            f"printed values are wrong: transposed index, components M for N; with these errors {same:.0e}"
+        )
+    return figure.number, figure.title, len(printed), f"{gap.max():.2g} {figure.unit}", reported
 
 
 def _printed(figure):
@@ -148,8 +150,8 @@ def jacobians(results, pictures) -> Section:
         ("row", "column", "printed", "deck", "two decimals", "finding"),
         [c for c in cells if c[-1] != "equal"],
     )
-    told = ", ".join(f"{number} {finding}" for finding, number in count.most_common())
-    section.text(f"{len(cells)} readable cells: {told}.")
+    reported = ", ".join(f"{number} {finding}" for finding, number in count.most_common())
+    section.text(f"{len(cells)} readable cells: {reported}.")
     section.text(
         """Table 6.2, the Jacobian of the RSSR at its estimates, is lost in the available text: here it is as
         flexmb has it, entries that are not zero."""
@@ -168,8 +170,8 @@ def _jacobian(deck, *changes):
     options = [word for change in changes for word in ("--set", change)]
     command = [sys.executable, "-m", "flexmb_cli", "check", DECKS / f"young/{deck}.dat", "--json", "-q"]
     command += ["--jacobian", "estimate", *options]
-    told = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
-    return json.loads(told)["jacobian"]
+    reported = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return json.loads(reported)["jacobian"]
 
 
 def _cell(row, column, word, exact, rounded):

@@ -135,7 +135,7 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("deck", "form", "told"),
+    ("deck", "form", "reported"),
     [
         ("dafms/pendulum.DAT", "mjcf", "body 1: the body is flexible; --to mjcf is for rigid trees"),
         ("dafms/fourbar_rigid.DAT", "mjcf", "MuJoCo closes loops softly"),
@@ -144,11 +144,11 @@ def test_a_mechanism_moves_alike_in_exudyn(tmp_path):
         ("vsdf/pendulum.vsdf", "exudyn", "rigid mechanisms under forces: decks with DYNAMICS forward"),
     ],
 )
-def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, form, told, tmp_path):
+def test_what_the_other_program_cannot_hold_is_refused_and_leaves_no_file(deck, form, reported, tmp_path):
     output = tmp_path / "m"
     done = CliRunner().invoke(convert, [str(DECKS / deck), "--to", form, "-o", str(output)])
     assert done.exception.exit_code == 2
-    assert told in " ".join(fault.sentence for fault in done.exception.faults)
+    assert reported in " ".join(fault.sentence for fault in done.exception.faults)
     assert done.exception.file == str(DECKS / deck)
     assert not output.exists()
 

@@ -90,8 +90,8 @@ def test_the_command_in_a_fresh_environment_names_a_pip_that_is_there(tmp_path, 
     code = f"import sys; sys.path[:0] = [{str(TOP)!r}]"
     code += "\nfrom flexmb_cli.installation import _installer as told\nprint(told())"
     ask = [str(tmp_path / ".venv/bin/python"), "-c", code]
-    told = subprocess.run(ask, capture_output=True, text=True, cwd=tmp_path, timeout=60)
-    assert told.stdout == ".venv/bin/pip install\n"
+    reported = subprocess.run(ask, capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert reported.stdout == ".venv/bin/pip install\n"
     pip.unlink()
-    told = subprocess.run(ask, capture_output=True, text=True, cwd=tmp_path, timeout=60)
-    assert told.stdout == "uv pip install --python .venv/bin/python\n"
+    reported = subprocess.run(ask, capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert reported.stdout == "uv pip install --python .venv/bin/python\n"

@@ -40,7 +40,7 @@ def test_more_rows_than_there_are_leave_the_first(result, study):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         ((*BEAM, "--length", 1, "--ei", 1, "--nodes", HUGE), "is not in the range 1<=x<=1000"),
         ((*BEAM, "--length", "1e300", "--ei", 1, "--nodes", 3), "is not in the range"),
@@ -53,7 +53,7 @@ def test_more_rows_than_there_are_leave_the_first(result, study):
         ),
     ],
 )
-def test_numbers_beyond_all_sense_are_refused(arguments, told):
+def test_numbers_beyond_all_sense_are_refused(arguments, reported):
     refused = done(*arguments)
     assert refused.exit_code == 2
-    assert told in refused.stderr
+    assert reported in refused.stderr

@@ -27,7 +27,7 @@ BAD = {
     "dialects.young.test_bad_young_decks": ["CASES"],
     "dialects.young.test_bad_young_models": ["CASES"],
     "dialects.dafms.test_dafms_body_faults": ["CASES"],
-    "dialects.dafms.test_dafms_law_faults": ["CASES"],
+    "dialects.dafms.test_dafms_function_faults": ["CASES"],
     "dialects.vsdf.test_bad_vsdf_decks": ["READING", "RIGID_MODELS", "FLEXIBLE_MODELS"],
 }
 # Ends at the first command that loads what it should not.
@@ -74,8 +74,8 @@ def bad_decks(folder):
 
 def unreachable(folder):
     """Linkages that no position puts together."""
-    law, time = (0.5, 1, 0), (0, 1, 0.1)
-    texts = four_bar(10, 1, 2, 1, law, time), slider_crank(1, 0.2, law, time)
+    function, time = (0.5, 1, 0), (0, 1, 0.1)
+    texts = four_bar(10, 1, 2, 1, function, time), slider_crank(1, 0.2, function, time)
     for number, text in enumerate(texts):
         path = folder / f"unreachable-{number}.dat"
         path.write_text(text)

@@ -72,10 +72,10 @@ def test_a_log_has_a_line_every_ten_seconds_with_v_alone(clock, capsys, verbose,
     for _ in range(35):
         clock[0] += 1
         shown.advance(10)
-    told = capsys.readouterr().err.splitlines()
-    assert len(told) == lines
+    reported = capsys.readouterr().err.splitlines()
+    assert len(reported) == lines
     if lines:
-        assert told[0] == "a.dat: 100 of 1000 rows, 10 %, 10 rows/s, 1:30 left"
+        assert reported[0] == "a.dat: 100 of 1000 rows, 10 %, 10 rows/s, 1:30 left"
 
 
 def test_nothing_is_shown_with_q(clock):

@@ -123,9 +123,9 @@ def test_file_names_are_masked_in_a_pipe_too(tmp_path, report):
         assert again.returncode == 0
         os.replace(tmp_path / "x", tmp_path / NAME)
     done = subprocess.run([*flexmb, *REPORTS[report]], cwd=tmp_path, capture_output=True, timeout=120)
-    told = (done.stdout + done.stderr).decode("utf-8")
-    assert done.returncode == 0 and "IN�[31m��x.dat" in told
-    assert not set(told) & set("\x1b\u202e")
+    reported = (done.stdout + done.stderr).decode("utf-8")
+    assert done.returncode == 0 and "IN�[31m��x.dat" in reported
+    assert not set(reported) & set("\x1b\u202e")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are Unix's")

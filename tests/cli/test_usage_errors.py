@@ -39,13 +39,13 @@ def test_the_commands_with_json_are_those_of_the_readme():
 @pytest.mark.parametrize("name", WITH_JSON)
 @pytest.mark.parametrize("wrong", [["--nope"], [], ["a", "b", "c", "--jobs", "x", "--tol", "x", "--at", "x"]])
 def test_a_wrong_call_is_one_json_object(flexmb, name, wrong):
-    code, printed, told = flexmb(name, "--json", *wrong)
+    code, printed, reported = flexmb(name, "--json", *wrong)
     record = json.loads(printed)
     assert (code, record["status"], record["exit_code"]) == (2, "bad input", 2)
     (fault,) = record["faults"]
     assert (fault["severity"], fault["file"], fault["line"]) == ("error", None, None)
-    assert told.splitlines()[-1] == f"flexmb: error: {fault['message']}"
-    assert told.startswith(f"Usage: flexmb {name} ")
+    assert reported.splitlines()[-1] == f"flexmb: error: {fault['message']}"
+    assert reported.startswith(f"Usage: flexmb {name} ")
 
 
 @pytest.mark.parametrize(
@@ -62,10 +62,10 @@ def test_a_wrong_call_is_one_json_object(flexmb, name, wrong):
     ],
 )
 def test_what_a_command_refuses_is_one_json_object(flexmb, arguments):
-    code, printed, told = flexmb(*arguments)
+    code, printed, reported = flexmb(*arguments)
     record = json.loads(printed)
     assert (code, record["status"], record["exit_code"]) == (2, "bad input", 2)
-    assert all(fault["message"] in told for fault in record["faults"])
+    assert all(fault["message"] in reported for fault in record["faults"])
 
 
 def test_a_wrong_tolerance_blames_no_file(flexmb):
@@ -98,8 +98,8 @@ def test_a_command_without_json_prints_none(flexmb):
     ],
 )  # fmt: skip
 def test_a_missing_file_is_named_in_front_by_every_command(flexmb, arguments, where):
-    code, _, told = flexmb(*arguments)
-    assert (code, told) == (2, f"{where}: error: no such file\n")
+    code, _, reported = flexmb(*arguments)
+    assert (code, reported) == (2, f"{where}: error: no such file\n")
 
 
 @pytest.mark.parametrize(
@@ -108,8 +108,8 @@ def test_a_missing_file_is_named_in_front_by_every_command(flexmb, arguments, wh
     + [(command, "-o") for command in ("plot", "report", "export")],
 )
 def test_an_empty_name_of_a_result_is_no_place_to_write_to(flexmb, command, option):
-    code, _, told = flexmb(command, "young" if command == "new" else FOUR_BAR, option, "")
-    assert code == 2 and "an empty name; give a path" in told and f"'{option}'" in told
+    code, _, reported = flexmb(command, "young" if command == "new" else FOUR_BAR, option, "")
+    assert code == 2 and "an empty name; give a path" in reported and f"'{option}'" in reported
 
 
 def test_a_folder_in_place_of_a_study_is_what_is_complained_of(flexmb):
@@ -118,9 +118,9 @@ def test_a_folder_in_place_of_a_study_is_what_is_complained_of(flexmb):
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that takes no files")
 def test_a_folder_that_is_there_but_takes_no_files_is_not_called_missing(flexmb):
-    code, _, told = flexmb("run", FOUR_BAR, "-o", "/proc")
+    code, _, reported = flexmb("run", FOUR_BAR, "-o", "/proc")
     assert code == 2
-    assert "/proc/OUT4-BAR.dat: cannot be written: its folder takes no new files" in told
+    assert "/proc/OUT4-BAR.dat: cannot be written: its folder takes no new files" in reported
 
 
 def test_quiet_silences_the_statistics_too(flexmb):
@@ -130,9 +130,9 @@ def test_quiet_silences_the_statistics_too(flexmb):
 
 def test_too_few_iterations_are_named_as_what_may_be_the_reason(flexmb):
     """With 250 the deck assembles."""
-    code, _, told = flexmb("run", FOUR_BAR, "--nrmax", "1")
+    code, _, reported = flexmb("run", FOUR_BAR, "--nrmax", "1")
     assert code == 1
-    assert "--nrmax lets Newton try 1 iteration: allow more (250 if not given)" in told
+    assert "--nrmax lets Newton try 1 iteration: allow more (250 if not given)" in reported
     assert "--nrmax" not in flexmb("run", FOUR_BAR, "--set", "universal.1.P_j.y=50")[2]
 
 
@@ -148,8 +148,8 @@ def test_the_gap_in_json_is_the_first_of_the_message(flexmb, given, unit):
     assert len(norms["worst"]) == len(norms["gaps"]) == len(norms["units"]) == 3
     for name, size, of in zip(norms["worst"], norms["gaps"], norms["units"], strict=True):
         joint, part = name.split(", ", 1)
-        told = message.partition(f"{joint} ({part}, line ")[2].partition("): ")[2].partition(";")[0]
-        assert told == f"{size:.1e}" + " m" * (of == "m")
+        reported = message.partition(f"{joint} ({part}, line ")[2].partition("): ")[2].partition(";")[0]
+        assert reported == f"{size:.1e}" + " m" * (of == "m")
 
 
 @pytest.mark.processes

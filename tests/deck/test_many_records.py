@@ -65,16 +65,16 @@ def test_parts_are_made_of_the_records(read):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ("2 0.4", "3 0.4", (4, "point of interest 2: body number 3 is outside 1..2")),
         ("2 3 4 5", "1 3 4 5", (6, GROUND_TWICE)),
     ],
 )
-def test_faults_are_those_of_small_decks(read, old, new, told):
+def test_faults_are_those_of_small_decks(read, old, new, reported):
     with pytest.raises(ModelError) as stopped:
         build_young(read(DECK.replace(old, new)))
-    assert told in [(fault.place.line, fault.sentence) for fault in stopped.value.faults]
+    assert reported in [(fault.place.line, fault.sentence) for fault in stopped.value.faults]
 
 
 CARDS = (

@@ -92,10 +92,10 @@ def test_two_formulations_agree_on_it(deck):
 
 
 def test_options_of_other_dialects_have_no_effect_on_it(deck, tmp_path):
-    told = command("run", deck, "-o", tmp_path, "--feps", "1e-6").stderr
-    assert "--feps has no effect on this SWING deck" in told
+    reported = command("run", deck, "-o", tmp_path, "--feps", "1e-6").stderr
+    assert "--feps has no effect on this SWING deck" in reported
 
 
 def test_a_file_that_no_dialect_knows_is_told_what_each_looks_for(deck):
-    told = command("diff", deck, deck, code=2).stderr
-    assert "no table of a pendulum" in told and "no echo of a DAFMS deck" in told
+    reported = command("diff", deck, deck, code=2).stderr
+    assert "no table of a pendulum" in reported and "no echo of a DAFMS deck" in reported

@@ -24,7 +24,7 @@ from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.fe.nodal_matrices import condensed
 from flexmb_cli.model.flexible_body import ElementMaterial, FEFile
 from scripts.brick_beam import Beam, run_calculix
-from tests.dialects.vsdf.vsdf_decks import build, supplied, told
+from tests.dialects.vsdf.vsdf_decks import build, reported, supplied
 from tests.fe.calculix import needs_ccx
 from tests.fe.supplied import FILES, body, nodes, pendulum, spin_up
 from tests.fe.trusses import write_matrix
@@ -278,9 +278,9 @@ FAULTS = {
 
 @pytest.mark.parametrize("card", FAULTS)
 def test_a_material_that_cannot_be_is_refused_at_its_card(card):
-    assert any(FAULTS[card] in fault for fault in told(deck(card)))
+    assert any(FAULTS[card] in fault for fault in reported(deck(card)))
 
 
 def test_matrices_and_bricks_at_once_are_refused():
     text = supplied("spinup", ("GEOS\n    1    1\n", "GEOS\n    1    1     7.E10       0.3\n"))
-    assert any("either from the matrices of FEMG or from elements" in fault for fault in told(text))
+    assert any("either from the matrices of FEMG or from elements" in fault for fault in reported(text))

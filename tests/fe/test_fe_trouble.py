@@ -25,7 +25,7 @@ NEGATIVE = (
 )
 
 
-def told(folder, r, M, K, **choices):
+def reported(folder, r, M, K, **choices):
     """Sentences about a body of these matrices."""
     try:
         return [
@@ -46,7 +46,7 @@ def with_eigenvalue(K, k, factor):
 @pytest.mark.parametrize("modes", [3, 0])
 def test_a_stiffness_with_a_negative_eigenvalue_is_refused(frame, modes, tmp_path):
     r, _, M, K = truss(1)
-    (message,) = told(tmp_path, r, M, with_eigenvalue(K, 6, -1.0), modes=modes, **frame)
+    (message,) = reported(tmp_path, r, M, with_eigenvalue(K, 6, -1.0), modes=modes, **frame)
     assert message.startswith("body 1: " + NEGATIVE[1])
     assert message.endswith(NEGATIVE[0])
 
@@ -55,7 +55,7 @@ def test_a_stiffness_with_a_negative_eigenvalue_is_refused(frame, modes, tmp_pat
 def test_a_mechanism_in_the_mesh_is_refused(frame, tmp_path):
     """A seventh zero: one deformation without strain, which three clamped nodes would hold."""
     r, _, M, K = truss(1)
-    (message,) = told(tmp_path, r, M, with_eigenvalue(K, 6, 0.0), modes=3, **frame)
+    (message,) = reported(tmp_path, r, M, with_eigenvalue(K, 6, 0.0), modes=3, **frame)
     assert message.startswith("body 1: held in its frame the body still moves without strain, most at node ")
     assert message.endswith(": is the mesh in one piece, without hinges?")
 
@@ -65,7 +65,7 @@ def test_a_stiffness_without_its_six_rigid_motions_is_refused(size, tmp_path):
     """A spring at node 11 to the ground, as strong as the largest entry or a thousandth of it."""
     r, _, M, K = truss(1)
     K[:3, :3] += size * np.abs(K).max() * np.eye(3)
-    (message,) = told(tmp_path, r, M, K, modes=3, reference=(11, 12, 13))
+    (message,) = reported(tmp_path, r, M, K, modes=3, reference=(11, 12, 13))
     found = size / (1.0 + size) if size == 1.0 else size
     share = float(message.partition("translation by ")[2].partition(" ")[0])
     assert share == pytest.approx(found, rel=0.5)
@@ -76,11 +76,11 @@ def test_a_stiffness_without_its_six_rigid_motions_is_refused(size, tmp_path):
 
 def test_a_negative_stiffness_or_mass_is_told_by_its_diagonal(tmp_path):
     r, m, M, K = truss(1)
-    assert told(tmp_path, r, M, -K, modes=3) == [
+    assert reported(tmp_path, r, M, -K, modes=3) == [
         f"body 1: the stiffness of node 11 along x is {-K[0, 0]:.6g}; a diagonal must be positive (21 of 21 such freedoms)"
     ]
     m[0, 0] -= 10.0
-    assert told(tmp_path, r, np.kron(m, np.eye(3)), K, modes=3) == [
+    assert reported(tmp_path, r, np.kron(m, np.eye(3)), K, modes=3) == [
         f"body 1: the mass of node 11 along x is {m[0, 0]:.6g}; a diagonal must be positive (3 of 21 such freedoms)"
     ]
 
@@ -88,7 +88,7 @@ def test_a_negative_stiffness_or_mass_is_told_by_its_diagonal(tmp_path):
 def test_a_node_in_no_element_is_refused(tmp_path):
     r, _, M, K = truss(1)
     K[:3], K[:, :3] = 0.0, 0.0
-    assert told(tmp_path, r, M, K, modes=3)[0] == (
+    assert reported(tmp_path, r, M, K, modes=3)[0] == (
         "body 1: the stiffness of node 11 along x is 0; is the node in no element? (3 of 21 such freedoms)"
     )
 
@@ -97,12 +97,14 @@ def test_a_node_in_no_element_is_refused(tmp_path):
 def test_entries_that_are_no_numbers_are_told_with_their_line(spoilt, tmp_path):
     r, _, M, K = truss(1)
     K[4, 4] = float(spoilt)
-    (message,) = told(tmp_path, r, M, K, modes=3)
+    (message,) = reported(tmp_path, r, M, K, modes=3)
     assert message.endswith(f": row, column and value wanted; '{spoilt}' is no finite number")
 
 
 def test_frequencies_that_no_solid_has_point_to_the_units(tmp_path):
-    """Masses of the pendulum in tonnes and stiffness in N/mm with nodes in m: 1e3 times too fast, twice over."""
+    """Masses of the pendulum in tonnes and stiffness in N/mm with nodes in m: 1e3 times too fast, twice
+    over.
+    """
     mechanism, _ = flexible_mechanism(build(supplied("pendulum")), cached=False)
     assert unit_doubts(mechanism) == []
     (body,) = mechanism.bodies

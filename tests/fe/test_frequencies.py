@@ -66,12 +66,12 @@ def write_dmig(path, name, matrix, card):
     for j in range(matrix.shape[1]):
         rows = slice(matrix.indptr[j], matrix.indptr[j + 1])
         entries = zip(matrix.indices[rows], matrix.data[rows], strict=True)
-        lines.extend(card(name, _freedom(j), [(_freedom(i), value) for i, value in entries if i >= j]))
+        lines.extend(card(name, _dof(j), [(_dof(i), value) for i, value in entries if i >= j]))
     path.write_text("\n".join(lines) + "\n")
     return FEFile(path, "DMIG")
 
 
-def _freedom(row):
+def _dof(row):
     return row // 3 + 1, row % 3 + 1
 
 

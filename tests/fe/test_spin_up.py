@@ -38,13 +38,13 @@ def tip_deflections(times, stiffened):
     """u2 of the tip while the frame turns about z by the deck's law."""
     mechanism, _ = flexible_mechanism(build(supplied("spinup")), cached=False)
     body = mechanism.bodies[0].flexible
-    law = mechanism.motions[2].law
+    function = mechanism.motions[2].function
     N = body.modes
     KG = body.KG if stiffened else np.zeros((0, 0, N, N))
 
     def rate(t, y):
         eta, etad = y[:N], y[N:]
-        _, speed, acceleration = law.at(t)
+        _, speed, acceleration = function.at(t)
         w, alpha = np.array([0.0, 0.0, speed]), np.array([0.0, 0.0, acceleration])
         s, S_tt, S_tf, T = np.empty(3), np.empty((3, 3)), np.empty((3, N)), np.empty((N, 3, 3))
         f = np.empty(6 + N)

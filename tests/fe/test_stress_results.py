@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from flexmb_cli.cli.run import run
 from flexmb_cli.cli.table import table
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
-from tests.dialects.vsdf.vsdf_decks import DECKS, build, supplied, told
+from tests.dialects.vsdf.vsdf_decks import DECKS, build, reported, supplied
 
 MATERIAL = "MATL\n    2    2.1E11       0.3    7850.0\n"
 
@@ -87,13 +87,13 @@ FAULTS = {
 
 @pytest.mark.parametrize("line", FAULTS)
 def test_what_cannot_be_reported_is_told_at_its_card(line):
-    assert any(FAULTS[line] in fault for fault in told(rod(line))), told(rod(line))
+    assert any(FAULTS[line] in fault for fault in reported(rod(line))), reported(rod(line))
 
 
 def test_stresses_without_a_material_are_refused():
     text = rod("    2 MAX", material="")
     assert any(
-        "stresses of body 2 need its material; give E and nu on a card MATL" in one for one in told(text)
+        "stresses of body 2 need its material; give E and nu on a card MATL" in one for one in reported(text)
     )
 
 

@@ -47,8 +47,10 @@ def test_foreign_functions_are_found_in_the_objects_of_every_system(script, code
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm to compare with")
 def test_foreign_functions_are_those_that_nm_finds(script, codes, tmp_path):
     (tmp_path / "x.o").write_bytes(codes["x86_64-linux"])
-    told = subprocess.run(["nm", "-u", tmp_path / "x.o"], capture_output=True, text=True, check=True).stdout
-    assert script.foreign_names(codes["x86_64-linux"]) == {line.split()[-1] for line in told.splitlines()}
+    reported = subprocess.run(
+        ["nm", "-u", tmp_path / "x.o"], capture_output=True, text=True, check=True
+    ).stdout
+    assert script.foreign_names(codes["x86_64-linux"]) == {line.split()[-1] for line in reported.splitlines()}
 
 
 def test_what_multiplies_and_adds_at_once_is_recognised(script):

@@ -6,14 +6,14 @@ import pytest
 
 from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.settings import apply_settings
-from flexmb_cli.dialects.vsdf.motion_angles import check_motion_laws
+from flexmb_cli.dialects.vsdf.motion_angles import check_motion_functions
 from flexmb_cli.dialects.young.build import build_young
 from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.errors import ModelError
 from flexmb_cli.model.diagnostics import Findings
 from flexmb_cli.model.driver_angles import check_driver_angles
 from flexmb_cli.model.mechanism import Driver, Mechanism, TimeGrid
-from flexmb_cli.model.time_functions import POLYNOMIAL, SINE, Motion, MotionLaw, table_law
+from flexmb_cli.model.time_functions import POLYNOMIAL, SINE, Motion, MotionFunction, table_function
 
 DECK = Path(__file__).resolve().parents[2] / "decks/young/IN4-BAR.dat"
 
@@ -45,45 +45,47 @@ def test_many_turns_between_two_report_times_are_doubted():
     assert note.message.startswith("it turns 1.59e+03 times between two report times")
 
 
-def doubts_of(kind, law, end=2.0):
+def doubts_of(kind, function, end=2.0):
     findings = Findings()
-    check_motion_laws((Motion("motion 1", kind, 0, law),), TimeGrid(0.0, end, 0.1), findings)
+    check_motion_functions((Motion("motion 1", kind, 0, function),), TimeGrid(0.0, end, 0.1), findings)
     return [(fault.severity, fault.message[: fault.message.index(";")]) for fault in findings.faults]
 
 
 @pytest.mark.parametrize(
-    ("law", "reached"),
+    ("function", "reached"),
     [
-        (MotionLaw(POLYNOMIAL, (0.0, 1e30, 0.0, 0.0)), "2e+30"),
-        (MotionLaw(POLYNOMIAL, (0.0, 0.0, 0.0, 1e9)), "8e+09"),  # c3 t³ at 2 s
-        (MotionLaw(SINE, (2e9, 1.0, 1.0, 0.0)), "2e+09"),
-        (table_law([0.0, 1.0, 2.0], [0.0, 3e12, 0.0]), "3e+12"),
+        (MotionFunction(POLYNOMIAL, (0.0, 1e30, 0.0, 0.0)), "2e+30"),
+        (MotionFunction(POLYNOMIAL, (0.0, 0.0, 0.0, 1e9)), "8e+09"),  # c3 t³ at 2 s
+        (MotionFunction(SINE, (2e9, 1.0, 1.0, 0.0)), "2e+09"),
+        (table_function([0.0, 1.0, 2.0], [0.0, 3e12, 0.0]), "3e+12"),
     ],
 )
-def test_an_angle_by_a_law_that_is_none_is_refused(law, reached):
-    assert doubts_of("ANGL", law) == [("error", f"its angle reaches {reached} rad")]
-    assert doubts_of("TRAX", law) == []
+def test_an_angle_by_a_law_that_is_none_is_refused(function, reached):
+    assert doubts_of("ANGL", function) == [("error", f"its angle reaches {reached} rad")]
+    assert doubts_of("TRAX", function) == []
 
 
 def test_many_turns_by_a_law_are_doubted():
     """The sine of 1e8 rad/s and 1 rad moves at up to 1e8 rad/s: 1.6e6 turns in 0.1 s."""
     findings = Findings()
-    motion = Motion("motion 1", "ROTZ", 0, MotionLaw(SINE, (0.0, 1.0, 1e8, 0.0)))
-    check_motion_laws((motion,), TimeGrid(0.0, 2.0, 0.1), findings)
+    motion = Motion("motion 1", "ROTZ", 0, MotionFunction(SINE, (0.0, 1.0, 1e8, 0.0)))
+    check_motion_functions((motion,), TimeGrid(0.0, 2.0, 0.1), findings)
     (note,) = findings.faults
     assert note.severity == "note" and note.message.startswith("it turns 1.59e+06 times between")
 
 
 @pytest.mark.parametrize(
-    "law",
+    "function",
     [
-        MotionLaw(POLYNOMIAL, (0.0, 0.0, 0.0, 1e308)),
-        MotionLaw(SINE, (0.0, 1.0, 1e308, 0.0)),
-        table_law([0.0, 1e-300, 1.0], [0.0, 1.0, 1.0]),  # a slope of 1e300
+        MotionFunction(POLYNOMIAL, (0.0, 0.0, 0.0, 1e308)),
+        MotionFunction(SINE, (0.0, 1.0, 1e308, 0.0)),
+        table_function([0.0, 1e-300, 1.0], [0.0, 1.0, 1.0]),  # a slope of 1e300
     ],
 )
-def test_a_law_without_finite_rates_is_refused(law):
-    assert doubts_of("TRAX", law) == [("error", "its law or a derivative is beyond 1e+100, or no number")]
+def test_a_law_without_finite_rates_is_refused(function):
+    assert doubts_of("TRAX", function) == [
+        ("error", "its law or a derivative is beyond 1e+100, or no number")
+    ]
 
 
 @pytest.mark.parametrize(("direction", "doubts"), [(1, 0), (3, 0), (4, 1), (6, 1)])

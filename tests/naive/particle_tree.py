@@ -1,7 +1,7 @@
 """The equations of a tree from nothing but the positions of particles.
 
 Every rigid body is replaced by ten weighted points with its mass, first moment and inertia, every
-lump is a point.  Positions are analytic functions of the coordinates, so partial velocities come
+nodal mass is a point.  Positions are analytic functions of the coordinates, so partial velocities come
 from a complex step and acceleration remainders from Cauchy's integral, both to round-off; d'Alembert's
 principle for the points then gives the whole matrix b and the columns F and f*.  Nothing is shared
 with the recursion: no spatial algebra, no angular velocities, no mass matrix of a body.

@@ -224,7 +224,9 @@ class PlanarTree:
         """q and y (times, NS) at ascending report times; steps end where a torque jumps or bends."""
         n, state = len(self.tree.q), np.concatenate(self.start())
         blocks = [state[None]]
-        bends = sorted({t for torque in self.tree.torques for t in torque.law.times if 0 < t < times[-1]})
+        bends = sorted(
+            {t for torque in self.tree.torques for t in torque.function.times if 0 < t < times[-1]}
+        )
         for begin, end in itertools.pairwise([times[0], *bends, times[-1]]):
             due = times[(times > begin) & (times <= end)]
             slope = self._slope((begin + end) / 2)
@@ -253,16 +255,16 @@ class PlanarTree:
         rise = np.zeros(len(constant))
         for torque in self.tree.torques:
             assert torque.axis == 1
-            value, slope = piece(torque.law, inside)
+            value, slope = piece(torque.function, inside)
             constant[torque.body] += value
             rise[torque.body] += slope
         return lambda t: constant + rise * t
 
 
-def piece(law, inside):
+def piece(function, inside):
     """Constant and slope of the line that a law follows around a time that is none of its points."""
-    i = int(np.searchsorted(law.times, inside))
-    if i in (0, len(law.times)):
-        return law.values[0 if i == 0 else -1], 0.0
-    slope = (law.values[i] - law.values[i - 1]) / (law.times[i] - law.times[i - 1])
-    return law.values[i] - slope * law.times[i], slope
+    i = int(np.searchsorted(function.times, inside))
+    if i in (0, len(function.times)):
+        return function.values[0 if i == 0 else -1], 0.0
+    slope = (function.values[i] - function.values[i - 1]) / (function.times[i] - function.times[i - 1])
+    return function.values[i] - slope * function.times[i], slope

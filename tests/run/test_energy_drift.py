@@ -6,7 +6,7 @@ import pytest
 
 from flexmb_cli.run.energy_drift import ConstrainedDrift
 from tests.dialects.vsdf.vsdf_decks import changed
-from tests.solvers.kinematics.young_linkages import AT_REST, outcome, told, turned, young
+from tests.solvers.kinematics.young_linkages import AT_REST, outcome, reported, turned, young
 
 MASS, ARM, INERTIA, GRAVITY = 1.0, 0.5, 0.1, 9.81
 SWINGING = f"DYNAMICS forward\nMASS 2 {MASS} {ARM} 0 0 0.01 0.1 {INERTIA}\nGRAVITY 0 -{GRAVITY} 0\n"
@@ -29,7 +29,7 @@ def test_steps_that_are_too_long_are_told_by_the_energy_they_lose(tmp_path):
         notes = result.attrs["notes"]
     height = ARM * 2.0 * e[:, 0] * e[:, 3]
     energy = 0.5 * (INERTIA + MASS * ARM**2) * spin**2 + MASS * GRAVITY * height
-    (fault,) = told(found)
+    (fault,) = reported(found)
     assert fault.startswith(
         f"IN.dat: warning: total energy drifts by {np.abs(energy).max():.1e} J, the energies and the work "
         "done reach 4.9 J, which the equations keep constant: the motion is wrong"
@@ -43,13 +43,13 @@ def test_steps_that_are_too_long_are_told_by_the_energy_they_lose(tmp_path):
     "steps", ["", "GALF 0.005 0.9\n", "GALF 0 0.3\n"], ids=["explicit", "short", "chosen"]
 )
 def test_steps_that_keep_energy_are_not_doubted(steps, tmp_path):
-    assert told(outcome(tmp_path, pendulum(steps))) == []
+    assert reported(outcome(tmp_path, pendulum(steps))) == []
 
 
 @pytest.mark.parametrize(("step", "warned"), [("0.1", True), ("0.0", False)])
 def test_the_steps_of_a_vsdf_deck_are_doubted_alike(step, warned, tmp_path):
     text = changed(("       1.0      0.01\n", f"       1.0       0.1{step:>10}\nINTG\n GALF       0.5\n"))
-    found = told(outcome(tmp_path, text, "x.vsdf"))
+    found = reported(outcome(tmp_path, text, "x.vsdf"))
     energy = [fault for fault in found if "total energy drifts by" in fault]
     assert len(energy) == warned
     assert all("steps of GALF that are too long (card TIME)" in fault for fault in energy)

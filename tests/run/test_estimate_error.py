@@ -14,7 +14,7 @@ from flexmb_cli.run.outcome import RunOptions
 from tests.dialects.vsdf.test_rigid_links import young_rows
 from tests.dialects.vsdf.vsdf_decks import changed
 from tests.run.dafms_runs import altered, loaded, run
-from tests.solvers.kinematics.young_linkages import AT_REST, four_bar, outcome, told, turned, young
+from tests.solvers.kinematics.young_linkages import AT_REST, four_bar, outcome, reported, turned, young
 
 ARM, INERTIA, GRAVITY = 0.5, 0.1, 9.81
 
@@ -40,7 +40,7 @@ def speeds(times):
 
 def test_the_estimate_is_the_error(tmp_path):
     found = outcome(tmp_path, pendulum("TOLERANCE 1e-5\n"), estimate_error=True)
-    assert (found.exit_code, told(found)) == (0, [])
+    assert (found.exit_code, reported(found)) == (0, [])
     with h5py.File(tmp_path / "OUT.h5") as result:
         time, speed = result["time"][:], result["body/angular_velocity"][:, 1, 2]
         estimate = result["audit/global_error/body/angular_velocity"][:]
@@ -56,7 +56,7 @@ def test_the_estimate_of_a_tree_is_the_error(tmp_path):
     """Against the same tree in absolute coordinates, to 1e-12."""
     deck = altered(tmp_path, "fourbar_rigid", ("  200\n", "   40\n"))
     found = run(deck, tmp_path, estimate_error=True, integration={"rtol": 1e-5, "atol": 1e-5})
-    assert (found.exit_code, told(found)) == (0, [])
+    assert (found.exit_code, reported(found)) == (0, [])
     ours = loaded(tmp_path, "fourbar_rigid")
     run(deck, tmp_path / "absolute", formulation="absolute", integration={"rtol": 1e-12, "atol": 1e-12})
     other = loaded(tmp_path / "absolute", "fourbar_rigid")
@@ -71,7 +71,7 @@ def test_the_estimate_of_rigid_links_is_the_error(tmp_path):
     deck = tmp_path / "links.vsdf"
     deck.write_text(changed(("1.0      0.01\n", "1.0       0.1\nINTG\n RK45    1.0E-4\n")))
     found = run_deck(str(deck), RunOptions(folder=str(tmp_path), estimate_error=True))
-    assert (found.exit_code, told(found)) == (0, [])
+    assert (found.exit_code, reported(found)) == (0, [])
     values, speed = loaded(tmp_path, "links"), "body/angular_velocity"
     error = np.abs(values[speed] - young_rows().angular_velocity[:, 1:]).max(axis=(1, 2))
     assert error.max() > 1e-6
@@ -89,14 +89,14 @@ def test_the_estimate_of_rigid_links_is_the_error(tmp_path):
 def test_a_run_without_chosen_steps_says_that_nothing_can_be_estimated(tmp_path, deck, reason):
     found = outcome(tmp_path, deck, estimate_error=True)
     assert found.exit_code == 0
-    assert f"--estimate-error has no effect: {reason}" in told(found)[0]
+    assert f"--estimate-error has no effect: {reason}" in reported(found)[0]
     assert not found.errors
 
 
 def test_a_tolerance_that_no_run_can_undercut_is_told(tmp_path):
     deck = altered(tmp_path, "fourbar_rigid", ("  200\n", "    2\n"))
     found = run(deck, tmp_path, estimate_error=True, integration={"rtol": 1e-14})
-    assert "no second run can be finer than a tolerance of 1e-14" in told(found)[0]
+    assert "no second run can be finer than a tolerance of 1e-14" in reported(found)[0]
 
 
 def test_a_second_run_that_stops_ends_the_estimate_but_not_the_run():

@@ -46,16 +46,16 @@ def steps(text):
 
 
 def test_rtol_sets_the_steps_of_a_young_deck_and_is_kept_in_the_result(tmp_path):
-    coarse, told = solved(tmp_path, FORWARD, *SHORT, "--rtol", "1e-4", "-v")
-    few = steps(told)
+    coarse, reported = solved(tmp_path, FORWARD, *SHORT, "--rtol", "1e-4", "-v")
+    few = steps(reported)
     with h5py.File(coarse) as file:
         assert file.attrs["options"] == "rtol=0.0001"
     near = position(coarse)
-    fine, told = solved(tmp_path, FORWARD, *SHORT, "--rtol", "1e-12", "-v")
-    assert steps(told) > 1.3 * few
+    fine, reported = solved(tmp_path, FORWARD, *SHORT, "--rtol", "1e-12", "-v")
+    assert steps(reported) > 1.3 * few
     # Two tolerances of one motion: apart by what the coarser one allows, and not the same numbers.
     assert 0 < np.max(np.abs(position(fine) - near)) < 1e-3
-    assert "no effect" not in told
+    assert "no effect" not in reported
 
 
 @pytest.mark.parametrize("method", ["dop853", "radau", "alpha"])
@@ -71,8 +71,8 @@ def test_each_method_moves_a_young_deck_alike(tmp_path, method):
 @pytest.mark.parametrize("method", ["dop853", "radau", "alpha"])
 def test_each_method_moves_a_vsdf_deck_alike(tmp_path, vsdf, method):
     wanted = position(solved(tmp_path, vsdf, "--method", "dop853", "--rtol", "1e-11")[0])
-    found, told = solved(tmp_path, vsdf, "--method", method)
-    assert "no effect" not in told
+    found, reported = solved(tmp_path, vsdf, "--method", method)
+    assert "no effect" not in reported
     np.testing.assert_allclose(position(found), wanted, atol=1e-3)
 
 
@@ -89,21 +89,21 @@ def test_each_method_moves_a_vsdf_deck_alike(tmp_path, vsdf, method):
     ],
 )
 def test_a_method_that_a_dialect_lacks_is_refused_with_those_that_it_has(tmp_path, vsdf, deck, method, known):
-    path, told = solved(tmp_path, vsdf if deck == "vsdf" else deck, "--method", method, code=2)
-    assert f"--method {method}: {known}" in told
+    path, reported = solved(tmp_path, vsdf if deck == "vsdf" else deck, "--method", method, code=2)
+    assert f"--method {method}: {known}" in reported
     assert not path.exists()
 
 
 def test_where_nothing_is_integrated_the_warning_names_what_sets_the_accuracy(tmp_path):
-    _, told = solved(tmp_path, DECKS / "young/IN1-1-1.dat", "--rtol", "1e-6", "--resume")
-    assert "--rtol has no effect on this YOUNG deck: nothing is integrated" in told
-    assert "--feps sets the residual" in told
-    assert "nothing to resume" in told
+    _, reported = solved(tmp_path, DECKS / "young/IN1-1-1.dat", "--rtol", "1e-6", "--resume")
+    assert "--rtol has no effect on this YOUNG deck: nothing is integrated" in reported
+    assert "--feps sets the residual" in reported
+    assert "nothing to resume" in reported
 
 
 def test_steps_of_given_length_have_no_tolerance(tmp_path, vsdf):
-    _, told = solved(tmp_path, vsdf, "--rtol", "1e-6", "--method", "alpha", "--set", "time.step=0.01")
-    assert "--rtol: the deck gives the length of the steps; set it to 0" in told
+    _, reported = solved(tmp_path, vsdf, "--rtol", "1e-6", "--method", "alpha", "--set", "time.step=0.01")
+    assert "--rtol: the deck gives the length of the steps; set it to 0" in reported
 
 
 @pytest.mark.parametrize(
@@ -121,8 +121,8 @@ def test_only_the_quantities_named_are_stored(tmp_path, deck, options):
 
 
 def test_a_name_that_a_result_would_not_have_ends_the_run_before_it_begins(tmp_path):
-    path, told = solved(tmp_path, DECKS / "young/IN4-BAR.dat", "--only", "body.1.velocty", code=2)
-    assert "--only body.1.velocty: the result has no such quantity; near it are body.1.velocity" in told
+    path, reported = solved(tmp_path, DECKS / "young/IN4-BAR.dat", "--only", "body.1.velocty", code=2)
+    assert "--only body.1.velocty: the result has no such quantity; near it are body.1.velocity" in reported
     assert not path.exists()
 
 

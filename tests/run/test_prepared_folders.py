@@ -17,7 +17,7 @@ from flexmb_cli.cli import cli
 from flexmb_cli.errors import OutputError
 from flexmb_cli.managed_files import ManagedFolder, UnsafePlace, open_managed
 from flexmb_cli.results.files.replaced_file import ReplacedText, Replacement, write_whole
-from flexmb_cli.run.checkpoint import Journal
+from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.study.sweep import Sweep
 from flexmb_cli.study.workers import solve_here
 
@@ -78,11 +78,11 @@ def test_a_study_opens_nothing_that_was_put_in_the_place_of_its_files(thesis, na
     Path(PARTS, name).unlink(missing_ok=True)
     if name != "study.json":
         Path(PARTS, "study.json").write_bytes(identity)
-    make, told = OBSTACLES[obstacle]
+    make, reported = OBSTACLES[obstacle]
     make(os.path.join(PARTS, name))
     done = CliRunner().invoke(cli, ["sweep", "s.toml"])
     assert isinstance(done.exception, OutputError) and done.exception.exit_code == 2, done.output
-    assert told in str(done.exception) and name in str(done.exception)
+    assert reported in str(done.exception) and name in str(done.exception)
     assert not Path("s.h5").exists()
 
 
@@ -111,13 +111,13 @@ def test_a_folder_exchanged_for_a_link_while_a_study_is_solved_gets_no_case(thes
 
 @pytest.mark.parametrize("obstacle", OBSTACLES)
 def test_no_prepared_resume_file_is_read_or_written(thesis, obstacle):
-    make, told = OBSTACLES[obstacle]
+    make, reported = OBSTACLES[obstacle]
     make("x.resume")
-    journal = Journal("x.resume", {"deck": "x"})
-    with pytest.raises(OutputError, match=f"x.resume: {told}"):
-        journal.find()
-    with pytest.raises(OutputError, match=f"x.resume: {told}"):
-        journal.begin([])
+    resume_file = ResumeFile("x.resume", {"deck": "x"})
+    with pytest.raises(OutputError, match=f"x.resume: {reported}"):
+        resume_file.find()
+    with pytest.raises(OutputError, match=f"x.resume: {reported}"):
+        resume_file.begin([])
 
 
 def names_of_temporary_files(target):
@@ -149,10 +149,10 @@ def test_a_temporary_file_exchanged_for_a_link_is_not_written_through(thesis):
 
 @pytest.mark.parametrize("obstacle", ["link", "pipe", "folder"])
 def test_a_prepared_draft_is_neither_read_nor_replaced(thesis, obstacle):
-    make, told = OBSTACLES[obstacle]
+    make, reported = OBSTACLES[obstacle]
     make("IN-X.dat.draft")
     done = CliRunner().invoke(cli, ["new", "young", "--draft", "-o", "IN-X.dat"], input="a title\n!\n")
-    assert isinstance(done.exception, UnsafePlace) and told in str(done.exception)
+    assert isinstance(done.exception, UnsafePlace) and reported in str(done.exception)
 
 
 def test_a_file_that_is_exchanged_behind_the_look_at_it_is_refused(thesis, monkeypatch):

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import ModelError, OutputError
-from flexmb_cli.run.checkpoint import Journal
+from flexmb_cli.run.checkpoint import ResumeFile
 from flexmb_cli.run.outcome import Listener
 from flexmb_cli.solvers.tree import analysis
 from tests.run.dafms_runs import DECKS, ENDINGS, NAMES, altered, run, stop_after
@@ -87,14 +87,14 @@ def test_resuming_without_a_stopped_run_starts_at_the_beginning_and_says_so(tmp_
 )
 def test_a_run_with_other_options_is_not_resumed(tmp_path, options, difference):
     run("pendulum", tmp_path, stop_after(1))
-    journal = (tmp_path / "pendulum.resume").read_bytes()
+    resume_file = (tmp_path / "pendulum.resume").read_bytes()
     outcome = run("pendulum", tmp_path, resume=True, **options)
     assert outcome.exit_code == 2
     assert outcome.faults[-1].message == (
         f"--resume: {tmp_path / 'pendulum.resume'} is of another run: {difference}; "
         "run without --resume to start anew"
     )
-    assert (tmp_path / "pendulum.resume").read_bytes() == journal
+    assert (tmp_path / "pendulum.resume").read_bytes() == resume_file
 
 
 def test_a_run_of_another_deck_or_version_is_not_resumed(tmp_path, monkeypatch):
@@ -130,21 +130,21 @@ def test_zeros_of_a_lost_power_in_the_place_of_a_journal_are_written_over(tmp_pa
 
 def test_no_file_but_a_journal_is_written_over_and_no_link_to_one_is_followed(tmp_path):
     """In a folder that a stranger has packed, the journal's name could lead to any file of the user's."""
-    other, journal = tmp_path / "other", tmp_path / "pendulum.resume"
+    other, resume_file = tmp_path / "other", tmp_path / "pendulum.resume"
     other.write_text('{"kept": 1}')
-    journal.symlink_to(other)
+    resume_file.symlink_to(other)
     outcome = run("pendulum", tmp_path)
     assert outcome.exit_code == 2
-    assert outcome.faults[-1].message == f"{journal}: it is a link, which is not followed; remove it"
+    assert outcome.faults[-1].message == f"{resume_file}: it is a link, which is not followed; remove it"
     assert other.read_text() == '{"kept": 1}'
-    journal.unlink()
-    journal.write_text("a life in short")
+    resume_file.unlink()
+    resume_file.write_text("a life in short")
     outcome = run("pendulum", tmp_path)
     assert outcome.exit_code == 2
     assert outcome.faults[-1].message == (
-        f"{journal}: it is not the file of a stopped run, whose place it has; remove or rename it"
+        f"{resume_file}: it is not the file of a stopped run, whose place it has; remove or rename it"
     )
-    assert journal.read_text() == "a life in short"
+    assert resume_file.read_text() == "a life in short"
     assert {path.name for path in tmp_path.iterdir()} == {"other", "pendulum.resume"}
 
 
@@ -153,17 +153,17 @@ BLOCKS = [({"time": np.arange(3.0) + k}, {"row": np.array(3 * k)}) for k in rang
 
 def kept(path):
     """A journal of four blocks."""
-    journal = Journal(str(path), {"deck": "x"})
-    journal.begin([])
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.begin([])
     for values, checkpoint in BLOCKS:
-        journal.append(values, checkpoint)
-    journal.close()
+        resume_file.append(values, checkpoint)
+    resume_file.close()
 
 
 def rows_of(path):
-    journal = Journal(str(path), {"deck": "x"})
-    journal.find()
-    return [int(state["row"]) for _, state in journal.stored()]
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.find()
+    return [int(state["row"]) for _, state in resume_file.stored()]
 
 
 def test_a_journal_cut_anywhere_gives_its_whole_entries(tmp_path):
@@ -193,11 +193,11 @@ def test_a_journal_goes_on_behind_its_last_whole_entry(tmp_path):
     path = tmp_path / "x.resume"
     kept(path)
     path.write_bytes(path.read_bytes()[:-10])
-    journal = Journal(str(path), {"deck": "x"})
-    journal.find()
-    journal.begin([])
-    journal.append(*BLOCKS[3])
-    journal.close()
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.find()
+    resume_file.begin([])
+    resume_file.append(*BLOCKS[3])
+    resume_file.close()
     assert rows_of(path) == [0, 3, 6, 9]
 
 
@@ -209,9 +209,11 @@ def test_what_is_no_journal_is_refused(tmp_path):
 
 
 def doubts_of(path):
-    journal = Journal(str(path), {"deck": "x"})
-    journal.find()
-    return [(doubt.severity, doubt.message.removeprefix(f"--resume: {path} is ")) for doubt in journal.doubts]
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.find()
+    return [
+        (doubt.severity, doubt.message.removeprefix(f"--resume: {path} is ")) for doubt in resume_file.doubts
+    ]
 
 
 @pytest.mark.parametrize("length", [0, 1, 13])
@@ -263,7 +265,7 @@ def test_a_damaged_length_takes_no_memory(tmp_path, length):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="locks of files are Unix's")
 def test_two_runs_do_not_write_one_journal(tmp_path):
-    first, second = (Journal(str(tmp_path / "x.resume"), {"deck": "x"}) for _ in range(2))
+    first, second = (ResumeFile(str(tmp_path / "x.resume"), {"deck": "x"}) for _ in range(2))
     first.begin([])
     first.append(*BLOCKS[0])
     with pytest.raises(OutputError, match="another run is writing it"):
@@ -304,9 +306,9 @@ def test_only_files_with_the_name_of_unfinished_results_are_removed(tmp_path):
     path = tmp_path / "x.resume"
     mine, leftover = tmp_path / "thesis.tex", tmp_path / ".flexmb-0123456789ab.tmp"
     mine.touch(), leftover.touch()
-    journal = Journal(str(path), {"deck": "x"})
-    journal.begin([str(mine), str(leftover)])
-    journal.close()
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.begin([str(mine), str(leftover)])
+    resume_file.close()
     rows_of(path)
     assert mine.exists()
     assert not leftover.exists()
@@ -317,14 +319,14 @@ def test_a_journal_tells_no_folder_and_removes_nothing_from_another(tmp_path):
     elsewhere.mkdir()
     foreign = elsewhere / ".flexmb-0123456789ab.tmp"
     foreign.touch()
-    path, told = tmp_path / "x.resume", "elsewhere".encode("utf-32-le")
-    journal = Journal(str(path), {"deck": "x"})
-    journal.begin([str(foreign)])
-    assert told not in path.read_bytes()
+    path, reported = tmp_path / "x.resume", "elsewhere".encode("utf-32-le")
+    resume_file = ResumeFile(str(path), {"deck": "x"})
+    resume_file.begin([str(foreign)])
+    assert reported not in path.read_bytes()
     # As one that was written by hand may have it.
-    journal.append({"unfinished": np.array([str(foreign)])}, {})
-    journal.close()
-    assert told in path.read_bytes()
+    resume_file.append({"unfinished": np.array([str(foreign)])}, {})
+    resume_file.close()
+    assert reported in path.read_bytes()
     rows_of(path)
     assert foreign.exists()
 
@@ -334,12 +336,12 @@ def command(folder, *more):
     return [sys.executable, "-m", "flexmb_cli", "run", deck, "-q", "-o", str(folder), *more]
 
 
-def kill_when_grown(arguments, journal, growth):
+def kill_when_grown(arguments, resume_file, growth):
     """Start a run and kill it when its journal has grown; False when it ended before."""
-    before = journal.stat().st_size if journal.exists() else 0
+    before = resume_file.stat().st_size if resume_file.exists() else 0
     process = subprocess.Popen(arguments)
     while process.poll() is None:
-        if journal.exists() and journal.stat().st_size > before + growth:
+        if resume_file.exists() and resume_file.stat().st_size > before + growth:
             process.send_signal(signal.SIGKILL)
             process.wait()
             return True
@@ -393,8 +395,8 @@ def hear_interrupts():
 def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
     arguments = [part for part in command(tmp_path, "--set", "time.IT=1000000") if part != "-q"]
     process = subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True, preexec_fn=hear_interrupts)
-    journal = tmp_path / "pendulum.resume"
-    while process.poll() is None and not (journal.exists() and journal.stat().st_size > 300_000):
+    resume_file = tmp_path / "pendulum.resume"
+    while process.poll() is None and not (resume_file.exists() and resume_file.stat().st_size > 300_000):
         time.sleep(0.01)
     process.send_signal(sent)
     message = process.communicate(timeout=60)[1]
@@ -403,4 +405,4 @@ def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path, sent):
     with h5py.File(tmp_path / "pendulum.h5") as file:
         assert (file.attrs["status"], file.attrs["message"]) == ("failed", "interrupted")
         assert file["time"].shape[0] >= 256
-    assert journal.exists()
+    assert resume_file.exists()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flexmb_cli.run.checkpoint import LONGEST_UNSAVED, Journal
+from flexmb_cli.run.checkpoint import LONGEST_UNSAVED, ResumeFile
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
 from flexmb_cli.solvers.constrained import analysis as constrained
@@ -116,21 +116,21 @@ def test_a_kinematic_run_of_one_block_keeps_no_journal(tmp_path, monkeypatch):
 
 
 def state_of(path):
-    journal = Journal(str(path), {})
-    journal.find()
-    return journal.last_checkpoint, [len(values["time"]) for values, _ in journal.stored()]
+    resume_file = ResumeFile(str(path), {})
+    resume_file.find()
+    return resume_file.last_checkpoint, [len(values["time"]) for values, _ in resume_file.stored()]
 
 
 def test_a_checkpoint_larger_than_the_rows_is_left_out_until_the_run_ends(tmp_path):
     """A kill then costs the rows behind the last one, a signal none."""
     path = tmp_path / "x.resume"
-    journal = Journal(str(path), {})
-    journal.begin([])
+    resume_file = ResumeFile(str(path), {})
+    resume_file.begin([])
     for k in range(5):
-        journal.append({"time": [k]}, {"row": k + 1, "matrix": bytes(24)})
+        resume_file.append({"time": [k]}, {"row": k + 1, "matrix": bytes(24)})
     killed, rows = state_of(path)
     assert (int(killed["row"]), rows) == (4, [1, 1, 1, 1])
-    journal.close()
+    resume_file.close()
     ended, rows = state_of(path)
     assert (int(ended["row"]), rows) == (5, [1, 1, 1, 1, 1])
     assert LONGEST_UNSAVED <= 60.0
@@ -143,8 +143,8 @@ def test_a_killed_run_of_a_mechanism_goes_on_to_the_same_bytes(tmp_path):
     deck.write_text(pendulum("RAD5\n"))
     command = [sys.executable, "-m", "flexmb_cli", "run", "-q", "--set", "time.step=2e-5", str(deck), "-o"]
     subprocess.run([*command, str(whole)], check=True, timeout=300)
-    process, journal = subprocess.Popen([*command, str(killed)]), killed / "OUT-RAD5.resume"
-    while process.poll() is None and not (journal.exists() and journal.stat().st_size > 1_000_000):
+    process, resume_file = subprocess.Popen([*command, str(killed)]), killed / "OUT-RAD5.resume"
+    while process.poll() is None and not (resume_file.exists() and resume_file.stat().st_size > 1_000_000):
         time.sleep(0.002)
     assert process.poll() is None
     process.kill()

@@ -203,8 +203,8 @@ def test_want_of_memory_is_told_from_faults(monkeypatch, fault, code):
 def test_a_library_that_cannot_be_loaded_is_named(monkeypatch, fault):
     """Whether memory is short cannot be seen from it."""
     monkeypatch.setattr(deck, "open_deck", partial(raised, fault))
-    told = deck.run_deck(DECK, RunOptions()).faults[0].message
-    assert told.endswith(f"for want of memory or a broken installation: {fault}")
+    reported = deck.run_deck(DECK, RunOptions()).faults[0].message
+    assert reported.endswith(f"for want of memory or a broken installation: {fault}")
 
 
 def test_a_library_that_trips_where_no_memory_is_left_lacks_memory(monkeypatch):
@@ -227,8 +227,8 @@ def test_what_the_system_refuses_one_deck_ends_that_deck_only(monkeypatch):
     found = CliRunner().invoke(commands.cli, ["run", DECK, OTHER, "--json"])
     assert found.exit_code == 1
     records = [json.loads(line) for line in found.stdout.splitlines()]
-    told = [(record["deck"], record["faults"][0]["message"]) for record in records]
-    assert told == [(name, "the system refused: Too many open files") for name in (DECK, OTHER)]
+    reported = [(record["deck"], record["faults"][0]["message"]) for record in records]
+    assert reported == [(name, "the system refused: Too many open files") for name in (DECK, OTHER)]
 
 
 def test_a_broken_standard_output_ends_the_call(monkeypatch, tmp_path):
@@ -280,8 +280,8 @@ def test_a_stopped_command_prints_records_of_all_decks_and_begins_no_other(
     found = CliRunner().invoke(commands.cli, [command, DECK, OTHER, "--json"])
     assert found.exit_code == code and f"{DECK}: interrupted" in found.stderr
     records = [json.loads(line) for line in found.stdout.splitlines()]
-    told = [(record["deck"], record["status"]) for record in records]
-    assert told == [(DECK, "interrupted"), (OTHER, "interrupted")] and begun == [DECK]
+    reported = [(record["deck"], record["status"]) for record in records]
+    assert reported == [(DECK, "interrupted"), (OTHER, "interrupted")] and begun == [DECK]
 
 
 @pytest.mark.parametrize(("stop", "code"), [(KeyboardInterrupt, 130), (Terminated, 143)])
@@ -336,7 +336,7 @@ def test_the_table_of_a_stopped_run_says_so(tmp_path, path):
     assert deck.run_deck(str(DECKS / path), options).exit_code == 0
     whole.write_bytes(Path(table).read_bytes())
     marks = {"young": "RUN STOPPED", "vsdf": "THE RUN ENDED BEFORE THE LAST TIME"}
-    assert any(marks[path[: path.index("/")]] in told for told in compare(whole, stopped).missing)
+    assert any(marks[path[: path.index("/")]] in reported for reported in compare(whole, stopped).missing)
 
 
 @pytest.mark.parametrize("how", ["kane", pytest.param("absolute", marks=pytest.mark.long_motion), "resumed"])

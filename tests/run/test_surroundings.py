@@ -59,5 +59,5 @@ def test_no_file_holds_a_path_a_name_of_user_or_host_or_a_variable(outputs):
     for path in found:
         raw = path.read_bytes()
         # Short names, such as root, are words of many texts.
-        told = [word for word in secrets if len(word) > 6 and word.encode() in raw]
-        assert not told, f"{path.name} tells {told}"
+        reported = [word for word in secrets if len(word) > 6 and word.encode() in raw]
+        assert not reported, f"{path.name} tells {reported}"

@@ -88,20 +88,20 @@ def with_packages(checkout, refused):
 
 def test_ci_waits_for_the_package_manager_and_tries_again(checkout):
     calls = with_packages(checkout, refused=2)
-    code, told, errors = run(checkout, ".ci/run")
+    code, reported, errors = run(checkout, ".ci/run")
     assert (code, errors) == (0, "")
     assert (checkout / "bin" / "ccx").exists() and (checkout / "bin" / "chromedriver").exists()
     lines = calls.read_text().splitlines()
     assert all("DPkg::Lock::Timeout=300" in line for line in lines)
     assert sum("update" in line for line in lines) == 2 + 4
-    assert not any("not installed, tried" in line for line in told)
+    assert not any("not installed, tried" in line for line in reported)
 
 
 def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
     with_packages(checkout, refused=99)
-    code, told, _ = run(checkout, ".ci/run", FLEXMB_CI_ATTEMPTS="2")
+    code, reported, _ = run(checkout, ".ci/run", FLEXMB_CI_ATTEMPTS="2")
     assert code == 0
-    last = told[-11:]
+    last = reported[-11:]
     why = "not installed, tried 2 times: E: Could not get lock"
     assert last[0] == f"scripts/test: calculix-ccx {why}"
     assert last[1] == f"scripts/test: chromium chromium-driver {why}"
@@ -113,10 +113,10 @@ def test_the_last_lines_of_ci_tell_what_was_skipped_and_why(checkout):
 
 
 def test_a_failing_pass_is_told_last_and_fails_ci(checkout):
-    code, told, _ = run(checkout, "scripts/test", ENDS="1")
+    code, reported, _ = run(checkout, "scripts/test", ENDS="1")
     assert code == 1
-    assert "scripts/test: failed: 1. compiled" in told[-8:]
-    assert told[-3:] == [CLOSING] * 3
+    assert "scripts/test: failed: 1. compiled" in reported[-8:]
+    assert reported[-3:] == [CLOSING] * 3
 
 
 def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkout):
@@ -124,11 +124,11 @@ def test_all_campaigns_run_and_one_that_finds_something_fails_the_script(checkou
         program(checkout / "scripts" / name, f'echo "{name} $@" >>{checkout}/campaigns')
     finds = f'echo "fuzz $1" >>{checkout}/campaigns; [ "$1" != megabytes ]'
     program(checkout / "scripts" / "fuzz" / "run", finds)
-    code, told, _ = run(checkout, "scripts/test", "--all")
+    code, reported, _ = run(checkout, "scripts/test", "--all")
     ran = (checkout / "campaigns").read_text()
     assert code == 1
-    assert told[-4:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
-    assert "scripts/test: failed: files of a megabyte" in told
+    assert reported[-4:] == ["scripts/test: pytest closed its passes with", *[CLOSING] * 3]
+    assert "scripts/test: failed: files of a megabyte" in reported
     wanted = (
         "inject_faults --seed",
         "inject_faults power",

@@ -75,18 +75,18 @@ def traceable():
 @pytest.mark.usefixtures("traceable")
 def test_a_loss_of_power_leaves_whole_files_and_what_can_be_gone_on_with(command):
     """Without the syncs of files empty results are found in their places."""
-    told = campaign("power", "--commands", command, "--most", "6", "--seed", "4")
-    counts = [list(map(int, line.rsplit("  ", 1)[0].split()[-6:])) for line in told.splitlines()[1:]]
-    assert len(counts) == 3, told  # without old outputs, with them, gone on with
-    assert all(tried == same and wrong == 0 for _, _, tried, same, _, wrong in counts), told
+    reported = campaign("power", "--commands", command, "--most", "6", "--seed", "4")
+    counts = [list(map(int, line.rsplit("  ", 1)[0].split()[-6:])) for line in reported.splitlines()[1:]]
+    assert len(counts) == 3, reported  # without old outputs, with them, gone on with
+    assert all(tried == same and wrong == 0 for _, _, tried, same, _, wrong in counts), reported
 
 
 @pytest.mark.usefixtures("traceable")
 def test_any_system_call_may_fail():
-    told = campaign("calls", "--commands", "run young", "--most", "12", "--seed", "4")
-    _, failures, *exits, wrong = map(int, told.splitlines()[1].rsplit("  ", 1)[0].split()[-6:])
-    assert (failures, wrong) == (12, 0), told
-    assert sum(exits) == 12 and exits[1] > 0, told
+    reported = campaign("calls", "--commands", "run young", "--most", "12", "--seed", "4")
+    _, failures, *exits, wrong = map(int, reported.splitlines()[1].rsplit("  ", 1)[0].split()[-6:])
+    assert (failures, wrong) == (12, 0), reported
+    assert sum(exits) == 12 and exits[1] > 0, reported
 
 
 def campaign(*words):

@@ -34,16 +34,16 @@ def python(*words):
 
 @pytest.mark.parametrize("kind", ["young-deck", "dafms-deck", "vsdf-deck", "study", "finite-element-file"])
 def test_files_by_grammar_are_answered(kind):
-    told = ran("structure.py", "--count", "60", "--seed", "2", "--kind", kind, "--alone")
-    assert " 60 files" in told
+    reported = ran("structure.py", "--count", "60", "--seed", "2", "--kind", kind, "--alone")
+    assert " 60 files" in reported
 
 
 def test_damaged_files_are_answered():
     kinds = ("young-deck", "study", "finite-element-file")
-    told = ran(
+    reported = ran(
         "fuzz.py", "--count", "40", "--seed", "2", *(word for kind in kinds for word in ("--kind", kind))
     )
-    assert "120 inputs, 0 not answered as they should be" in told
+    assert "120 inputs, 0 not answered as they should be" in reported
 
 
 def test_a_deck_that_is_not_answered_is_told_and_kept(tmp_path):
@@ -80,8 +80,8 @@ def test_without_atheris_the_script_says_so():
 
 
 def test_damaged_decks_are_solved_as_the_judge_sees_it():
-    told = ran("solved.py", "--count", "30", "--seed", "3")
-    assert "30 decks: " in told and " solved" in told and "; 0 wrong" in told
+    reported = ran("solved.py", "--count", "30", "--seed", "3")
+    assert "30 decks: " in reported and " solved" in reported and "; 0 wrong" in reported
 
 
 UNSEEN = {"audit/newton_iterations", "audit/velocity_residual", "energy/applied_power"}

@@ -36,35 +36,40 @@ def swept(tmp_path):
 
 
 def test_unknown_quantities_are_told_at_their_lines(swept):
-    code, told, left = swept("max point.1.z", "max point.1.q")
+    code, reported, left = swept("max point.1.z", "max point.1.q")
     assert (code, left) == (2, ["study.toml"])
-    assert told.startswith("study.toml:7:1: error: result top: point.1.q: the result has no such quantity")
-    assert '    top = "max point.1.q"\n    ^^^' in told
+    assert reported.startswith(
+        "study.toml:7:1: error: result top: point.1.q: the result has no such quantity"
+    )
+    assert '    top = "max point.1.q"\n    ^^^' in reported
 
 
 def test_all_of_them_are_told_at_once(swept):
-    _, told, _ = swept("point.1.z", 'point.9.z"\nnone = "last elephant')
-    assert [line.partition(" error")[0] for line in told.splitlines() if "error" in line] == [
+    _, reported, _ = swept("point.1.z", 'point.9.z"\nnone = "last elephant')
+    assert [line.partition(" error")[0] for line in reported.splitlines() if "error" in line] == [
         "study.toml:7:1:",
         "study.toml:8:1:",
     ]
 
 
 def test_an_unknown_parameter_is_told_at_its_line(swept):
-    code, told, left = swept("driver.1.B", "driver.9.B")
+    code, reported, left = swept("driver.1.B", "driver.9.B")
     assert (code, left) == (2, ["study.toml"])
-    assert told.startswith("study.toml:4:2: error: the deck has no number 'driver.9.B'; the nearest are")
+    assert reported.startswith("study.toml:4:2: error: the deck has no number 'driver.9.B'; the nearest are")
 
 
 def test_a_sample_without_a_count_is_told_where_the_sampling_stands(swept):
-    code, told, left = swept("[parameters]", 'sampling = "latin-hypercube"\n[parameters]')
+    code, reported, left = swept("[parameters]", 'sampling = "latin-hypercube"\n[parameters]')
     assert (code, left) == (2, ["study.toml"])
-    assert "study.toml:3:1: error: sampling: a latin-hypercube needs `count`, the number of its cases" in told
+    assert (
+        "study.toml:3:1: error: sampling: a latin-hypercube needs `count`, the number of its cases"
+        in reported
+    )
 
 
 def test_a_deck_of_no_dialect_is_advised_as_a_study_can_say_it(swept):
-    code, told, _ = swept(str(DECK), str(Path(__file__).resolve()))
-    assert code == 2 and 'dialect = "…" in the study chooses one' in told and "--dialect" not in told
+    code, reported, _ = swept(str(DECK), str(Path(__file__).resolve()))
+    assert code == 2 and 'dialect = "…" in the study chooses one' in reported and "--dialect" not in reported
 
 
 def test_a_binary_file_and_a_folder_are_called_what_they_should_be(tmp_path):
@@ -95,6 +100,6 @@ def test_a_study_on_standard_input_has_carets_and_a_table(tmp_path):
 
 
 def test_a_table_in_a_missing_folder_is_refused_and_none_is_made(swept):
-    code, told, left = swept("", "", "-o", "none/table.h5")
+    code, reported, left = swept("", "", "-o", "none/table.h5")
     assert (code, left) == (2, ["study.toml"])
-    assert told == "flexmb: error: none/table.h5: cannot be written: its folder does not exist\n"
+    assert reported == "flexmb: error: none/table.h5: cannot be written: its folder does not exist\n"

@@ -68,7 +68,7 @@ def test_the_numbers_drawn_are_those_of_the_table(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["--kind", "curve"], "a curve needs one parameter that varies"),
         (["--x", "length"], "the table of a study has no times"),
@@ -76,12 +76,12 @@ def test_the_numbers_drawn_are_those_of_the_table(tmp_path):
         (["tip"], "no such parameter or result; near it are"),
     ],
 )
-def test_what_cannot_be_drawn_of_a_study_is_refused_without_a_file(arguments, told, tmp_path):
+def test_what_cannot_be_drawn_of_a_study_is_refused_without_a_file(arguments, reported, tmp_path):
     pytest.importorskip("matplotlib")
     path = study(tmp_path / "s.h5", GRID)
     done = called(plot, path, "-o", tmp_path / "s.png", *arguments)
     assert done.exit_code != 0
-    assert told in done.output + str(done.exception)
+    assert reported in done.output + str(done.exception)
     assert not (tmp_path / "s.png").exists()
 
 

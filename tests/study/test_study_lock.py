@@ -45,9 +45,9 @@ def test_a_second_sweep_of_a_folder_is_refused_and_the_first_loses_nothing(study
     solve_block(first.job, 0)
     second = CliRunner().invoke(cli, ["sweep", study, *how])
     assert isinstance(second.exception, OutputError) and second.exception.exit_code == 2
-    told = str(second.exception)
-    assert told.startswith("s.toml: another sweep is writing this study, its cases are in ")
-    assert "wait until it ends or stop it" in told
+    reported = str(second.exception)
+    assert reported.startswith("s.toml: another sweep is writing this study, its cases are in ")
+    assert "wait until it ends or stop it" in reported
     solve(first)
     write_study_table("s.h5", first)
     with h5py.File("s.h5") as table:
@@ -74,9 +74,9 @@ def test_parts_that_cannot_be_removed_make_no_wrong_command_of_a_written_table(s
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(os, "unlink", refused)
-    with pytest.raises(OutputError, match=r"permission denied; the table s\.h5 is complete") as told:
+    with pytest.raises(OutputError, match=r"permission denied; the table s\.h5 is complete") as reported:
         write_study_table("s.h5", sweep)
-    assert told.value.exit_code == 1
+    assert reported.value.exit_code == 1
     with h5py.File("s.h5") as table:
         assert len(table["case"]) == 200
 
@@ -157,9 +157,9 @@ def test_a_study_of_which_nothing_is_kept_is_not_gone_on_with(study):
 def test_a_study_that_cannot_be_read_is_told_in_json(study):
     Path("bad.toml").write_text('deck = "nowhere.dat"\n')
     done = CliRunner().invoke(cli, ["sweep", "bad.toml", "--json"])
-    told = json.loads(done.stdout)
-    assert (done.exit_code, told["study"], told["status"]) == (2, "bad.toml", "bad input")
-    assert {fault["file"] for fault in told["faults"]} == {"bad.toml"}
+    reported = json.loads(done.stdout)
+    assert (done.exit_code, reported["study"], reported["status"]) == (2, "bad.toml", "bad input")
+    assert {fault["file"] for fault in reported["faults"]} == {"bad.toml"}
 
 
 @pytest.mark.filterwarnings("error")

@@ -94,8 +94,13 @@ def test_a_case_that_fails_is_recorded_and_stops_nothing(tmp_path):
     text = SMALL.replace('"point.1.x" = [0.0, 0.05]', '"spherical.1.P_j.z" = [0.0, 400.0]')
     done = flexmb("sweep", written(tmp_path, text), "--json", cwd=tmp_path, check=False)
     assert done.returncode == 1
-    told = json.loads(done.stdout)
-    assert (told["status"], told["exit_code"], told["cases"], told["failed"]) == ("failed", 1, 6, 3)
+    reported = json.loads(done.stdout)
+    assert (reported["status"], reported["exit_code"], reported["cases"], reported["failed"]) == (
+        "failed",
+        1,
+        6,
+        3,
+    )
     found = table(tmp_path / "study.h5")
     failed = found["exit_code"] == 1
     assert failed.tolist() == (found["parameter/spherical.1.P_j.z"] == 400.0).tolist()
@@ -198,12 +203,12 @@ def test_the_cases_that_an_interrupted_sweep_tells_of_are_those_kept(tmp_path, j
         while bytes_of(parts) < 3000:
             time.sleep(0.002)
         sweep.send_signal(signal.SIGINT)
-        printed, told = sweep.communicate()
+        printed, reported = sweep.communicate()
     kept = kept_in(parts, 400, 4)
     assert sweep.returncode == 130 and 0 < kept < 400
     record = json.loads(printed)
     assert (record["status"], record["exit_code"], record["file"]) == ("interrupted", 130, None)
-    assert f"interrupted; {kept} of 400 cases are kept in study.h5.parts; the same" in told
+    assert f"interrupted; {kept} of 400 cases are kept in study.h5.parts; the same" in reported
     done = flexmb("sweep", study, cwd=tmp_path)
     assert f"going on with a stopped study: {kept} of 400 cases are complete" in done.stderr
 
@@ -221,18 +226,18 @@ def test_a_terminal_that_stops_a_sweep_whose_processes_begin_sees_no_traceback(t
         while len(children.read_text().split()) < 3:
             time.sleep(0.002)
         os.killpg(sweep.pid, sent)
-        _, told = sweep.communicate()
+        _, reported = sweep.communicate()
     assert sweep.returncode == (130 if sent == signal.SIGINT else 143)
-    assert told.startswith(f"{study}: interrupted; ") and told.count("\n") == 1
+    assert reported.startswith(f"{study}: interrupted; ") and reported.count("\n") == 1
 
 
 def test_a_worker_that_is_killed_is_replaced(tmp_path):
     """Its blocks go on with the case that was being solved."""
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=300)), str(tmp_path / "parts"))
-    kills, told = set(), []
+    kills, reported = set(), []
 
     def advance(cases):
-        told.append(cases)
+        reported.append(cases)
         children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
         workers = {pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()}
         for worker in sorted(workers - kills)[: 2 - len(kills)]:
@@ -240,7 +245,7 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path):
             os.kill(int(worker), signal.SIGKILL)
 
     study_workers.solve_in_processes(sweep, sweep.pending(), advance, 2)
-    assert (len(kills), sum(told)) == (2, 300)
+    assert (len(kills), sum(reported)) == (2, 300)
     assert [result.case for result in sweep.results()] == list(range(300))
     assert [result.message for result in sweep.results() if result.exit_code] == []
 

@@ -87,13 +87,13 @@ def test_only_the_case_that_ends_workers_of_a_cluster_is_given_up(tmp_path, monk
 
     sweep = Sweep.of(str(written(tmp_path, SAMPLED, count=100)), str(tmp_path / "parts"))
     monkeypatch.setattr(study_cluster, "solve_share", share_ends_at_case_77)
-    told = []
+    reported = []
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
     ):
-        study_cluster.solve_on_cluster(sweep, sweep.pending(), told.append, cluster.scheduler_address)
-    assert [result.case for result in sweep.results()] == list(range(100)) and sum(told) == 100
+        study_cluster.solve_on_cluster(sweep, sweep.pending(), reported.append, cluster.scheduler_address)
+    assert [result.case for result in sweep.results()] == list(range(100)) and sum(reported) == 100
     assert [result.case for result in sweep.results() if result.exit_code] == [77]
 
 

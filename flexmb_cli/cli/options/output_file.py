@@ -22,7 +22,7 @@ def refuse_standard_output(output: str, what: str) -> None:
         raise click.UsageError(f"{what} cannot go to standard output; -o names a file")
 
 
-def told(output: str) -> str:
+def reported(output: str) -> str:
     """The place as a sentence names it."""
     return "standard output" if output == STANDARD_OUTPUT else output
 

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator
 
 from ...errors import ANALYSIS_FAILED, Fault
-from ...memory import lacks_memory, told_of_lack
+from ...memory import lack_of_memory_text, lacks_memory
 from ...quick_dataclass import dataclass, field
 from ...run.outcome import Listener, Outcome, RunOptions, Stop, Terminated
 from ...run.processes.signal_mask import unblock_stops
@@ -56,7 +56,7 @@ class _Doing(str):
 class _Work:
     """`waiting` (index, deck), `running` (index, deck) by worker, `ended` outcomes by index.
 
-    `told`: sentences that one process or another had to say; `fault`: one of flexmb, with --debug.
+    `reported`: sentences that one process or another had to say; `fault`: one of flexmb, with --debug.
     """
 
     options: RunOptions
@@ -66,7 +66,7 @@ class _Work:
     running: dict[Worker, tuple[int, str]] = field(default_factory=dict)
     idle: list[Worker] = field(default_factory=list)
     ended: dict[int, Outcome] = field(default_factory=dict)
-    told: set[str] = field(default_factory=set)
+    reported: set[str] = field(default_factory=set)
     fault: BaseException | None = None
 
     def go_on(self):
@@ -118,8 +118,8 @@ class _Work:
                 self._take(worker, *self.running.pop(worker), answer)
 
     def _tell(self, sentence):
-        if sentence not in self.told:
-            self.told.add(sentence)
+        if sentence not in self.reported:
+            self.reported.add(sentence)
             if isinstance(sentence, _Doing):
                 self.progress.status(sentence)
             else:
@@ -140,8 +140,8 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck, told):
-    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", told, id="CLI-008")])
+def _failed(deck, reported):
+    return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
 def _serve(line, options):
@@ -180,5 +180,5 @@ def _solve(deck, options, listener):
         return run_deck(deck, options, listener)
     except Exception as fault:
         if lacks_memory(fault):
-            return _failed(deck, told_of_lack(fault))
+            return _failed(deck, lack_of_memory_text(fault))
         return portable(fault)  # of flexmb itself, with --debug

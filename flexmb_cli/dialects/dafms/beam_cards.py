@@ -102,14 +102,14 @@ def _replacements(deck, body, beam):
     """Triples (first line, last line, new text), not overlapping; an insertion has last = first - 1."""
     bodies = deck.section("counts")[1:]
     nodes = [record["NUMNP"] for record in bodies]
-    freedoms = [record["NDF"] for record in bodies]
+    dofs = [record["NDF"] for record in bodies]
     start = sum(record["NT"] + record["NR"] for record in bodies)
-    start += sum(n * f for n, f in zip(nodes[: body - 1], freedoms, strict=False))
-    old = nodes[body - 1] * freedoms[body - 1]
+    start += sum(n * f for n, f in zip(nodes[: body - 1], dofs, strict=False))
+    old = nodes[body - 1] * dofs[body - 1]
     new = beam.nodes * len(beam.axes)
     changes = [_block_change(deck, body, beam)]
-    nodes[body - 1], freedoms[body - 1] = beam.nodes, len(beam.axes)
-    for key, values in (("NUMNP", nodes), ("NDF", freedoms)):
+    nodes[body - 1], dofs[body - 1] = beam.nodes, len(beam.axes)
+    for key, values in (("NUMNP", nodes), ("NDF", dofs)):
         changes.append(_span([record.at(key) for record in bodies], integer_list(values)))
     vectors = {name: _numbers(deck, name) for name in ("speed", "coordinate", "first_coordinate")}
     if vectors["speed"]:

@@ -12,7 +12,7 @@ from ...model.geometric_stiffness import beam_direction
 from ...model.tree import Body, Elasticity
 from .skyline import full_matrix
 
-AXES_BY_FREEDOMS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
+AXES_BY_DOFS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
 
 # Five decimals are what an F10.5 field holds for certain: masses may miss their sum by half a unit each.
 _LAST_DECIMAL = 5e-6
@@ -127,7 +127,7 @@ def _inertia(values, k, findings):
 
 def _elasticity(values, k, findings):
     nodes = values.number("counts", k, "NUMNP").value
-    axes = AXES_BY_FREEDOMS[values.number("counts", k, "NDF").value]
+    axes = AXES_BY_DOFS[values.number("counts", k, "NDF").value]
     size = nodes * len(axes)
     if size > LARGEST_BODY:
         message = f"{size} elastic coordinates, more than {LARGEST_BODY}: condense the body first"
@@ -215,5 +215,5 @@ def _damping(values, k, masses, stiffness, findings):
         findings.error(f"body {k}", message, values.place("elastic_damping", k), id="DAFMS-020")
     if not (alpha or beta):
         return None
-    freedoms = len(stiffness) // len(masses)
-    return alpha * np.diag(np.repeat(masses, freedoms)) + beta * stiffness
+    dofs = len(stiffness) // len(masses)
+    return alpha * np.diag(np.repeat(masses, dofs)) + beta * stiffness

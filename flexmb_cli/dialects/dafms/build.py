@@ -11,7 +11,7 @@ from ...model.tree import Tree
 from .bodies import build_bodies
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
-from .time_functions import build_closures, build_laws
+from .time_functions import build_closures, build_functions_of_time
 
 GRAVITY = (0.0, 9.8, 0.0)
 
@@ -37,10 +37,10 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     time = build_time(values, findings)
     integration = build_integration(values, findings)
     _stop_at_errors(deck, findings)
-    laws = build_laws(values, bodies, hinges, findings)
+    functions = build_functions_of_time(values, bodies, hinges, findings)
     closures = build_closures(values, bodies, findings)
     _stop_at_errors(deck, findings)
-    q, y = build_start(values, bodies, hinges, laws["prescribed"], findings)
+    q, y = build_start(values, bodies, hinges, functions["prescribed"], findings)
     one_way = values.record("one_way") is not None
     gravity = tuple(values.values("gravity", 0, (0, *GRAVITY))[1:])
     tree = Tree(
@@ -53,9 +53,9 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         closures=closures,
         one_way=one_way,
         integration=integration,
-        **laws,
+        **functions,
     )
-    _check_freedom(tree, values, findings)
+    _check_dof(tree, values, findings)
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)
     return tree, findings.in_order
@@ -77,7 +77,7 @@ def _check_magnitudes(deck, findings):
             )
 
 
-def _check_freedom(tree, values, findings):
+def _check_dof(tree, values, findings):
     if not tree.coordinates:
         message = "no hinge is free and no body is flexible: nothing can move"
         findings.error("counts", message, values.place("counts"), id="DAFMS-022")

@@ -4,7 +4,7 @@ Source of the historic cards: DAFMS thesis (Zhao, 1992), appendix C, subroutines
 The extension cards are unknown to the 1992 program, which skips them one line at a time; no data
 record of theirs can begin with a card's word, because all begin with a number.
 
-`A` numbers the freedoms of a hinge: 1-3 rotation about, 4-6 translation along axis 1-3 of P_k.
+`A` numbers the degrees of freedom of a hinge: 1-3 rotation about, 4-6 translation along axis 1-3 of P_k.
 The whole format is described for users in decks/dafms/FORMAT.md.
 """
 

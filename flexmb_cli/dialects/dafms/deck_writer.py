@@ -96,7 +96,7 @@ class _Deck:
         return self.by_prefix[f"body.{k}"]
 
     def _control(self):
-        lines = [self._freedoms(k, letter) for letter in ("NT", "NR") for k in self.bodies]
+        lines = [self._dofs(k, letter) for letter in ("NT", "NR") for k in self.bodies]
         sizes = [self._size(k) for k in self.bodies]
         for counts in zip(*sizes, strict=True):
             fields = [f"{count:5d}" for count in counts]
@@ -104,7 +104,7 @@ class _Deck:
         time = self.by_prefix["time"]
         return [*lines, *((field(n, _REAL), "time") for n in time.numbers)]
 
-    def _freedoms(self, k, letter):
+    def _dofs(self, k, letter):
         flags = [self._body(k)[f"{letter}.{axis}"] for axis in (1, 2, 3)]
         return "".join(f"{n:5d}" for n in (k, sum(flags), *flags)), f"body.{k}"
 
@@ -125,8 +125,8 @@ class _Deck:
         if beam := self._beam(k):
             text = beam_block(beam, self.by_prefix["counts"]["NDM"])
             return [(line, f"beam.{k}") for line in text.splitlines()]
-        nodes, freedoms = self._size(k)
-        return self._typed(k, nodes * freedoms) if nodes else []
+        nodes, dofs = self._size(k)
+        return self._typed(k, nodes * dofs) if nodes else []
 
     def _typed(self, k, size):
         nodes = [record for record in self.records if record.section == f"node.{k}"]

@@ -41,9 +41,9 @@ class Answers:
             return beam.axes, beam.nodes
         if self.kind(k) != "TYPED":
             return (), 0
-        freedoms, nodes = self.integer(f"elastic.{k}.NDF"), self.integer(f"elastic.{k}.NUMNP")
-        sensible = 1 <= freedoms <= 3 and 1 <= nodes * freedoms <= MOST_TYPED
-        return (tuple(range(4 - freedoms, 4)), nodes) if sensible else ((), 0)
+        dofs, nodes = self.integer(f"elastic.{k}.NDF"), self.integer(f"elastic.{k}.NUMNP")
+        sensible = 1 <= dofs <= 3 and 1 <= nodes * dofs <= MOST_TYPED
+        return (tuple(range(4 - dofs, 4)), nodes) if sensible else ((), 0)
 
 
 def _beam_entry(k):
@@ -71,8 +71,8 @@ def block_entries(answers: Answers, k: int) -> list[Entry]:
         Cell("NDF", "elastic freedoms of a node: 1 axis 3, 2 axes 2 and 3, 3 all", letter=INTEGER),
     )
     entries = [Entry("elastic", k, f"nodes of body {k}", counts)]
-    freedoms, nodes = answers.axes(k)
-    size = len(freedoms) * nodes
+    dofs, nodes = answers.axes(k)
+    size = len(dofs) * nodes
     if not size:
         return entries
     axes = (2, 3) if answers.integer("counts.NDM") == 2 else (1, 2, 3)

@@ -73,8 +73,8 @@ class _Page:
             (
                 self.line("     ==N==NDM==", I(5), I(5), values=_values(size)),
                 self.heading,
-                self._freedoms(bodies, "NT", "NUMBER OF DOF OF TRANSLATION ="),
-                self._freedoms(bodies, "NR", "NUMBER OF DOF OF ROTATION    ="),
+                self._dofs(bodies, "NT", "NUMBER OF DOF OF TRANSLATION ="),
+                self._dofs(bodies, "NR", "NUMBER OF DOF OF ROTATION    ="),
                 self._counted("NUMBER OF NODES IN BODY K    =", [body["NUMNP"] for body in bodies]),
                 self._counted("NUMBER OF DOF OF NODE IN BK  =", [body["NDF"] for body in bodies]),
                 self._counted("AMOUNT OF INTEGRAL STEP      =", [time["IT"]]),
@@ -83,7 +83,7 @@ class _Page:
             )
         )
 
-    def _freedoms(self, bodies, name, title):
+    def _dofs(self, bodies, name, title):
         keys = (name, *(f"{name}{axis}" for axis in (1, 2, 3)))
         rows = [[k, *(body[key] for key in keys)] for k, body in enumerate(bodies, 1)]
         return self.line(_HEAD.format(title), *5 * (I(5),), values=rows)
@@ -204,7 +204,7 @@ class Series:
             unit.write(Layout("  **Y**", *len(chunk) * (F(10, 5),), "\n", layout=self.layout).lines(chunk))
 
     def stopped(self) -> None:
-        """The same note where nothing is known of the step: rows of a journal, absolute coordinates."""
+        """The same note where nothing is known of the step: rows of a resume file, absolute coordinates."""
         self.units[1][0].write("  TOL,XEND,H,,METH,MITER,INDEX\n")
 
     def _layout(self, values):

@@ -41,13 +41,13 @@ def _vector(name, kind, *indices):
     return _Tag(name, kind, edits, (*indices, "axis 1", "axis 2", "axis 3"))
 
 
-_FREEDOMS = ("body", "number", "axis 1", "axis 2", "axis 3")
+_DOFS = ("body", "number", "axis 1", "axis 2", "axis 3")
 _PARAMETERS = ("body", "e1", "e2", "e3", "e4")
 # Tags as printed, but for blanks; FMBD.OUT, thesis (Zhao, 1992), appendix C.
 TAGS = {
     "==N==NDM==": _Tag("counts", "count", (I(5), I(5)), ("N", "NDM")),
-    "NUMBEROFDOFOFTRANSLATION=": _Tag("translations", "count", 5 * (I(5),), _FREEDOMS),
-    "NUMBEROFDOFOFROTATION=": _Tag("rotations", "count", 5 * (I(5),), _FREEDOMS),
+    "NUMBEROFDOFOFTRANSLATION=": _Tag("translations", "count", 5 * (I(5),), _DOFS),
+    "NUMBEROFDOFOFROTATION=": _Tag("rotations", "count", 5 * (I(5),), _DOFS),
     "NUMBEROFNODESINBODYK=": _Tag("nodes of bodies", "count", (I(5),)),
     "NUMBEROFDOFOFNODEINBK=": _Tag("directions of nodes", "count", (I(5),)),
     "AMOUNTOFINTEGRALSTEP=": _Tag("steps", "count", (I(5),), ("IT",)),

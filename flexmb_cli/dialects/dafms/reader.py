@@ -25,7 +25,7 @@ class Layout:
     translations: list[int] = field(default_factory=list)
     rotations: list[int] = field(default_factory=list)
     nodes: list[int] = field(default_factory=list)
-    freedoms: list[int] = field(default_factory=list)
+    dofs: list[int] = field(default_factory=list)
 
     @property
     def coordinates(self) -> int:
@@ -34,7 +34,7 @@ class Layout:
 
     def elastic(self, body: int) -> int:
         """NMK, the number of elastic coordinates of a body counted from 0."""
-        return self.nodes[body] * self.freedoms[body]
+        return self.nodes[body] * self.dofs[body]
 
 
 def read_dafms(source: DeckText) -> Deck:
@@ -97,25 +97,25 @@ def _find_model(records: Records) -> Number:
 
 def _read_control(records: Records, layout: Layout, read: list[Record]) -> None:
     n = layout.bodies
-    translations = [_read_freedoms(records, "NT", "translation", k) for k in range(1, n + 1)]
-    rotations = [_read_freedoms(records, "NR", "rotation", k) for k in range(1, n + 1)]
+    translations = [_read_dofs(records, "NT", "translation", k) for k in range(1, n + 1)]
+    rotations = [_read_dofs(records, "NR", "rotation", k) for k in range(1, n + 1)]
     nodes = _read_list(records, "NUMNP", "number of nodes, 0: rigid", n)
-    freedoms = _read_list(records, "NDF", "elastic freedoms of a node", n)
+    dofs = _read_list(records, "NDF", "elastic freedoms of a node", n)
     time = records.read("I5", [Item("IT", "number of integration steps")], "time")
     time += records.read("F10.5", [Item("H", "length of a step", "s")], "time")
-    _check_nodes(records, nodes, freedoms)
+    _check_nodes(records, nodes, dofs)
     _stop_at_errors(records)
     layout.translations = [numbers[0].value for numbers in translations]
     layout.rotations = [numbers[0].value for numbers in rotations]
     layout.nodes = [number.value for number in nodes]
-    layout.freedoms = [number.value for number in freedoms]
-    for k, numbers in enumerate(zip(translations, rotations, nodes, freedoms, strict=True), 1):
-        slides, turns, count, freedom = numbers
-        read.append(Record("counts", k, f"body {k}", (*slides, *turns, count, freedom)))
+    layout.dofs = [number.value for number in dofs]
+    for k, numbers in enumerate(zip(translations, rotations, nodes, dofs, strict=True), 1):
+        slides, revolutions, count, dof = numbers
+        read.append(Record("counts", k, f"body {k}", (*slides, *revolutions, count, dof)))
     read.append(Record("time", 0, "time", time))
 
 
-def _read_freedoms(records: Records, name: str, motion: str, k: int) -> tuple[Number, ...]:
+def _read_dofs(records: Records, name: str, motion: str, k: int) -> tuple[Number, ...]:
     """One NT or NR record: the count and three flags of the hinge of body k."""
     items = [
         Item("KK", "number of the body"),
@@ -149,14 +149,14 @@ def _read_list(records: Records, name: str, meaning: str, count: int) -> tuple[N
     return records.read("10I5", items, name)
 
 
-def _check_nodes(records, nodes, freedoms):
-    for k, (count, freedom) in enumerate(zip(nodes, freedoms, strict=True), 1):
+def _check_nodes(records, nodes, dofs):
+    for k, (count, dof) in enumerate(zip(nodes, dofs, strict=True), 1):
         if count.value < 0:
             message = f"NUMNP = {count.value}: a body has 0 nodes (rigid) or more"
             records.report("error", f"body {k}", message, count.place)
-        elif count.value and freedom.value not in (1, 2, 3):
-            message = f"NDF = {freedom.value}: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic freedoms"
-            records.report("error", f"body {k}", message, freedom.place)
+        elif count.value and dof.value not in (1, 2, 3):
+            message = f"NDF = {dof.value}: a node has 1 (axis 3), 2 (axes 2, 3) or 3 elastic freedoms"
+            records.report("error", f"body {k}", message, dof.place)
 
 
 def _stop_at_errors(records):

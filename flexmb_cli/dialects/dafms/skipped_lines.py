@@ -1,4 +1,4 @@
-"""Lines that no card reads: DAFMS passes over them in silence, here each group of them is told."""
+"""Lines that no card reads: DAFMS passes over them in silence, here each group of them is reported."""
 
 import re
 

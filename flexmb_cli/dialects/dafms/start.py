@@ -97,7 +97,7 @@ def _is_set(values, m):
 
 
 def _set_driven(values, state, m, drive, name, findings):
-    """A driven coordinate starts where its law says; Y(L) may repeat it or leave it zero."""
+    """A driven coordinate starts where its function says; Y(L) may repeat it or leave it zero."""
     for vector, section, wanted in zip(state, ("coordinate", "speed"), (drive.C, drive.B), strict=True):
         if vector[m] and abs(vector[m] - wanted) > 1.1e-5 + 1e-6 * abs(wanted):
             message = f"{section} {m + 1} ({name}) is {vector[m]} in Y(L), but PRES starts it at {wanted}"

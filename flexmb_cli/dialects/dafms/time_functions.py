@@ -17,7 +17,7 @@ from ...model.tree import (
 )
 
 
-def build_laws(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
+def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
     springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
@@ -48,7 +48,7 @@ def _dampers(hinged, findings):
 
 
 class _HingeCards:
-    """Entries headed by K, A: the hinge of body K and its freedom A."""
+    """Entries headed by K, A: the hinge of body K and its degree of freedom A."""
 
     def __init__(self, values, hinges, findings):
         self.values = values
@@ -63,21 +63,21 @@ class _HingeCards:
                 yield record, where
 
     def _where(self, record):
-        body, freedom = record.at("K"), record.at("A")
+        body, dof = record.at("K"), record.at("A")
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
             self.findings.error(record.subject, message, body.place, id="DAFMS-057")
             return None
-        if not 1 <= freedom.value <= 6:
-            message = f"A = {freedom.value}: 1-3 are rotations, 4-6 translations of a hinge"
-            self.findings.error(record.subject, message, freedom.place, id="DAFMS-058")
+        if not 1 <= dof.value <= 6:
+            message = f"A = {dof.value}: 1-3 are rotations, 4-6 translations of a hinge"
+            self.findings.error(record.subject, message, dof.place, id="DAFMS-058")
             return None
-        motion, axis = (ROTATION, freedom.value) if freedom.value <= 3 else (TRANSLATION, freedom.value - 3)
+        motion, axis = (ROTATION, dof.value) if dof.value <= 3 else (TRANSLATION, dof.value - 3)
         hinge = self.hinges[body.value - 1]
         free = hinge.rotations if motion == ROTATION else hinge.translations
         if axis not in free:
-            message = f"A = {freedom.value}: {motion} {axis} of the hinge of body {body.value} is not free"
-            self.findings.error(record.subject, message, freedom.place, id="DAFMS-059")
+            message = f"A = {dof.value}: {motion} {axis} of the hinge of body {body.value} is not free"
+            self.findings.error(record.subject, message, dof.place, id="DAFMS-059")
             return None
         if motion == ROTATION and len(free) == 3 and record.section in ("spring", "prescribed"):
             message = f"the hinge of body {body.value} has three free rotations: none of them is an angle"
@@ -130,12 +130,12 @@ def _pulses(values, bodies, findings):
     """DESN: +F1, nothing, -F1 for TIME each, about axis 1 (thesis 4.3)."""
     torques = []
     for k in range(1, len(bodies) + 1):
-        law, height, length = values.values("pulse", k, (0, 0.0, 0.0))
-        if not law:
+        function, height, length = values.values("pulse", k, (0, 0.0, 0.0))
+        if not function:
             continue
         record = values.record("pulse", k)
-        if law != 1:
-            message = f"IDS = {law}: only law 1, the pulse, is known; it is taken, as DAFMS does"
+        if function != 1:
+            message = f"IDS = {function}: only law 1, the pulse, is known; it is taken, as DAFMS does"
             findings.warn(f"DESN of body {k}", message, record.place, id="DAFMS-066")
         if length <= 0:
             message = f"TIME = {length}: the pulse must last longer than zero"

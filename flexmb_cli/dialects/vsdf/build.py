@@ -13,7 +13,7 @@ from ...solvers.constrained.integrators import METHODS
 from .bodies import build_bodies, build_ground
 from .joints import build_joints, build_motions, build_pins, build_tables
 from .loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
-from .motion_angles import check_motion_laws
+from .motion_angles import check_motion_functions
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
 
@@ -48,7 +48,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     }
     if not bodies:
         findings.error("", "the deck has no body", None, id="VSDF-009")
-    check_motion_laws(parts["motions"], time, findings)
+    check_motion_functions(parts["motions"], time, findings)
     if any(fault.severity == "error" for fault in findings.faults):
         raise ModelError((*deck.warnings, *findings.in_order))
     gravity = values.record("gravity")
@@ -77,8 +77,8 @@ def _time(values, findings):
     elif 0 < end < output:
         message = f"rows are {output:g} s apart and the run ends at {end:g} s: only that of t = 0 is written"
         findings.warn("TIME", message, record.at("output").place, id="VSDF-015")
-    elif told := TimeGrid(0.0, end, output).left_out:
-        findings.note("TIME", told, record.at("end").place, id="VSDF-016")
+    elif reported := TimeGrid(0.0, end, output).left_out:
+        findings.note("TIME", reported, record.at("end").place, id="VSDF-016")
     return TimeGrid(0.0, end, output, record.place)
 
 

@@ -11,7 +11,7 @@ from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
-from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionLaw, table_law
+from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ...quick_dataclass import dataclass, field
 from .bodies import end_of_body
 
@@ -225,16 +225,18 @@ class _Table:
         self.values.append(record["f"])
 
 
-def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionLaw | None]:
+def build_tables(values: DeckValues, findings: Findings) -> dict[int, MotionFunction | None]:
     """The tables by their numbers, None for those with faults; times must ascend."""
     points: dict[int, _Table] = {}
     cards = values.section("table")
     for index, record in enumerate(cards):
         points.setdefault(record["table"], _Table(index)).add(record)
-    return {number: _law_of(number, table, cards[table.first], findings) for number, table in points.items()}
+    return {
+        number: _function_of(number, table, cards[table.first], findings) for number, table in points.items()
+    }
 
 
-def _law_of(number, table, first, findings):
+def _function_of(number, table, first, findings):
     """The law of a table whose first card is `first`."""
     if number < 1:
         message = f"tables are numbered from 1; read {first.at('table').text}"
@@ -247,7 +249,7 @@ def _law_of(number, table, first, findings):
         message = f"times must ascend; {_late_time(table):g} s follows {before:g} s"
         findings.error(f"table {number}", message, place, id="VSDF-056")
         return None
-    return table_law(table.times, table.values)
+    return table_function(table.times, table.values)
 
 
 def _late_time(table):
@@ -259,9 +261,11 @@ def build_motions(values: DeckValues, bodies, joints, tables, findings: Findings
     kinds = {joint.name: joint.kind for joint in joints}
     motions = []
     for record in values.section("motion"):
-        law = _law(record, tables, findings)
-        if _target_exists(record, len(bodies), len(values.section("joint")), kinds, findings) and law:
-            motions.append(Motion(record.subject, record["kind"], record["object"] - 1, law, record.place))
+        function = _function(record, tables, findings)
+        if _target_exists(record, len(bodies), len(values.section("joint")), kinds, findings) and function:
+            motions.append(
+                Motion(record.subject, record["kind"], record["object"] - 1, function, record.place)
+            )
     return tuple(motions)
 
 
@@ -283,27 +287,27 @@ def _target_exists(record, bodies, joints, kinds, findings):
     return True
 
 
-def _law(record, tables, findings):
-    law = record.at("law")
+def _function(record, tables, findings):
+    function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
-    if not POLYNOMIAL <= law.value <= TABLE:
-        message = f"law {law.value} is outside 1..4 (1 polynomial, 2 spin-up, 3 sine, 4 table)"
-        findings.error(record.subject, message, law.place, id="VSDF-059")
+    if not POLYNOMIAL <= function.value <= TABLE:
+        message = f"law {function.value} is outside 1..4 (1 polynomial, 2 spin-up, 3 sine, 4 table)"
+        findings.error(record.subject, message, function.place, id="VSDF-059")
         return None
-    if law.value == TABLE:
+    if function.value == TABLE:
         return find_table(record, record.at("c0"), tables, findings)
-    if law.value == SINE and not record.at("c2").text:
+    if function.value == SINE and not record.at("c2").text:
         message = "the sine needs c2, rad/s; it stands still without"
         findings.error(record.subject, message, record.at("c2").place, id="VSDF-060")
         return None
-    if law.value == SPIN_UP and not constants[1] > 0:
+    if function.value == SPIN_UP and not constants[1] > 0:
         message = "the spin-up time c1 must be above zero"
         findings.error(record.subject, message, record.at("c1").place, id="VSDF-061")
         return None
-    return MotionLaw(law.value, constants)
+    return MotionFunction(function.value, constants)
 
 
-def find_table(record, number, tables, findings) -> MotionLaw | None:
+def find_table(record, number, tables, findings) -> MotionFunction | None:
     """The table that a card names by `number`; None, and no further fault, for one that has faults."""
     found = tables.get(int(number.value))
     if number.value not in tables:

@@ -127,14 +127,14 @@ class _Reader:
             self.unknown = True
             self._error("", f"there is no card '{line[:4].rstrip()}'{_hint(word)}", place)
             return None
-        told = self._check_alone(word, line)
+        reported = self._check_alone(word, line)
         if END in ended:
             self._error("", f"card '{word}' stands behind END, where nothing is read", place)
             self.unknown = True
             return None
         if word != "BODY" and not self.begun:
             self._error("", f"card '{word}' stands before BODY, which must come first", place)
-        self.begun, self.bare = True, None if told else place
+        self.begun, self.bare = True, None if reported else place
         return BY_WORD[word]
 
     def _check_filled(self, card, following):
@@ -269,8 +269,8 @@ def _hint(word: str) -> str:
         return f"; '{word}' stands on a data card, behind a blank"
     from difflib import get_close_matches
 
-    near = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
-    return f"; is '{near[0]}' meant?" if near else ""
+    close = get_close_matches(word, KNOWN_WORDS, n=1, cutoff=0.5)
+    return f"; is '{close[0]}' meant?" if close else ""
 
 
 def _with_own_keys(numbers: list[Number]) -> tuple[Number, ...]:

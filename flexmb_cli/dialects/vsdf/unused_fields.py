@@ -11,8 +11,8 @@ from ...model.time_functions import SPIN_UP, TABLE
 from .joints import BY_WORD
 
 SIZED = {"SCRW": "pitch", "RSPH": "distance", "DIST": "distance"}
-_OF_LAW = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)}
-_LAWS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
+_OF_FUNCTION = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)}
+_FUNCTIONS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
 _VALUES = {
     "force": ("F.x", "F.y", "F.z"),
     "torque": ("M.x", "M.y", "M.z"),
@@ -61,10 +61,10 @@ def _of_joint(record) -> Iterator[tuple[str, str]]:
 
 
 def _of_motion(record) -> Iterator[tuple[str, str]]:
-    law = record["law"]
+    function = record["law"]
     for key in ("c0", "c1", "c2", "c3"):
-        if law in _OF_LAW and key not in _OF_LAW[law]:
-            yield key, _LAWS[law]
+        if function in _OF_FUNCTION and key not in _OF_FUNCTION[function]:
+            yield key, _FUNCTIONS[function]
 
 
 def _of_stiffening(record) -> Iterator[tuple[str, str]]:
@@ -103,7 +103,7 @@ def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}
-    idle = {number for number, law in tables.items() if law is not None} - used
+    idle = {number for number, function in tables.items() if function is not None} - used
     for record in values.section("table"):
         if not idle:  # there may be a million points
             return

@@ -163,7 +163,7 @@ def _force(record: Record, findings, functions) -> AppliedForce:
         record.vector("F"),
         record.vector("P"),
         following,
-        functions.law(record, "factor"),
+        functions.function(record, "factor"),
         record.place,
     )
 
@@ -175,7 +175,7 @@ def _torque(record: Record, findings, functions) -> AppliedTorque:
         record["body"] - 1,
         record.vector("T"),
         following,
-        functions.law(record, "factor"),
+        functions.function(record, "factor"),
         record.place,
     )
 
@@ -269,9 +269,9 @@ def _check_time(model, findings):
 
 
 def _doubt_massless(model, findings):
-    told = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
+    reported = {ground.body for ground in model.mechanism.grounds} | {item.body for item in model.masses}
     for number, body in enumerate(model.mechanism.bodies):
-        if number not in told:
+        if number not in reported:
             findings.warn(body.name, "has no MASS card and is taken as massless", body.place, id="YOUNG-016")
 
 

@@ -114,8 +114,8 @@ def _driven(maker, record):
         )
         return None
     driver = drivers[number - 1]
-    law = maker.functions.motion(record, maker.start, driver.C)
-    return None if law is None else DrivenItem(record.subject, number - 1, law, record.place)
+    function = maker.functions.motion(record, maker.start, driver.C)
+    return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
 def _support(maker, record):
@@ -128,26 +128,26 @@ def _support(maker, record):
         message = f"simplified constraint {number} holds an angle; x, y, z (directions 1 to 3) can be moved"
         maker.findings.error(record.subject, message, record.at("simplified").place, id="YOUNG-123")
         return None
-    law = maker.functions.motion(record, maker.start)
-    return None if law is None else DrivenItem(record.subject, number - 1, law, record.place)
+    function = maker.functions.motion(record, maker.start)
+    return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
 def _joint_driver(coordinate):
     def make(maker, record):
-        joint, law = maker.joint(record, coordinate), maker.functions.motion(record, maker.start)
-        if joint is None or law is None:
+        joint, function = maker.joint(record, coordinate), maker.functions.motion(record, maker.start)
+        if joint is None or function is None:
             return None
-        return JointDriver(record.subject, joint, coordinate, law, record.place)
+        return JointDriver(record.subject, joint, coordinate, function, record.place)
 
     return make
 
 
 def _motor(coordinate):
     def make(maker, record):
-        joint, law = maker.joint(record, coordinate), maker.functions.law(record)
-        if joint is None or law is None:
+        joint, function = maker.joint(record, coordinate), maker.functions.function(record)
+        if joint is None or function is None:
             return None
-        return JointMotor(record.subject, joint, coordinate, law, record.place)
+        return JointMotor(record.subject, joint, coordinate, function, record.place)
 
     return make
 

@@ -1,4 +1,4 @@
-"""The function cards of a YOUNG deck to laws of time."""
+"""The function cards of a YOUNG deck to functions of time."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -6,7 +6,15 @@ from itertools import pairwise
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
 from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
-from ...model.time_functions import SINE, MotionLaw, integral_of, piecewise, product_of, smoothness, sum_of
+from ...model.time_functions import (
+    SINE,
+    MotionFunction,
+    integral_of,
+    piecewise,
+    product_of,
+    smoothness,
+    sum_of,
+)
 from .element_cards import FUNCTION_CARDS
 
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
@@ -18,7 +26,7 @@ class Functions:
 
     def __init__(self, deck: Deck, findings: Findings):
         self.findings = findings
-        self._laws: dict[int, MotionLaw] = {}
+        self._built: dict[int, MotionFunction] = {}
         self._used: set[int] = set()
         self._records: dict[int, Record] = {}
         for record in deck.records:
@@ -35,12 +43,12 @@ class Functions:
             )
             return
         self._records[number.value] = record
-        law = _MAKERS[record.section](self, record)
-        if law is not None:
-            self._laws[number.value] = law
+        function = _MAKERS[record.section](self, record)
+        if function is not None:
+            self._built[number.value] = function
 
-    def law(self, record: Record, key: str = "function") -> MotionLaw | None:
-        """The law that the number `key` of a record names; None for 0, and where there is none."""
+    def function(self, record: Record, key: str = "function") -> MotionFunction | None:
+        """The function that the number `key` of a record names; None for 0, and where there is none."""
         number = record.at(key)
         if number.value == 0 and key != "function":
             return None
@@ -49,39 +57,39 @@ class Functions:
             known = ", ".join(map(str, sorted(self._records))) or "none"
             message = f"there is no function {number.value}; the deck has {known}"
             self.findings.error(record.subject, message, number.place, id="YOUNG-106")
-        return self._laws.get(number.value)
+        return self._built.get(number.value)
 
-    def motion(self, record: Record, start: float, given: float = 0.0) -> MotionLaw | None:
-        """The law that a driver's coordinate follows: the function, or its integral from `given` on."""
-        law, by_rate = self.law(record), record.at("rate") if "rate" in record else None
-        if law is None:
+    def motion(self, record: Record, start: float, given: float = 0.0) -> MotionFunction | None:
+        """The function that a driver's coordinate follows: the function, or its integral from `given` on."""
+        function, by_rate = self.function(record), record.at("rate") if "rate" in record else None
+        if function is None:
             return None
         if by_rate is not None and by_rate.value not in (0, 1):
             message = f"rate must be 0 (the coordinate) or 1 (its rate); read {by_rate.value}"
             self.findings.error(record.subject, message, by_rate.place, id="YOUNG-107")
             return None
         if by_rate is None or by_rate.value == 0:
-            self._refuse_rough(record, law, 1, "the rate of a coordinate cannot jump")
-            return law
-        self._refuse_rough(record, law, 0, "a rate cannot jump")
-        found = integral_of(law, start)
+            self._refuse_rough(record, function, 1, "the rate of a coordinate cannot jump")
+            return function
+        self._refuse_rough(record, function, 0, "a rate cannot jump")
+        found = integral_of(function, start)
         if found is None:
             message = "flexmb has no integral of a product; give the coordinate itself (rate 0)"
             self.findings.error(record.subject, message, record.at("function").place, id="YOUNG-108")
             return None
         return sum_of([found, piecewise(polynomial([given]))]) if given else found
 
-    def curve(self, record: Record, key: str) -> MotionLaw | None:
-        """The law of a spring or damper over its stretch or rate, which must have an integral."""
-        law = self.law(record, key)
-        if law is not None and integral_of(law) is None:
+    def curve(self, record: Record, key: str) -> MotionFunction | None:
+        """The function of a spring or damper over its stretch or rate, which must have an integral."""
+        function = self.function(record, key)
+        if function is not None and integral_of(function) is None:
             message = "a product is no characteristic of a spring; use TABLE, SPLINE or POLYNOMIAL"
             self.findings.error(record.subject, message, record.at(key).place, id="YOUNG-109")
             return None
-        return law
+        return function
 
-    def _refuse_rough(self, record, law, least, why):
-        if smoothness(law) < least:
+    def _refuse_rough(self, record, function, least, why):
+        if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record['function']} does; {remedy}"
             self.findings.error(record.subject, message, record.at("function").place, id="YOUNG-110")
@@ -95,7 +103,7 @@ class Functions:
                 )
 
 
-def _points(functions, record, make: Callable) -> MotionLaw | None:
+def _points(functions, record, make: Callable) -> MotionFunction | None:
     values = record.values[1:]
     times, found = values[0::2], values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 2):
@@ -114,7 +122,7 @@ def _polynomial(_functions, record):
 
 def _sine(_functions, record):
     keys = ("mean", "amplitude", "omega", "phase")
-    return MotionLaw(SINE, tuple(float(record[key]) for key in keys))
+    return MotionFunction(SINE, tuple(float(record[key]) for key in keys))
 
 
 def _between(functions, record, make):
@@ -131,17 +139,17 @@ def _ramp(t0, v0, t1, v1):
 
 
 def _combined(functions, record, combine):
-    laws = []
+    parts = []
     for number in record.numbers[1:]:
         functions._used.add(number.value)
-        law = functions._laws.get(number.value)
-        if (law is None and number.value not in functions._records) or number.value == record["number"]:
+        function = functions._built.get(number.value)
+        if (function is None and number.value not in functions._records) or number.value == record["number"]:
             message = f"function {number.value} must be given in a card above"
             functions.findings.error(record.subject, message, number.place, id="YOUNG-114")
-        laws.append(law)
-    if None in laws:
+        parts.append(function)
+    if None in parts:
         return None
-    found = combine(laws)
+    found = combine(parts)
     if len(found.terms) > MOST_FACTORS:
         many = f"multiplied out it has {len(found.terms)} terms, more than {MOST_FACTORS}; use fewer sums"
         functions.findings.error(record.subject, many, record.place, id="YOUNG-115")

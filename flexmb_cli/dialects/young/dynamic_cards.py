@@ -32,7 +32,7 @@ NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 # A card without comments: its keyword and its numbers.
 _PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
 SECTION = "dynamics"
-CLOSING = "END"
+LAST_CARD = "END"
 INVERSE, FORWARD = "inverse", "forward"
 
 
@@ -219,7 +219,7 @@ class _Cards:
             if _is_keyword(word):
                 self._finish(card)
                 card = [word]
-                if word.text.upper() == CLOSING:
+                if word.text.upper() == LAST_CARD:
                     return
             elif card:
                 card.append(word)
@@ -349,7 +349,7 @@ def _is_keyword(word):
 def _unknown(text):
     from difflib import get_close_matches
 
-    near = get_close_matches(text.upper(), BY_KEYWORD, n=1)
-    if near:
-        return f"there is no card {number.shown(text)}; is {near[0]} meant?"
-    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {CLOSING}"
+    close = get_close_matches(text.upper(), BY_KEYWORD, n=1)
+    if close:
+        return f"there is no card {number.shown(text)}; is {close[0]} meant?"
+    return f"there is no card {number.shown(text)}, only {', '.join(BY_KEYWORD)} and {LAST_CARD}"

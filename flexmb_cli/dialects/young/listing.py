@@ -164,10 +164,10 @@ def _body(record, layout):
 
 
 def _driver(record, drivers, layout):
-    body, direction, law = DRIVER_TITLES
+    body, direction, function = DRIVER_TITLES
     return (
         f"FOR DRIVER No {drivers}\n{body}\n{record['body']:3d}\n{direction}\n{record['direction']:3d}\n"
-        f"{law}\n{_answers(_values(record, 2), fixed(8, 2), layout)}"
+        f"{function}\n{_answers(_values(record, 2), fixed(8, 2), layout)}"
     )
 
 

@@ -235,7 +235,7 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?(nan|inf)", re.IGN
 
 
 def _split_row(rest, columns):
-    """Spellings of the numbers of a line, parted by blanks or else by the decimals of their columns."""
+    """Spellings of the numbers of a line, separated by blanks or else by the decimals of their columns."""
     words = rest.split()
     if len(words) == len(columns.names) and all(NUMBER.fullmatch(word) for word in words):
         return words

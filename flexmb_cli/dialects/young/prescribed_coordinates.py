@@ -133,7 +133,7 @@ def _check_pair(first, second, findings):
     if _turning(first) and _turning(second):
         return  # reported as two rotational drivers
     if _moves(first) or _moves(second):
-        if _law(first) == _law(second):
+        if _function(first) == _function(second):
             message = f"{what} is already moved the same way by {first.name}; this equation is redundant"
             findings.warn(second.name, message, second.place, id="YOUNG-048")
             return
@@ -159,7 +159,7 @@ def _turning(hold):
     return hold.driver is not None and hold.direction > 3
 
 
-def _law(hold):
+def _function(hold):
     return hold.driver and (hold.driver.C, hold.driver.B, hold.driver.A)
 
 

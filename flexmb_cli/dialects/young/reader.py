@@ -302,8 +302,8 @@ def _slip_of_counts(reading, record):
     bodies = [(f"body {k}", len(BODIES.columns)) for k in (1, 2)]
     taken = [*reading.words.upto(reading.taken)]
     first_lines = sorted({word.line for word in taken})[:2]
-    near = [word for word in taken if word.line in first_lines]
-    return slips(near, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
+    close = [word for word in taken if word.line in first_lines]
+    return slips(close, [(COUNTS.subject, len(COUNTS.columns)), *bodies], kept_per_slip=1)
 
 
 def _in_order(faults):

@@ -9,7 +9,7 @@ from .solid_elements import FORMULATIONS, SolidElements, elasticity, solid_eleme
 # Elements at a time: the strains of a brick of 20 nodes and 27 points are 80 kB.
 _CHUNK = 500
 # Matrices that differ by less of their largest entry are equal but for round-off; formulations that agree on
-# parallelepipeds are then told by their order.
+# parallelepipeds are then distinguished by their order.
 EQUAL = 1e-9
 
 
@@ -17,7 +17,8 @@ EQUAL = 1e-9
 class BodyElements:
     """Elements whose assembled stiffness comes nearest to the body's; `deviation`: by how much it differs.
 
-    `internal` (m, internal freedoms, 3 k): the displacements of incompatible modes per nodal displacement.
+    `internal` (m, internal degrees of freedom, 3 k): the displacements of incompatible modes per nodal
+    displacement.
     """
 
     elements: SolidElements
@@ -46,7 +47,7 @@ def matching_elements(positions: np.ndarray, rows: np.ndarray, material, K) -> B
 def element_stiffness(made: SolidElements, D):
     """Return the nodal stiffness (m, 3 k, 3 k), N/m, and how incompatible modes follow the nodes.
 
-    `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal freedoms, 3 k).
+    `made`: m elements of k nodes; `D` (6, 6), Pa.  The second has (m, internal degrees of freedom, 3 k).
     """
     count, nodal = len(made.rows), 3 * made.nodes
     inner = 3 * made.gradients.shape[2] - nodal

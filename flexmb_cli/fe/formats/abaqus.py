@@ -1,8 +1,8 @@
 """Abaqus matrices (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, by node and direction, and FORMAT=COORDINATE.
 
 Abaqus Analysis User's Guide, "Generating matrices"; coordinates come with blanks or commas.  The suffix .mtx
-is also Matrix Market's: the format is told by the deck.  Nodes with negative labels are internal freedoms of
-elements.
+is also Matrix Market's: the deck names the format.  Nodes with negative labels are internal degrees of
+freedom of elements.
 """
 
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from .file_text import filled, line_fault, lines_of, table, whole
 from .matrix_file import FEFileFault, MatrixFile, has_both_triangles, labelled
 
-# Abaqus puts 1e36 on the diagonal where a freedom is held.
+# Abaqus puts 1e36 on the diagonal where a degree of freedom is held.
 LARGEST_STIFFNESS = 1e30
 
 
@@ -35,7 +35,7 @@ def read_abaqus(path: Path) -> MatrixFile:
     meaning = "row, column, value" if width == 3 else "row node, direction, column node, direction, value"
     entries = table(name, body, numbers, width, meaning, comma)
     where = whole(name, entries[:, :-1], numbers, "nodes and directions")
-    # Rows, columns and directions count from 1; nodes of elements' own freedoms are negative.
+    # Rows, columns and directions count from 1; nodes of elements' own degrees of freedom are negative.
     wrong = np.flatnonzero((where[:, slice(None) if width == 3 else slice(1, None, 2)] < 1).any(axis=1))
     if wrong.size:
         raise line_fault(name, numbers[wrong[0]], "rows, columns and directions count from 1")

@@ -12,7 +12,7 @@ import numpy as np
 from .file_text import check_range, filled, line_fault, lines_of, table, whole
 from .matrix_file import FEFileFault, MatrixFile
 
-_FREEDOM = re.compile(r"\s*(\d{1,15})\.(\d)\s*", re.ASCII)
+_DOF = re.compile(r"\s*(\d{1,15})\.(\d)\s*", re.ASCII)
 
 
 def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
@@ -35,13 +35,13 @@ def read_calculix(path: Path, equations: np.ndarray) -> MatrixFile:
     return MatrixFile(len(equations), rows, columns, entries[kept, 2], one_triangle, equations)
 
 
-def read_freedoms(path: Path) -> np.ndarray:
+def read_dofs(path: Path) -> np.ndarray:
     """Node and direction (1 2 3) of every equation, (size, 2), from a .dof file."""
     found = []
     for number, line in enumerate(lines_of(path), start=1):
         if not line.strip():
             continue
-        match = _FREEDOM.fullmatch(line)
+        match = _DOF.fullmatch(line)
         if match is None:
             raise line_fault(
                 path.name, number, f"node.direction wanted, such as 12.3; read '{line.strip()[:40]}'"

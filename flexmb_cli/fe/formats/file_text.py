@@ -1,4 +1,4 @@
-"""Text of a file and tables of numbers in it; what cannot be read is told with its line.
+"""Text of a file and tables of numbers in it; what cannot be read is reported with its line.
 
 The names of these files come from decks, which may be a stranger's: only regular files are opened, and
 nothing larger than `LARGEST` is read.

@@ -26,8 +26,8 @@ def read_matrix(
 ) -> MatrixFile:
     """The matrix at `path` in format `form`; `letter` (M or K) tells which, where a file holds several.
 
-    Raises FEFileFault, also where a size is told that no free body with these entries has: memory is taken
-    by the size.
+    Raises FEFileFault, also where a size is declared that no free body with these entries has: memory is
+    taken by the size.
     """
     found = _read(path, form, letter, mapping, mapping_form)
     if found.size > len(found.values):

@@ -104,7 +104,7 @@ def _format(name, line, first, width):
 
 
 def _numbers(name, lines, start, count, form, wanted):
-    """`wanted` numbers from `count` lines, parted by blanks or cut by the width of their format."""
+    """`wanted` numbers from `count` lines, separated by blanks or cut by the width of their format."""
     letter, width = form
     section = lines[start : start + count]
     if len(section) < count:
@@ -112,11 +112,11 @@ def _numbers(name, lines, start, count, form, wanted):
             f"{name} ends at line {len(lines)}, {count - len(section)} lines too early", id="FE-036"
         )
     read = integer if letter == "I" else real
-    parted = _parted(section, read, wanted)
-    return _cut(name, section, start, width, read, wanted) if parted is None else parted
+    split = _split(section, read, wanted)
+    return _cut(name, section, start, width, read, wanted) if split is None else split
 
 
-def _parted(section, read, wanted):
+def _split(section, read, wanted):
     """The numbers between blanks, None where they are not `wanted` ones."""
     words = " ".join(section).split()
     if len(words) != wanted:

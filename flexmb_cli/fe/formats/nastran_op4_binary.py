@@ -54,7 +54,7 @@ def binary_matrices(file: str, raw: bytes) -> dict[str, MatrixFile]:
 
 
 def _layout(file, raw) -> _Layout:
-    """Told by the length of the first record."""
+    """Recognised by the length of the first record."""
     for order in "<>":
         length = struct.unpack(f"{order}i", raw[:4])[0] if len(raw) >= 4 else 0
         if length in (4 * _HEADING_WORDS, 8 * _HEADING_WORDS):

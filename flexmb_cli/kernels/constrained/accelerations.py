@@ -24,9 +24,9 @@ from ..linalg.rank_revealing_lu import (
     free_motions,
 )
 from ..linalg.rotation import rotation_matrices, rotation_rates
-from .body_vectors import geometry_of, move_arms, place_arms
+from .body_vectors import geometry_of, move_vectors, place_vectors
 from .constraint_primitives import equation_accelerations, equation_rows
-from .dry_friction import MOST_SUBSTITUTIONS, SETTLED, has_friction, normal_changes
+from .dry_friction import FRICTION_CONVERGED, MOST_SUBSTITUTIONS, has_friction, normal_changes
 from .forces import add_applied_forces
 from .mass_matrix import inertia_and_elastic_forces, inertia_of, mass_matrices, mass_times
 from .speeds import add_turning, coordinate_rates, speed_jacobian
@@ -51,9 +51,9 @@ SMALLEST_INERTIA = 1e-13  # pivot of the reduced mass matrix, of its diagonal en
 
 @kernel
 def evaluate_jacobian(system, work, q):
-    """Fill A, the arms, Φ_q and the scaled Jacobian on speeds of `work` at q."""
+    """Fill A, the body vectors, Φ_q and the scaled Jacobian on speeds of `work` at q."""
     rotation_matrices(q, work.rotations[A])
-    place_arms(geometry_of(system, work), q)
+    place_vectors(geometry_of(system, work), q)
     equations.jacobian(system.constraints, q, work.rotations[A], work.phi_q)
     speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
     equation_rows(system, work, work.jacobian)
@@ -203,11 +203,11 @@ def accelerate(system, work, q, u, t, ud):
 def fill_forces(system, work, q, u, t):
     """Fill FORCES with all but the constraint forces; returns the power of those that store no energy.
 
-    Mass matrices, arms and factors of the constraints belong to q.
+    Mass matrices, body vectors and factors of the constraints belong to q.
     """
-    move_arms(geometry_of(system, work), u)
+    move_vectors(geometry_of(system, work), u)
     if has_friction(system.loads):
-        _settle_friction(system, work, q, u, t)
+        _iterate_friction(system, work, q, u, t)
     return _forces(system, work, q, u, t)
 
 
@@ -218,7 +218,7 @@ def _forces(system, work, q, u, t):
 
 
 @allocating
-def _settle_friction(system, work, q, u, t):
+def _iterate_friction(system, work, q, u, t):
     """Find the normal forces of friction that agree with the accelerations they cause."""
     n = work.jacobian.shape[1]
     ud = np.empty(n)
@@ -228,13 +228,15 @@ def _settle_friction(system, work, q, u, t):
         _forces(system, work, q, u, t)
         fill_gamma(system, work, q, u, t)
         solve(system, work, work.vectors[FORCES], work.rows[GAMMA], ud)
-        if normal_changes(system, work, ud) < SETTLED:
+        if normal_changes(system, work, ud) < FRICTION_CONVERGED:
             return
 
 
 @part
 def fill_gamma(system, work, q, u, t):
-    """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved arms belong to q and u."""
+    """Fill GAMMA, the right-hand side of J u̇ = γ, where phi_q and the moved body vectors belong to q and
+    u.
+    """
     qd, gamma = work.vectors[QD], work.rows[GAMMA]
     if system.constraints.shape[0] > 0:
         coordinate_rates(system.masses.shape[0], q, u, qd)

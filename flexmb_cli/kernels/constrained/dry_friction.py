@@ -9,13 +9,13 @@ import math
 import numpy as np
 
 from .._jit import allocating, kernel
-from .body_vectors import ARM, vector
+from .body_vectors import BODY_VECTOR, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
 from .system import SCALED
 
 MOST_SUBSTITUTIONS = 100
-SETTLED = 1e-13  # of the largest force
+FRICTION_CONVERGED = 1e-13  # of the largest force
 
 
 @kernel
@@ -47,7 +47,7 @@ def normal_changes(system, work, ud):
 @allocating
 def _across(system, work, load, lam):
     """Size of the joint's force across its axis, N."""
-    group, axis = system.groups[load["group"]], vector(work.arms[ARM], load["arm"])
+    group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
     force = np.zeros(3)
     for row in range(group["first_row"], group["end_row"]):
         for i in range(3):

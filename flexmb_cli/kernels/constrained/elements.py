@@ -11,9 +11,9 @@ import math
 
 from .._jit import kernel
 from ..linalg.rotation import dot
-from .body_vectors import ARM, RATE, add_arm_row, geometry_of, vector
-from .constraint_primitives import add_measure_row, measure_rates, measure_value
-from .time_functions import law_values
+from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, vector
+from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
+from .time_functions import function_values
 
 # The codes of model.arrays.records; a test compares them.
 ELEMENT, FRICTION = 5, 6
@@ -37,34 +37,37 @@ def add_element(system, work, k, f):
     effort, kept = _effort(system, load, answer)
     answer[EFFORT], answer[POWER] = effort, (effort - kept) * answer[SPEED]
     if load["in_line"]:
-        add_along_line(geometry, load["measure"], effort / answer[COORDINATE], f)
+        add_along_line(geometry, load["primitive"], effort / answer[COORDINATE], f)
     else:
-        add_measure_row(geometry, load["measure"], effort, f)
+        add_primitive_row(geometry, load["primitive"], effort, f)
     return answer[POWER]
 
 
 @kernel
 def add_along_line(geometry, k, share, f):
-    """Add to f the force `share` times V of measure k that drives its ends apart."""
-    d, ends = vector(geometry.spans[ARM, k], 0), geometry.measures[k]["ends"]
-    add_arm_row(geometry, ends[0, 1], d, -share, True, f)
-    add_arm_row(geometry, ends[0, 0], d, share, True, f)
+    """Add to f the force `share` times V of primitive k that drives its ends apart."""
+    d, ends = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), geometry.primitives[k]["ends"]
+    add_vector_row(geometry, ends[0, 1], d, -share, True, f)
+    add_vector_row(geometry, ends[0, 0], d, share, True, f)
 
 
 @kernel
 def _fill_coordinate(geometry, work, load, answer):
     """Coordinate and rate of an element; whether it has a direction: ends that coincide have none."""
-    k = load["measure"]
+    k = load["primitive"]
     if load["in_line"]:
-        d, v = vector(geometry.spans[ARM, k], 0), vector(geometry.spans[RATE, k], 0)
+        d, v = (
+            vector(geometry.relative_vectors[BODY_VECTOR, k], 0),
+            vector(geometry.relative_vectors[RATE, k], 0),
+        )
         answer[COORDINATE] = math.sqrt(dot(d, d))
         if answer[COORDINATE] < AT_REST:
             return False
         answer[SPEED] = dot(d, v) / answer[COORDINATE]
         return True
-    turn = geometry.measures[k]["turn"]
-    answer[COORDINATE] = measure_value(geometry, k, work.turns[turn] if turn >= 0 else 0.0)
-    answer[SPEED] = measure_rates(geometry, k)[0]
+    turn = geometry.primitives[k]["turn"]
+    answer[COORDINATE] = primitive_value(geometry, k, work.angles[turn] if turn >= 0 else 0.0)
+    answer[SPEED] = primitive_rates(geometry, k)[0]
     return True
 
 
@@ -85,22 +88,22 @@ def _effort(system, load, answer):
     answer[STIFFNESS], answer[DAMPING] = load["stiffness"], load["damping"]
     answer[ENERGY] = (load["preload"] + 0.5 * load["stiffness"] * s) * s
     if load["curve"] >= 0:
-        force, slope, _ = law_values(system.laws, system.knots, load["curve"], s)
+        force, slope, _ = function_values(system.functions, system.knots, load["curve"], s)
         kept += force
         answer[STIFFNESS] += slope
-        answer[ENERGY] += law_values(system.laws, system.knots, load["energy"], s)[0]
+        answer[ENERGY] += function_values(system.functions, system.knots, load["energy"], s)[0]
     if load["damper"] >= 0:
-        force, slope, _ = law_values(system.laws, system.knots, load["damper"], v)
+        force, slope, _ = function_values(system.functions, system.knots, load["damper"], v)
         lost += force
         answer[DAMPING] += slope
     return -kept - lost, -kept
 
 
 @kernel
-def _pushed_back(load, depth, closing, sign, answer):
-    """A stop at a depth that grows at `closing`: effort, its part with a potential; fills slopes."""
+def _pushed_back(load, depth, approach, sign, answer):
+    """A stop at a depth that grows at `approach`: effort, its part with a potential; fills slopes."""
     k, b = load["stiffness"], load["damping"]
-    share = max(0.0, 1.0 + b * closing)
+    share = max(0.0, 1.0 + b * approach)
     answer[STIFFNESS] = k * share if depth > 0.0 else 0.0
     answer[DAMPING] = k * depth * b if share > 0.0 else 0.0
     answer[ENERGY] = 0.5 * k * depth * depth
@@ -111,15 +114,15 @@ def _pushed_back(load, depth, closing, sign, answer):
 def _add_friction(system, work, load, answer, f):
     """Friction of a joint by the force NORMAL between its parts; returns its power."""
     geometry, r = geometry_of(system, work), load["radius"]
-    turning = measure_rates(geometry, load["measure"])[0] * r if load["measure"] >= 0 else 0.0
-    sliding = measure_rates(geometry, load["stroke"])[0] if load["stroke"] >= 0 else 0.0
+    turning = primitive_rates(geometry, load["primitive"])[0] * r if load["primitive"] >= 0 else 0.0
+    sliding = primitive_rates(geometry, load["stroke"])[0] if load["stroke"] >= 0 else 0.0
     v, N = math.sqrt(turning * turning + sliding * sliding), answer[NORMAL]
     share, slope = friction_share(load, v)
-    if load["measure"] >= 0:
-        add_measure_row(geometry, load["measure"], -N * share * turning * r, f)
+    if load["primitive"] >= 0:
+        add_primitive_row(geometry, load["primitive"], -N * share * turning * r, f)
     if load["stroke"] >= 0:
-        add_measure_row(geometry, load["stroke"], -N * share * sliding, f)
-    signed = v if load["measure"] >= 0 and load["stroke"] >= 0 else turning + sliding
+        add_primitive_row(geometry, load["stroke"], -N * share * sliding, f)
+    signed = v if load["primitive"] >= 0 and load["stroke"] >= 0 else turning + sliding
     answer[COORDINATE], answer[SPEED], answer[EFFORT] = 0.0, signed, -N * share * signed
     answer[POWER], answer[DAMPING] = -N * share * v * v, N * max(slope, 0.0)
     return answer[POWER]
@@ -138,20 +141,24 @@ def friction_share(load, v):
 
 @kernel
 def add_element_slope(geometry, work, load, k, by_position, by_speed, y):
-    """y += (by_position K + by_speed D) x of element k, where the arms have been moved by x."""
+    """y += (by_position K + by_speed D) x of element k, where the body vectors have been moved by x."""
     answer, r = work.responses[k], load["radius"]
     amount = by_position * answer[STIFFNESS] + by_speed * answer[DAMPING]
     if load["kind"] == FRICTION:
-        if load["measure"] >= 0:
-            rate = measure_rates(geometry, load["measure"])[0]
-            add_measure_row(geometry, load["measure"], amount * rate * r * r, y)
+        if load["primitive"] >= 0:
+            rate = primitive_rates(geometry, load["primitive"])[0]
+            add_primitive_row(geometry, load["primitive"], amount * rate * r * r, y)
         if load["stroke"] >= 0:
-            add_measure_row(geometry, load["stroke"], amount * measure_rates(geometry, load["stroke"])[0], y)
+            add_primitive_row(
+                geometry, load["stroke"], amount * primitive_rates(geometry, load["stroke"])[0], y
+            )
     elif load["in_line"]:
-        d = vector(geometry.spans[ARM, load["measure"]], 0)
+        d = vector(geometry.relative_vectors[BODY_VECTOR, load["primitive"]], 0)
         square = dot(d, d)
         if square > AT_REST:
-            stretched = dot(d, vector(geometry.spans[RATE, load["measure"]], 0))
-            add_along_line(geometry, load["measure"], amount * stretched / square, y)
+            stretched = dot(d, vector(geometry.relative_vectors[RATE, load["primitive"]], 0))
+            add_along_line(geometry, load["primitive"], amount * stretched / square, y)
     else:
-        add_measure_row(geometry, load["measure"], amount * measure_rates(geometry, load["measure"])[0], y)
+        add_primitive_row(
+            geometry, load["primitive"], amount * primitive_rates(geometry, load["primitive"])[0], y
+        )

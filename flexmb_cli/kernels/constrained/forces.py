@@ -1,18 +1,19 @@
 """Applied forces on the speeds: forces, torques, springs and dampers in line and in joints; their work.
 
-VSDFlex paper (2008), equations (66)-(73): a force F at the end of the arm s of a body adds F, s × Aᵀ F and
-Sᵀ Aᵀ F.  `loads` are records of `model.arrays.records.LOAD`; the arms have been placed and moved.
+VSDFlex paper (2008), equations (66)-(73): a force F at the end of the body vector s of a body adds F, s × Aᵀ
+F and Sᵀ Aᵀ F.  `loads` are records of `model.arrays.records.LOAD`; the body vectors have been placed and
+moved.
 """
 
 import math
 
 from .._jit import kernel
 from ..linalg.rotation import rotate
-from .body_vectors import ARM, RATE, add_arm_row, geometry_of, vector
-from .constraint_primitives import add_measure_row, measure_rates, measure_value
+from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, vector
+from .constraint_primitives import add_primitive_row, primitive_rates, primitive_value
 from .elements import COORDINATE, EFFORT, ELEMENT, ENERGY, POWER, SPEED, add_element
 from .system import A
-from .time_functions import law_values
+from .time_functions import function_values
 
 # The codes of model.arrays.records; a test compares them.
 FORCE, TORQUE, LINE, RELATIVE = 1, 2, 3, 4
@@ -36,22 +37,22 @@ def add_applied_forces(system, work, u, t, f):
             power += add_element(system, work, k, f)
         else:
             factor = 1.0
-            if load["law"] >= 0:
-                factor = law_values(system.laws, system.knots, load["law"], t)[0]
+            if load["function"] >= 0:
+                factor = function_values(system.functions, system.knots, load["function"], t)[0]
             power += _add_vector(system, work, load, factor, u, f)
     return power
 
 
 @kernel
 def _add_vector(system, work, load, factor, u, f):
-    p, v = load["arm"], load["vector"]
-    b = system.arms[p]["body"]
+    p, v = load["body_vector"], load["vector"]
+    b = system.body_vectors[p]["body"]
     if b < 0:
         return 0.0
     F = rotate(work.rotations[A], b, v) if load["following"] else (v[0], v[1], v[2])
     if load["kind"] == FORCE:
-        add_arm_row(geometry_of(system, work), p, F, factor, True, f)
-        w = work.arms[RATE, p]
+        add_vector_row(geometry_of(system, work), p, F, factor, True, f)
+        w = work.body_vectors[RATE, p]
         power = 0.0
         for i in range(3):
             power += factor * F[i] * (u[6 * b + i] + w[i])
@@ -71,12 +72,12 @@ def _length(d):
 
 @kernel
 def _add_line(system, work, load, answer, f):
-    """Spring and damper along V of a measure; returns the power of the damper.
+    """Spring and damper along V of a primitive; returns the power of the damper.
 
     Ends that coincide leave the direction open: no force acts then.
     """
-    geometry, k = geometry_of(system, work), load["measure"]
-    d, v = vector(work.spans[ARM, k], 0), vector(work.spans[RATE, k], 0)
+    geometry, k = geometry_of(system, work), load["primitive"]
+    d, v = vector(work.relative_vectors[BODY_VECTOR, k], 0), vector(work.relative_vectors[RATE, k], 0)
     length = _length(d)
     if length < AT_REST:
         return 0.0
@@ -84,39 +85,44 @@ def _add_line(system, work, load, answer, f):
     pull = load["stiffness"] * (length - load["free_length"]) + load["damping"] * rate
     answer[COORDINATE], answer[SPEED], answer[EFFORT] = length, rate, -pull
     answer[POWER] = -load["damping"] * rate * rate
-    ends = system.measures[k]["ends"]
-    add_arm_row(geometry, ends[0, 1], d, pull / length, True, f)
-    add_arm_row(geometry, ends[0, 0], d, -pull / length, True, f)
+    ends = system.primitives[k]["ends"]
+    add_vector_row(geometry, ends[0, 1], d, pull / length, True, f)
+    add_vector_row(geometry, ends[0, 0], d, -pull / length, True, f)
     return -load["damping"] * rate * rate
 
 
 @kernel
 def _stretch(system, work, load):
-    turn = system.measures[load["measure"]]["turn"]
-    near = work.turns[turn] if turn >= 0 else 0.0
-    return measure_value(geometry_of(system, work), load["measure"], near) - load["free_length"]
+    turn = system.primitives[load["primitive"]]["turn"]
+    expected = work.angles[turn] if turn >= 0 else 0.0
+    return primitive_value(geometry_of(system, work), load["primitive"], expected) - load["free_length"]
 
 
 @kernel
 def _add_relative(system, work, load, t, f):
     """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
     geometry = geometry_of(system, work)
-    rate = measure_rates(geometry, load["measure"])[0]
-    push = -load["damping"] * rate
-    if load["law"] >= 0:
-        push += law_values(system.laws, system.knots, load["law"], t)[0]
-    add_measure_row(geometry, load["measure"], push - load["stiffness"] * _stretch(system, work, load), f)
-    return push * rate
+    rate = primitive_rates(geometry, load["primitive"])[0]
+    effort = -load["damping"] * rate
+    if load["function"] >= 0:
+        effort += function_values(system.functions, system.knots, load["function"], t)[0]
+    add_primitive_row(
+        geometry, load["primitive"], effort - load["stiffness"] * _stretch(system, work, load), f
+    )
+    return effort * rate
 
 
 @kernel
 def spring_energy(system, work):
-    """Energy of springs, J, at placed arms; that of elements is the one of the forces found last."""
+    """Energy of springs, J, at placed body vectors; that of elements is the one of the forces found last."""
     total = 0.0
     for k in range(system.loads.shape[0]):
         load, stretch = system.loads[k], 0.0
         if load["kind"] == LINE:
-            stretch = _length(vector(work.spans[ARM, load["measure"]], 0)) - load["free_length"]
+            stretch = (
+                _length(vector(work.relative_vectors[BODY_VECTOR, load["primitive"]], 0))
+                - load["free_length"]
+            )
         elif load["kind"] == RELATIVE:
             stretch = _stretch(system, work, load)
         elif load["kind"] == ELEMENT:

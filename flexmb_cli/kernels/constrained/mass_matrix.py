@@ -217,6 +217,6 @@ def weight_energy(system, work, q):
             moved = places_of(work.modal, system.flexible[mass["flexible"]])[0]
             s = (moved[0], moved[1], moved[2])
         for i in range(3):
-            arm = axes[i, 0] * s[0] + axes[i, 1] * s[1] + axes[i, 2] * s[2]
-            total -= g[i] * (mass["mass"] * q[7 * b + i] + arm)
+            body_vector = axes[i, 0] * s[0] + axes[i, 1] * s[1] + axes[i, 2] * s[2]
+            total -= g[i] * (mass["mass"] * q[7 * b + i] + body_vector)
     return total

@@ -9,7 +9,7 @@ from .._jit import kernel
 from ..kinematics import constraints as equations
 from ..linalg.rotation import rotation_matrices
 from .accelerations import factorise_at, solve
-from .body_vectors import geometry_of, place_arms
+from .body_vectors import geometry_of, place_vectors
 from .constraint_primitives import equation_residuals, equation_velocities
 from .speeds import move
 from .system import CORRECTION, GAMMA, PHI, QD, SOLVED, A
@@ -30,12 +30,12 @@ def largest_gap(system, work):
 
 
 @kernel
-def evaluate_residual(system, work, q, t, near):
+def evaluate_residual(system, work, q, t, expected):
     """Fill PHI at q; returns the largest scaled equation of the independent ones."""
     rotation_matrices(q, work.rotations[A])
-    place_arms(geometry_of(system, work), q)
-    equations.residual(system.constraints, q, t, near, work.rotations[A], work.rows[PHI])
-    equation_residuals(system, work, t, near, work.rows[PHI])
+    place_vectors(geometry_of(system, work), q)
+    equations.residual(system.constraints, q, t, expected, work.rotations[A], work.rows[PHI])
+    equation_residuals(system, work, t, expected, work.rows[PHI])
     found = 0.0
     for k in range(work.rank[0]):
         row = work.order[k]
@@ -46,7 +46,7 @@ def evaluate_residual(system, work, q, t, near):
 
 
 @kernel
-def project_position(system, work, q, t, near):
+def project_position(system, work, q, t, expected):
     """Improve q until the independent equations are met to round-off: a code.
 
     The factors of the first position serve all corrections: q comes from an accurate step.
@@ -55,7 +55,7 @@ def project_position(system, work, q, t, near):
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
-        gap = evaluate_residual(system, work, q, t, near)
+        gap = evaluate_residual(system, work, q, t, expected)
         if code != SOLVED or gap <= ROUND_OFF or not gap < 0.5 * before:
             break
         before = gap

@@ -29,17 +29,17 @@ def coordinates_and_speeds(system, z):
 
 
 @kernel
-def observe(system, work, z, t, near, report, row):
+def observe(system, work, z, t, expected, report, row):
     """Fill one row of `report` for the state z at t; a code."""
     q, u = coordinates_and_speeds(system, z)
     code, power = accelerations(system, work, q, u, t, report.rates[row])
     if code == SOLVED:
-        complete(system, work, z, t, near, power, report, row)
+        complete(system, work, z, t, expected, power, report, row)
     return code
 
 
 @kernel
-def complete(system, work, z, t, near, power, report, row):
+def complete(system, work, z, t, expected, power, report, row):
     """Fill a row of `report` whose rates have just been found, by the factors at hand."""
     q, u = coordinates_and_speeds(system, z)
     report.powers[row] = power
@@ -52,22 +52,22 @@ def complete(system, work, z, t, near, power, report, row):
     audit[0] = kinetic_energy(system, work, u)
     audit[1] = weight_energy(system, work, q) + spring_energy(system, work)
     audit[2] = strain_energy(system, q)
-    evaluate_residual(system, work, q, t, near)
+    evaluate_residual(system, work, q, t, expected)
     audit[3] = largest_gap(system, work)[0]
     audit[4] = rate_gap(system, work, u, t)
 
 
 @kernel
-def _expect(turns, near):
-    for k in range(turns.shape[0]):
-        turns[k] = near[k]
+def _expect(angles, expected):
+    for k in range(angles.shape[0]):
+        angles[k] = expected[k]
 
 
 @kernel
-def observe_rows(system, work, near, report):
-    """Fill all rows for states that are already there; near (T, screws).  Returns the rows filled."""
+def observe_rows(system, work, expected, report):
+    """Fill all rows for states that are already there; expected (T, screws).  Returns the rows filled."""
     for row in range(report.times.shape[0]):
-        _expect(work.turns, near[row])
-        if observe(system, work, report.states[row], report.times[row], near[row], report, row) != SOLVED:
+        _expect(work.angles, expected[row])
+        if observe(system, work, report.states[row], report.times[row], expected[row], report, row) != SOLVED:
             return row
     return report.times.shape[0]

@@ -12,22 +12,22 @@ from .._jit import plain
 
 System = namedtuple(
     "System",
-    "constraints bodies row_scale speed_scale masses flexible modal arms shapes measures loads laws "
-    "knots gravity groups",
+    "constraints bodies row_scale speed_scale masses flexible modal body_vectors shapes primitives loads "
+    "functions knots gravity groups",
 )
 System.__doc__ = """A mechanism; records are those of `model.arrays.records`.
 
 constraints: CONSTRAINT records without normalisation, whose rows come first.  bodies (r, 2): bodies of the
 two halves of each of these rows.  row_scale (m,), speed_scale (n,): units of equations and speeds.  masses
-(b,).  flexible: FLEXIBLE records, with their invariants in modal.  arms, shapes: ARM records and
-their shapes.  measures: MEASURE records, first those of the other rows, then those of springs.
-loads, laws, knots (k, 3): forces and what varies them.  gravity (3,).  groups: GROUP records.
+(b,).  flexible: FLEXIBLE records, with their invariants in modal.  body vectors, shapes: ARM records and
+their shapes.  primitives: MEASURE records, first those of the other rows, then those of springs.
+loads, functions, knots (k, 3): forces and what varies them.  gravity (3,).  groups: GROUP records.
 """
 
 Work = namedtuple(
     "Work",
-    "rotations rows phi_q jacobian left factors order motions reduced mass modal arms spans turns vectors "
-    "rank quality pivots responses",
+    "rotations rows phi_q jacobian left factors order motions reduced mass modal body_vectors "
+    "relative_vectors angles vectors rank quality pivots responses",
 )
 Work.__doc__ = """Arrays reused in every evaluation.
 
@@ -35,10 +35,10 @@ rotations (3, b, 3, 3): A, dA/dt and the remainder of d²A/dt².  rows (3, m): s
 names below.  phi_q (r, 14).
 jacobian (m, n): scaled rows on speeds; left, factors (m, n) and order (m + n,): its elimination.
 motions (n, n): in its first n - rank columns the free speeds.  reduced (n, n): Cholesky factor of
-the mass matrix of the free speeds.  mass (b, 6, 6), modal: see `mass_matrix`.  arms (3, arms, 3) and spans
-(3, measures, 2, 3): see `arms`.  turns (turns,): the angles that joint springs expect, rad.  vectors
-(6, n + b): see the names below.  rank (1,) and quality (1,): of the order in use.  pivots (m,): see
-`singular_ahead`.  responses (loads, 8): see `elements`.
+the mass matrix of the free speeds.  mass (b, 6, 6), modal: see `mass_matrix`.  body_vectors (3, body vectors,
+3) and relative vectors (3, primitives, 2, 3): see `body_vectors`.  angles (angles,): the angles that joint
+springs expect, rad.  vectors (6, n + b): see the names below.  rank (1,) and quality (1,): of the order in
+use.  pivots (m,): see `singular_ahead`.  responses (loads, 8): see `elements`.
 """
 A, RATE, REMAINDER = 0, 1, 2
 PHI, GAMMA, SCALED = 0, 1, 2
@@ -48,14 +48,14 @@ SOLVED, SINGULAR, NO_INERTIA = 0, 1, 2
 
 
 @plain
-def make_work(system, turns):
-    """Work for a mechanism with `turns` angles."""
+def make_work(system, angles):
+    """Work for a mechanism with `angles` angles."""
     bodies, m, n = system.masses.shape[0], system.row_scale.shape[0], system.speed_scale.shape[0]
     modal = 0
     for k in range(system.flexible.shape[0]):
         N = system.flexible[k]["modes"]
         modal += 12 + 12 * N + (6 + N) * (6 + N) + 6 + N
-    # Arms of the ground stay as they are placed: at rest.
+    # Body vectors of the ground stay as they are placed: at rest.
     return Work(
         np.zeros((3, bodies, 3, 3)),
         np.zeros((3, m)),
@@ -68,9 +68,9 @@ def make_work(system, turns):
         np.zeros((n, n)),
         np.zeros((bodies, 6, 6)),
         np.zeros(modal),
-        np.zeros((3, system.arms.shape[0], 3)),
-        np.zeros((3, system.measures.shape[0], 2, 3)),
-        np.zeros(turns),
+        np.zeros((3, system.body_vectors.shape[0], 3)),
+        np.zeros((3, system.primitives.shape[0], 2, 3)),
+        np.zeros(angles),
         np.zeros((6, n + bodies)),
         np.zeros(1, np.int64),
         np.ones(1),

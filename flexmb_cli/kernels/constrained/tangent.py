@@ -6,8 +6,8 @@ gᵀ u, contributes k g gᵀ and c g gᵀ; what turns its force is left to the i
 
 from .._jit import kernel, part
 from ..linalg.rotation import dot
-from .body_vectors import ARM, RATE, add_arm_row, geometry_of, move_arms, vector
-from .constraint_primitives import add_measure_row, measure_rates
+from .body_vectors import BODY_VECTOR, RATE, add_vector_row, geometry_of, move_vectors, vector
+from .constraint_primitives import add_primitive_row, primitive_rates
 from .elements import ELEMENT, add_element_slope
 from .forces import AT_REST, LINE, RELATIVE
 from .mass_matrix import constants_of, inertia_of, mass_times
@@ -15,7 +15,9 @@ from .mass_matrix import constants_of, inertia_of, mass_times
 
 @part
 def tangent_times(system, work, by_position, by_speed, x, y):
-    """y = (M + by_position K + by_speed D) x for x, y (n,) where the arms are placed; moves the arms by x."""
+    """y = (M + by_position K + by_speed D) x for x, y (n,) where the body vectors are placed; moves the body
+    vectors by x.
+    """
     mass_times(inertia_of(system, work), x, y)
     add_stiff(system, work, by_position, by_speed, x, y)
 
@@ -27,15 +29,15 @@ def add_stiff(system, work, by_position, by_speed, x, y):
         _add_flexible(system, system.flexible[k], by_position, by_speed, x, y)
     geometry = geometry_of(system, work)
     if system.loads.shape[0] > 0:
-        move_arms(geometry, x)
+        move_vectors(geometry, x)
     for k in range(system.loads.shape[0]):
         load = system.loads[k]
         amount = by_position * load["stiffness"] + by_speed * load["damping"]
         if load["kind"] == LINE:
-            _add_line(geometry, load["measure"], amount, y)
+            _add_line(geometry, load["primitive"], amount, y)
         elif load["kind"] == RELATIVE:
-            rate = measure_rates(geometry, load["measure"])[0]
-            add_measure_row(geometry, load["measure"], amount * rate, y)
+            rate = primitive_rates(geometry, load["primitive"])[0]
+            add_primitive_row(geometry, load["primitive"], amount * rate, y)
         elif load["kind"] >= ELEMENT:
             add_element_slope(geometry, work, load, k, by_position, by_speed, y)
 
@@ -53,9 +55,9 @@ def _add_flexible(system, f, by_position, by_speed, x, y):
 
 @part
 def _add_line(geometry, k, amount, y):
-    d, v = vector(geometry.spans[ARM, k], 0), vector(geometry.spans[RATE, k], 0)
+    d, v = vector(geometry.relative_vectors[BODY_VECTOR, k], 0), vector(geometry.relative_vectors[RATE, k], 0)
     square = dot(d, d)
     if square > AT_REST:
-        pull, ends = amount * dot(d, v) / square, geometry.measures[k]["ends"]
-        add_arm_row(geometry, ends[0, 1], d, -pull, True, y)
-        add_arm_row(geometry, ends[0, 0], d, pull, True, y)
+        pull, ends = amount * dot(d, v) / square, geometry.primitives[k]["ends"]
+        add_vector_row(geometry, ends[0, 1], d, -pull, True, y)
+        add_vector_row(geometry, ends[0, 0], d, pull, True, y)

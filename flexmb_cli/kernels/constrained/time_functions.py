@@ -1,25 +1,27 @@
-"""Laws of time with their first two derivatives; formulas and kinds as in `model.motion_law`."""
+"""Functions of time with their first two derivatives; formulas and kinds as in `model.time_functions`."""
 
 import math
 
 from .._jit import kernel
 
-# The codes of model.motion_law and model.arrays.records; a test compares them.
+# The codes of model.time_functions and model.arrays.records; a test compares them.
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
 
 @kernel
-def law_values(laws, knots, number, t):
-    """Value, rate and second rate of law `number` at t.  knots (k, 3): time, value, second derivative."""
-    if laws[number]["kind"] == COMPOUND:
-        return _compound(laws, knots, number, t)
-    return _simple(laws, knots, number, t)
+def function_values(functions, knots, number, t):
+    """Value, rate and second rate of function `number` at t.  knots (k, 3): time, value, second
+    derivative.
+    """
+    if functions[number]["kind"] == COMPOUND:
+        return _compound(functions, knots, number, t)
+    return _simple(functions, knots, number, t)
 
 
 @kernel
-def _simple(laws, knots, number, t):
-    law = laws[number]
-    kind, c = law["kind"], law["c"]
+def _simple(functions, knots, number, t):
+    function = functions[number]
+    kind, c = function["kind"], function["c"]
     if kind == POLYNOMIAL:
         value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
         return value, c[1] + t * (2.0 * c[2] + 3.0 * t * c[3]), 2.0 * c[2] + 6.0 * t * c[3]
@@ -30,8 +32,8 @@ def _simple(laws, knots, number, t):
         swing = c[1] * math.sin(phase)
         return c[0] + swing, c[1] * c[2] * math.cos(phase), -c[2] * c[2] * swing
     if kind == PIECEWISE:
-        return _piecewise(knots, law["first"], c, t)
-    return _table(knots, law["first"], law["last"], t, kind == HELD_TABLE)
+        return _piecewise(knots, function["first"], c, t)
+    return _table(knots, function["first"], function["last"], t, kind == HELD_TABLE)
 
 
 @kernel
@@ -86,13 +88,13 @@ def _piecewise(knots, first, c, t):
 
 
 @kernel
-def _compound(laws, knots, number, t):
-    """A sum of products; its rows of knots: number of the term, of the law that is a factor."""
+def _compound(functions, knots, number, t):
+    """A sum of products; its rows of knots: number of the term, of the function that is a factor."""
     value = rate = bend = 0.0
     f, fd, fdd = 1.0, 0.0, 0.0
-    first, last = laws[number]["first"], laws[number]["last"]
+    first, last = functions[number]["first"], functions[number]["last"]
     for row in range(first, last + 1):
-        g, gd, gdd = _simple(laws, knots, int(knots[row, 1]), t)
+        g, gd, gdd = _simple(functions, knots, int(knots[row, 1]), t)
         f, fd, fdd = f * g, fd * g + f * gd, fdd * g + 2.0 * fd * gd + f * gdd
         if row == last or knots[row + 1, 0] != knots[row, 0]:
             value += f

@@ -5,7 +5,7 @@ depend on how the report rows are cut into calls.  Rows inside a step come from 
 both ends; every row is brought onto the constraints to round-off, and its accelerations and forces are
 those of the equations of motion there.
 
-What a call is asked for and what it answers is told in `constrained_march`.
+What a call is asked for and what it answers is reported in `constrained_dop853`.
 """
 
 from collections import namedtuple
@@ -13,9 +13,9 @@ from collections import namedtuple
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..constrained.angle_unwrapping import NEAR, OLD, note_turns
+from ..constrained.angle_unwrapping import EXPECTED, OLD, unwrap_angles
 from ..constrained.angle_unwrapping import NEW as TURNED
-from ..constrained.body_vectors import geometry_of, place_arms
+from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.system import A
@@ -82,26 +82,29 @@ CLOCK = np.dtype(
     ]
 )
 
-AlphaMarch = namedtuple("AlphaMarch", "clock z old trial units turns rates missing step shift gaps newton")
-AlphaMarch.__doc__ = """What a march keeps from call to call, for n speeds, states of N numbers, m equations.
+AlphaIntegration = namedtuple(
+    "AlphaIntegration", "clock z old trial units angles rates missing step shift gaps newton"
+)
+AlphaIntegration.__doc__ = """What an integration keeps from call to call, for n speeds, states of N numbers,
+m equations.
 
 clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
-tried or reported, a state's unit.  turns (3, screws): see `screw_turns`.  rates (5, n): see
+tried or reported, a state's unit.  angles (3, screws): see `screw_turns`.  rates (5, n): see
 `generalised_alpha`.  missing, step, shift (n,), gaps (3, m):
 of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
 
 
-def new_march(work, turns):
-    """A march at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
+def new_integration(work, angles):
+    """An integration at time 0 with an empty state, for the `work` of a mechanism and so many angles."""
     m, n = work.jacobian.shape
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
-    return AlphaMarch(
+    return AlphaIntegration(
         np.zeros(1, CLOCK),
         *states,
         np.ones(size),
-        np.zeros((3, turns)),
+        np.zeros((3, angles)),
         np.zeros((5, n)),
         *(np.zeros(n) for _ in range(3)),
         np.zeros((3, m)),
@@ -110,51 +113,53 @@ def new_march(work, turns):
 
 
 @kernel
-def march_rows(task, system, work, march, report, budget):
+def integrate_rows(task, system, work, integration, report, budget):
     """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
 
     clock["row"] counts the rows filled.  The order of elimination must have been chosen.
     """
-    clock = march.clock[0]
+    clock = integration.clock[0]
     clock["row"] = 0
     if task == BEGIN:
-        return _begin(system, work, march)
+        return _begin(system, work, integration)
     spent = clock["evaluations"] + budget
     while clock["row"] < report.times.shape[0]:
         t = report.times[clock["row"]]
         if t <= clock["t"] + SAME * clock["step"]:
-            if not _fill_row(system, work, march, t, report):
+            if not _fill_row(system, work, integration, t, report):
                 return STEP_VANISHED
         elif clock["evaluations"] >= spent:
             return PAUSED
         else:
-            answer = _step(system, work, march)
+            answer = _step(system, work, integration)
             if answer != READY:
                 return answer
     return ROWS_FULL
 
 
 @kernel
-def _begin(system, work, march):
-    clock, rates = march.clock[0], march.rates
+def _begin(system, work, integration):
+    clock, rates = integration.clock[0], integration.rates
     clock["start"] = clock["step_start"] = clock["t"]
     clock["left"], clock["singular"], clock["span"] = 1.0, np.inf, clock["stop"] - clock["t"]
-    _copy(march.z, march.trial)
-    if not iterate(system, work, march, clock["t"], 0.0, 0.0, 0.0):
+    _copy(integration.z, integration.trial)
+    if not iterate(system, work, integration, clock["t"], 0.0, 0.0, 0.0):
         return STEP_VANISHED
     clock["power"] = clock["new_power"]
-    _copy(march.trial, march.z)
-    _copy(march.z, march.old)
+    _copy(integration.trial, integration.z)
+    _copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
         _copy(rates[NEW], rates[kind])
-    clock["step"] = clock["passing"] = clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, march)
+    clock["step"] = clock["passing"] = (
+        clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, integration)
+    )
     return READY
 
 
 @kernel
-def _first_step(system, march):
+def _first_step(system, integration):
     """A hundredth of the time in which the accelerations make the speeds."""
-    clock, fastest = march.clock[0], fastest_change(system, march)
+    clock, fastest = integration.clock[0], fastest_change(system, integration)
     return 0.01 * min(1.0 / fastest if fastest > 0.0 else 1.0, clock["stop"] - clock["t"])
 
 
@@ -166,78 +171,84 @@ def _copy(a, b):
 
 
 @kernel
-def _step(system, work, march):
+def _step(system, work, integration):
     """One accepted step; an answer."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     while True:
         h = next_length(clock)
         if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
             return STEP_VANISHED
-        if not solve_step(system, work, march, h):
+        if not solve_step(system, work, integration, h):
             retreat(clock, h, h / 4.0)
-        elif clock["fixed"] == 0.0 and not _holds(system, march, h):
+        elif clock["fixed"] == 0.0 and not _holds(system, integration, h):
             retreat(clock, h, h * (factor_of(clock) if clock["error"] < 1e10 else SLOWEST))
         else:
-            _accept(system, work, march, h)
+            _accept(system, work, integration, h)
             return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
 
 
 @kernel
-def _holds(system, march, h):
+def _holds(system, integration, h):
     """Return whether a step of length h is within the tolerance, and turns no body too far."""
-    clock, bodies, first = march.clock[0], system.masses.shape[0], march.z.shape[0] - 1 - march.rates.shape[1]
-    fastest = max(largest_turn(bodies, march.z[first:-1]), largest_turn(bodies, march.trial[first:-1]))
+    clock, bodies, first = (
+        integration.clock[0],
+        system.masses.shape[0],
+        integration.z.shape[0] - 1 - integration.rates.shape[1],
+    )
+    fastest = max(
+        largest_turn(bodies, integration.z[first:-1]), largest_turn(bodies, integration.trial[first:-1])
+    )
     clock["turned"] = h * fastest / LONGEST_TURN
     return clock["error"] < 1.0 and clock["turned"] < 1.0
 
 
 @kernel
-def _accept(system, work, march, h):
+def _accept(system, work, integration, h):
     """Make the end of a step the state."""
-    clock, rates, z = march.clock[0], march.rates, march.z
+    clock, rates, z = integration.clock[0], integration.rates, integration.z
     last = z.shape[0] - 1
-    _copy(z, march.old)
-    _copy(march.trial, z)
-    z[last] = march.old[last] + 0.5 * h * (clock["power"] + clock["new_power"])
+    _copy(z, integration.old)
+    _copy(integration.trial, z)
+    z[last] = integration.old[last] + 0.5 * h * (clock["power"] + clock["new_power"])
     clock["old_power"], clock["power"] = clock["power"], clock["new_power"]
     _copy(rates[LAST], rates[BEFORE])
     _copy(rates[NEW], rates[LAST])
     _copy(rates[NEW_MEAN], rates[MEAN])
     advance(clock, h)
     clock["gap"], clock["worst"] = largest_gap(system, work)
-    if march.turns.shape[1] > 0:
+    if integration.angles.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
         rotation_matrices(q, work.rotations[A])
-        place_arms(geometry_of(system, work), q)
-        note_turns(system, work, march)
+        place_vectors(geometry_of(system, work), q)
+        unwrap_angles(system, work, integration)
     if clock["fixed"] == 0.0:
-        look_ahead(system, work, march, rates[LAST], clock["passing"])
+        look_ahead(system, work, integration, rates[LAST], clock["passing"])
 
 
 @kernel
-def _fill_row(system, work, march, t, report):
+def _fill_row(system, work, integration, t, report):
     """A report row at a time up to the present one; returns whether there is one."""
-    clock, turns, row, x = march.clock[0], march.turns, march.clock[0]["row"], 1.0
-    _copy(march.z, march.trial)
+    clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
+    _copy(integration.z, integration.trial)
     if t < clock["t"] - SAME * clock["step_length"]:
         x = (t - clock["step_start"]) / clock["step_length"]
-        _between(system, march, x, march.trial)
-    for s in range(turns.shape[1]):
-        turns[NEAR, s] = (1.0 - x) * turns[OLD, s] + x * turns[TURNED, s]
-    _copy(turns[NEAR], work.turns)
-    if not iterate(system, work, march, t, 0.0, 0.0, 0.0):
+        _between(system, integration, x, integration.trial)
+    for s in range(angles.shape[1]):
+        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[TURNED, s]
+    _copy(angles[EXPECTED], work.angles)
+    if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
         return False
-    _copy(march.trial, report.states[row])
-    _copy(march.rates[NEW], report.rates[row])
-    complete(system, work, march.trial, t, turns[NEAR], clock["new_power"], report, row)
+    _copy(integration.trial, report.states[row])
+    _copy(integration.rates[NEW], report.rates[row])
+    complete(system, work, integration.trial, t, angles[EXPECTED], clock["new_power"], report, row)
     clock["row"] += 1
     return True
 
 
 @allocating
-def _between(system, march, x, point):
+def _between(system, integration, x, point):
     """Fill point with the state at the fraction x of the last step."""
-    clock, old, z, n = march.clock[0], march.old, march.z, system.speed_scale.shape[0]
+    clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
     nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
     shift, before, after, mean = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for k in range(n):
@@ -255,7 +266,7 @@ def _between(system, march, x, point):
     turn_exactly(bodies, point[:nq], shift)
     for k in range(n):
         i = nq + k
-        point[i] = _cubic(x, old[i], z[i], h * march.rates[BEFORE, k], h * march.rates[LAST, k])
+        point[i] = _cubic(x, old[i], z[i], h * integration.rates[BEFORE, k], h * integration.rates[LAST, k])
     last = nq + n
     point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
 

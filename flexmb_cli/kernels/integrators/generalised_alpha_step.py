@@ -20,7 +20,7 @@ import numpy as np
 
 from .._jit import kernel, part
 from ..constrained.accelerations import factorise_constraints, fill_column, fill_forces, fill_gamma, solve
-from ..constrained.angle_unwrapping import NEAR, expect_turns
+from ..constrained.angle_unwrapping import EXPECTED, expect_angles
 from ..constrained.mass_matrix import inertia_of, mass_matrices, mass_times
 from ..constrained.projection import evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
@@ -54,38 +54,38 @@ def parameters(rho):
 
 
 @part
-def solve_step(system, work, march, h):
+def solve_step(system, work, integration, h):
     """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
     share = (1.0 - alpha_f) / (1.0 - alpha_m)
-    _predict(system, work, march, h)
-    if not iterate(system, work, march, clock["t"] + h, share * beta * h * h, share * gamma * h, h):
+    _predict(system, work, integration, h)
+    if not iterate(system, work, integration, clock["t"] + h, share * beta * h * h, share * gamma * h, h):
         return False
-    _finish(march, alpha_m, alpha_f)
+    _finish(integration, alpha_m, alpha_f)
     return True
 
 
 @kernel
-def iterate(system, work, march, t, by_position, by_speed, h):
+def iterate(system, work, integration, t, by_position, by_speed, h):
     """Bring `trial` and the accelerations NEW to the equations at t; returns whether they came there.
 
     An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
     t, and is brought onto the constraints.
     """
-    clock = march.clock[0]
+    clock = integration.clock[0]
     # The first correction is trusted somewhat less than the last of the step before was.
     quality, left, before, gap_before = 0.0, clock["left"] ** CAUTION, 0.0, np.inf
     for iteration in range(MOST_ITERATIONS):
         clock["evaluations"] += 1
-        clock["fault"] = _evaluate(system, work, march, t)
+        clock["fault"] = _evaluate(system, work, integration, t)
         if clock["fault"] == SOLVED and (iteration == 0 or work.quality[0] != quality):
             # Other speeds are free from now on where the quality has changed.
-            clock["fault"] = _set_matrix(system, work, march, by_position, by_speed)
+            clock["fault"] = _set_matrix(system, work, integration, by_position, by_speed)
         if clock["fault"] != SOLVED:
             return False
         quality = work.quality[0]
-        size, gap = _correct(system, work, march, by_position, by_speed)
+        size, gap = _correct(system, work, integration, by_position, by_speed)
         if h == 0.0:
             # A row from afar needs more of them; equations that repeat others never close better.
             if iteration >= STILL_ITERATIONS - 1 and (gap < CLOSED or not gap < 0.5 * gap_before):
@@ -99,8 +99,8 @@ def iterate(system, work, march, t, by_position, by_speed, h):
                 return False
             left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
-        share = clock["share"] = share_of(clock, work, h, fastest_change(system, march))
-        clock["error"] = step_error(system, march, h) / share
+        share = clock["share"] = share_of(clock, work, h, fastest_change(system, integration))
+        clock["error"] = step_error(system, integration, h) / share
         enough = max(left_over(clock, work, share), FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED:
             return True
@@ -109,27 +109,27 @@ def iterate(system, work, march, t, by_position, by_speed, h):
 
 
 @kernel
-def fastest_change(system, march):
+def fastest_change(system, integration):
     """The largest rate at which accelerations change speeds, 1/s."""
     n = system.speed_scale.shape[0]
-    first = march.z.shape[0] - 1 - n
+    first = integration.z.shape[0] - 1 - n
     fastest = 0.0
     for k in range(n):
-        size = system.speed_scale[k] + abs(march.z[first + k])
-        fastest = max(fastest, abs(march.rates[LAST, k]) / size)
+        size = system.speed_scale[k] + abs(integration.z[first + k])
+        fastest = max(fastest, abs(integration.rates[LAST, k]) / size)
     return fastest
 
 
 @part
-def _predict(system, work, march, h):
+def _predict(system, work, integration, h):
     """The end of the step by accelerations that go on as before."""
-    clock, n = march.clock[0], system.speed_scale.shape[0]
-    rates, length = march.rates, clock["step_length"]
+    clock, n = integration.clock[0], system.speed_scale.shape[0]
+    rates, length = integration.rates, clock["step_length"]
     alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
     step = work.vectors[CORRECTION, :n]
-    for i in range(march.z.shape[0]):
-        march.trial[i] = march.z[i]
-    q, u = coordinates_and_speeds(system, march.trial)
+    for i in range(integration.z.shape[0]):
+        integration.trial[i] = integration.z[i]
+    q, u = coordinates_and_speeds(system, integration.trial)
     for k in range(n):
         last = rates[LAST, k]
         rates[NEW, k] = last
@@ -148,9 +148,9 @@ def _predict(system, work, march, h):
         u[k] += h * ((1.0 - gamma) * mean + gamma * new)
     clock["mean_length"] = h
     turn_exactly(system.masses.shape[0], q, step)
-    expect_turns(system, work, march, h)
-    for k in range(work.turns.shape[0]):
-        work.turns[k] = march.turns[NEAR, k]
+    expect_angles(system, work, integration, h)
+    for k in range(work.angles.shape[0]):
+        work.angles[k] = integration.angles[EXPECTED, k]
 
 
 @part
@@ -175,16 +175,16 @@ def turn_exactly(bodies, q, step):
 
 
 @part
-def _evaluate(system, work, march, t):
+def _evaluate(system, work, integration, t):
     """Everything that the equations of motion say of `trial` at t: forces and gaps; a code."""
     n = system.speed_scale.shape[0]
-    q, u = coordinates_and_speeds(system, march.trial)
+    q, u = coordinates_and_speeds(system, integration.trial)
     code = factorise_constraints(system, work, q)
     if code != SOLVED:
         return code
     mass_matrices(system, work, q)
-    gaps, ud = march.gaps, march.rates[NEW]
-    evaluate_residual(system, work, q, t, march.turns[NEAR])
+    gaps, ud = integration.gaps, integration.rates[NEW]
+    evaluate_residual(system, work, q, t, integration.angles[EXPECTED])
     rate_gap(system, work, u, t)
     for row in range(gaps.shape[1]):
         gaps[POSITION, row] = -work.rows[PHI, row]
@@ -197,21 +197,21 @@ def _evaluate(system, work, march, t):
             if work.jacobian[row, k] != 0.0:
                 total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
         gaps[ACCELERATION, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
-    forces, product = march.missing, work.vectors[PRODUCT]
+    forces, product = integration.missing, work.vectors[PRODUCT]
     mass_times(inertia_of(system, work), ud, product)
     for k in range(n):
         forces[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= forces[k] * u[k]
-    march.clock[0]["new_power"] = power
+    integration.clock[0]["new_power"] = power
     return code
 
 
 @part
-def _set_matrix(system, work, march, by_position, by_speed):
+def _set_matrix(system, work, integration, by_position, by_speed):
     """Zᵀ (M + by_speed D + by_position K) Z where everything stands, and its Cholesky factor; a code."""
     n = system.speed_scale.shape[0]
-    rank, matrix, Z = work.rank[0], march.newton.reduced, work.motions
+    rank, matrix, Z = work.rank[0], integration.newton.reduced, work.motions
     column, product = work.vectors[UNKNOWN], work.vectors[PRODUCT]
     for f in range(n - rank):
         for k in range(n):
@@ -222,28 +222,28 @@ def _set_matrix(system, work, march, by_position, by_speed):
 
 
 @part
-def _correct(system, work, march, by_position, by_speed):
+def _correct(system, work, integration, by_position, by_speed):
     """Newton's correction; returns its size in tolerances and the largest scaled gap before it."""
     n = system.speed_scale.shape[0]
-    q, u = coordinates_and_speeds(system, march.trial)
-    step, shift, gaps = march.step, march.shift, march.gaps
+    q, u = coordinates_and_speeds(system, integration.trial)
+    step, shift, gaps = integration.step, integration.shift, integration.gaps
     found = _largest(system, gaps)
-    solve(system, march.newton, march.missing, gaps[ACCELERATION], step)
+    solve(system, integration.newton, integration.missing, gaps[ACCELERATION], step)
     for k in range(n):
-        march.rates[NEW, k] += step[k]
+        integration.rates[NEW, k] += step[k]
         u[k] += by_speed * step[k]
-        march.missing[k] = 0.0
-    size = _size(system, march, by_speed)
+        integration.missing[k] = 0.0
+    size = _size(system, integration, by_speed)
     for k in range(n):
         step[k] *= by_position
     for row in range(gaps.shape[1]):
         gaps[SPEED, row] -= by_speed * gaps[ACCELERATION, row]
         gaps[POSITION, row] -= by_position * gaps[ACCELERATION, row]
     if gaps.shape[1] > 0:
-        solve(system, march.newton, march.missing, gaps[SPEED], shift)
+        solve(system, integration.newton, integration.missing, gaps[SPEED], shift)
         for k in range(n):
             u[k] += shift[k]
-        solve(system, march.newton, march.missing, gaps[POSITION], shift)
+        solve(system, integration.newton, integration.missing, gaps[POSITION], shift)
         for k in range(n):
             step[k] += shift[k]
     move(system.masses.shape[0], q, step)
@@ -261,25 +261,27 @@ def _largest(system, gaps):
 
 
 @part
-def _size(system, march, by_speed):
+def _size(system, integration, by_speed):
     """The change of the speeds by `step` in tolerances."""
-    clock, n, total = march.clock[0], system.speed_scale.shape[0], 0.0
-    first = march.z.shape[0] - 1 - n
+    clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
+    first = integration.z.shape[0] - 1 - n
     for k in range(n):
-        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(march.trial[first + k])
-        total += (by_speed * march.step[k] / scale) ** 2
+        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
+            integration.trial[first + k]
+        )
+        total += (by_speed * integration.step[k] / scale) ** 2
     return (total / n) ** 0.5
 
 
 @part
-def step_error(system, march, h):
+def step_error(system, integration, h):
     """Error of the step in tolerances, from the growth of the accelerations.
 
     By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
     (1/12 - s²/2) h³ d²(ud)/dt² in speeds.
     """
-    clock, rates, n = march.clock[0], march.rates, system.speed_scale.shape[0]
-    first = march.z.shape[0] - 1 - n
+    clock, rates, n = integration.clock[0], integration.rates, system.speed_scale.shape[0]
+    first = integration.z.shape[0] - 1 - n
     s = (clock["rho"] - 1.0) / (clock["rho"] + 1.0)
     of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 - 0.5 * s * s) * h
     length, total = clock["step_length"], 0.0
@@ -289,15 +291,17 @@ def step_error(system, march, h):
         if length > 0.0:
             bend = 2.0 * h / (h + length) * (growth - (rates[LAST, k] - rates[BEFORE, k]) * h / length)
         total += (of_position * growth / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
-        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(march.trial[first + k])
+        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
+            integration.trial[first + k]
+        )
         total += (of_speed * bend / scale) ** 2
     return (0.5 * total / n) ** 0.5
 
 
 @part
-def _finish(march, alpha_m, alpha_f):
+def _finish(integration, alpha_m, alpha_f):
     """The means that belong to the accelerations found."""
-    rates = march.rates
+    rates = integration.rates
     for k in range(rates.shape[1]):
         new = (1.0 - alpha_f) * rates[NEW, k] + alpha_f * rates[LAST, k] - alpha_m * rates[MEAN, k]
         rates[NEW_MEAN, k] = new / (1.0 - alpha_m)

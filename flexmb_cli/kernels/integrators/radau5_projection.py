@@ -1,13 +1,13 @@
 """Bringing the state that Radau's method tries onto positions and speeds, and its accelerations on theirs.
 
-The shortest way in the measure of the matrix of the step: stiff motions stay at rest.
+The shortest way in the metric of the matrix of the step: stiff motions stay at rest.
 """
 
 import numpy as np
 
 from .._jit import kernel
 from ..constrained.accelerations import accelerations, factorise_constraints, solve
-from ..constrained.angle_unwrapping import NEAR
+from ..constrained.angle_unwrapping import EXPECTED
 from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
@@ -16,20 +16,20 @@ from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED
 
 
 @kernel
-def close_gaps(system, work, march, t):
+def close_gaps(system, work, integration, t):
     """Bring `trial`, near to which factors and mass matrices are, onto positions and speeds at t; a code.
 
     They then are those of the end.
     """
-    newton, bodies, turns = march.newton, system.masses.shape[0], march.turns[NEAR]
-    q, u = coordinates_and_speeds(system, march.trial)
+    newton, bodies, angles = integration.newton, system.masses.shape[0], integration.angles[EXPECTED]
+    q, u = coordinates_and_speeds(system, integration.trial)
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     normalise(bodies, q)
     for k in range(zero.shape[0]):
         zero[k] = 0.0
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
-        gap = evaluate_residual(system, work, q, t, turns)
+        gap = evaluate_residual(system, work, q, t, angles)
         if gap <= ROUND_OFF or not gap < 0.5 * before:
             break
         before = gap
@@ -50,26 +50,26 @@ def close_gaps(system, work, march, t):
 
 
 @kernel
-def moved(march, found):
+def moved(integration, found):
     """By how many tolerances `trial` was moved from the state found."""
-    clock, z, total, counted = march.clock[0], march.trial, 0.0, found.shape[0] - 1
+    clock, z, total, counted = integration.clock[0], integration.trial, 0.0, found.shape[0] - 1
     for i in range(counted):
-        scale = clock["atol"] * march.units[i] + clock["rtol"] * abs(z[i])
+        scale = clock["atol"] * integration.units[i] + clock["rtol"] * abs(z[i])
         total += ((z[i] - found[i]) / scale) ** 2
     return (total / counted) ** 0.5
 
 
 @kernel
-def settle(system, work, march, t, ud):
+def project_state(system, work, integration, t, ud):
     """Bring `trial` onto everything at t and fill ud (n,); returns (code, power).
 
     The matrix of the last step serves: where other speeds have become free it is one more metric.
     """
-    for s in range(work.turns.shape[0]):
-        work.turns[s] = march.turns[NEAR, s]
-    q, u = coordinates_and_speeds(system, march.trial)
+    for s in range(work.angles.shape[0]):
+        work.angles[s] = integration.angles[EXPECTED, s]
+    q, u = coordinates_and_speeds(system, integration.trial)
     code = factorise_constraints(system, work, q)
     if code == SOLVED:
         mass_matrices(system, work, q)
-        code = close_gaps(system, work, march, t)
+        code = close_gaps(system, work, integration, t)
     return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)

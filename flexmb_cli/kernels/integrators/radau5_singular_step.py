@@ -8,9 +8,9 @@ or one that would come onto another branch, has other accelerations there.
 """
 
 from .._jit import allocating, kernel
-from ..constrained.angle_unwrapping import MOST_TURNED, expect_turns
+from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles
 from ..constrained.system import SOLVED
-from .radau5_projection import moved, settle
+from .radau5_projection import moved, project_state
 from .radau5_step import START, place_stages, place_trial, predict, prepare, work_scale
 from .radau5_table import STAGES, TIMES
 from .singular_ahead import blur, most_declined
@@ -22,44 +22,48 @@ BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
 
 
 @allocating
-def leap(system, work, march, h):
+def singular_step(system, work, integration, h):
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
-    clock, rates = march.clock[0], march.rates
-    if not prepare(march, work.jacobian.shape[1] - work.rank[0], h):
+    clock, rates = integration.clock[0], integration.rates
+    if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
         return False
-    predict(system, march, h)
-    clock["error"], power, found = 0.0, 0.0, march.trial.copy()
+    predict(system, integration, h)
+    clock["error"], power, found = 0.0, 0.0, integration.trial.copy()
     expected = rates[START + STAGES].copy()
     for again in range(2):
         if again:
-            _bend(march, expected, h)
+            _bend(integration, expected, h)
             for _ in range(2):
-                place_stages(system, march, h)
-        place_trial(system, march, STAGES - 1)
-        if not expect_turns(system, work, march, h) < MOST_TURNED:
+                place_stages(system, integration, h)
+        place_trial(system, integration, STAGES - 1)
+        if not expect_angles(system, work, integration, h) < MOST_TURNED:
             return False
         for i in range(found.shape[0]):
-            found[i] = march.trial[i]
+            found[i] = integration.trial[i]
         for k in range(expected.shape[0]):
             expected[k] = rates[START + STAGES, k]
         clock["evaluations"] += 1
-        code, power = settle(system, work, march, clock["t"] + h, rates[START + STAGES])
+        code, power = project_state(system, work, integration, clock["t"] + h, rates[START + STAGES])
         if code != SOLVED or work.quality[0] != clock["pivot_order"]:
             return False
-        clock["error"] = max(clock["error"], (AFTER if again else BEFORE) * h * _unexpected(march, expected))
+        clock["error"] = max(
+            clock["error"], (AFTER if again else BEFORE) * h * _unexpected(integration, expected)
+        )
     pivot = most_declined(work)
     behind = -work.factors[pivot, pivot] / work.pivots[pivot]
     if not 1.0 / UNEVEN < behind < UNEVEN:
         return False
-    of_work = h * abs(_spread_power(march, power)) / work_scale(march)
-    clock["error"] = max(clock["error"], moved(march, found), OF_POWER * of_work) / blur(work, clock["rtol"])
+    of_work = h * abs(_spread_power(integration, power)) / work_scale(integration)
+    clock["error"] = max(clock["error"], moved(integration, found), OF_POWER * of_work) / blur(
+        work, clock["rtol"]
+    )
     return clock["error"] < 1.0
 
 
 @kernel
-def _bend(march, expected, h):
+def _bend(integration, expected, h):
     """Let the accelerations of the stages go through those found at the end."""
-    rates, ratio = march.rates, h / march.clock[0]["step_length"]
+    rates, ratio = integration.rates, h / integration.clock[0]["step_length"]
     for stage in range(STAGES):
         weight = 1.0
         for node in range(STAGES + 1):
@@ -71,20 +75,22 @@ def _bend(march, expected, h):
 
 
 @kernel
-def _unexpected(march, expected):
+def _unexpected(integration, expected):
     """By how many tolerances of the speeds, a second, the accelerations at the end are not those expected."""
-    clock, n, total = march.clock[0], expected.shape[0], 0.0
-    first = march.z.shape[0] - 1 - n
+    clock, n, total = integration.clock[0], expected.shape[0], 0.0
+    first = integration.z.shape[0] - 1 - n
     for k in range(n):
-        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(march.trial[first + k])
-        total += ((march.rates[START + STAGES, k] - expected[k]) / scale) ** 2
+        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
+            integration.trial[first + k]
+        )
+        total += ((integration.rates[START + STAGES, k] - expected[k]) / scale) ** 2
     return (total / n) ** 0.5
 
 
 @kernel
-def _spread_power(march, power):
+def _spread_power(integration, power):
     """Powers of the stages between that at the start and that at the end; returns the change."""
-    before = march.clock[0]["power"]
+    before = integration.clock[0]["power"]
     for stage in range(STAGES):
-        march.powers[stage] = before + TIMES[stage] * (power - before)
+        integration.powers[stage] = before + TIMES[stage] * (power - before)
     return power - before

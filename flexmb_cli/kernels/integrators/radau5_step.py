@@ -77,9 +77,9 @@ def renew_matrices(system, work, matrices):
 
 
 @kernel
-def prepare(march, free, h):
+def prepare(integration, free, h):
     """Factors of the real and the complex matrix for steps of length h; returns whether there are any."""
-    matrices, real, rest = march.matrices, march.newton.reduced, march.complex
+    matrices, real, rest = integration.matrices, integration.newton.reduced, integration.complex
     a, c = h * REAL, h * COMPLEX
     for k in range(free):
         for f in range(k + 1):
@@ -93,25 +93,25 @@ def prepare(march, free, h):
 
 
 @kernel
-def solve_step(system, work, march, h):
+def solve_step(system, work, integration, h):
     """Find the stages of a step of length h from z, the last of which is its end; whether they were found.
 
     The matrices belong to z.
     """
-    clock, quality = march.clock[0], work.quality[0]
-    if not prepare(march, work.jacobian.shape[1] - work.rank[0], h):
+    clock, quality = integration.clock[0], work.quality[0]
+    if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
         return False
-    predict(system, march, h)
+    predict(system, integration, h)
     left, before = clock["left"] ** CAUTION, 0.0
     for iteration in range(MOST_ITERATIONS):
         for stage in range(STAGES):
             clock["evaluations"] += 1
-            clock["fault"] = _evaluate(system, work, march, stage, clock["t"] + TIMES[stage] * h)
+            clock["fault"] = _evaluate(system, work, integration, stage, clock["t"] + TIMES[stage] * h)
             # Other speeds are free from now on where the quality has changed.
             if clock["fault"] != SOLVED or work.quality[0] != quality:
                 return False
-        _correct(system, work, march)
-        size = place_stages(system, march, h)
+        _correct(system, work, integration)
+        size = place_stages(system, integration, h)
         if iteration > 0:
             contraction = size / before if before > 0.0 else 0.0
             weakest = SECOND if iteration == 1 else 1.0
@@ -126,11 +126,11 @@ def solve_step(system, work, march, h):
 
 
 @kernel
-def predict(system, march, h):
+def predict(system, integration, h):
     """Accelerations that go on as before: the cubic through those of the last step."""
-    rates, ratio = march.rates, 0.0
-    if march.clock[0]["step_length"] > 0.0:
-        ratio = h / march.clock[0]["step_length"]
+    rates, ratio = integration.rates, 0.0
+    if integration.clock[0]["step_length"] > 0.0:
+        ratio = h / integration.clock[0]["step_length"]
     for stage in range(STAGES):
         x = 1.0 + ratio * TIMES[stage]
         for k in range(rates.shape[1]):
@@ -143,28 +143,28 @@ def predict(system, march, h):
                     weight *= (x - there) / (at - there)
             for k in range(rates.shape[1]):
                 rates[1 + stage, k] += weight * rates[LAST + node, k]
-    march.shifts[:] = 0.0
+    integration.shifts[:] = 0.0
     # θ̇ depends on θ: the second time it is a good one.
     for _ in range(2):
-        place_stages(system, march, h)
+        place_stages(system, integration, h)
 
 
 @kernel
-def place_stages(system, march, h):
+def place_stages(system, integration, h):
     """Speeds and shifts (displacements, rotation vectors) of the stages from their accelerations.
 
     Returns by how many tolerances they change.
     """
     clock, rates, speeds, slopes, shifts = (
-        march.clock[0],
-        march.rates,
-        march.speeds,
-        march.slopes,
-        march.shifts,
+        integration.clock[0],
+        integration.rates,
+        integration.speeds,
+        integration.slopes,
+        integration.shifts,
     )
     n, total = rates.shape[1], 0.0
-    u = coordinates_and_speeds(system, march.z)[1]
-    first = march.z.shape[0] - 1 - n
+    u = coordinates_and_speeds(system, integration.z)[1]
+    first = integration.z.shape[0] - 1 - n
     for stage in range(STAGES):
         for k in range(n):
             change = 0.0
@@ -172,7 +172,7 @@ def place_stages(system, march, h):
                 change += WEIGHTS[stage, j] * rates[1 + j, k]
             change = u[k] + h * change - speeds[stage, k]
             speeds[stage, k] += change
-            scale = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
+            scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(u[k])
             total += (change / scale) ** 2
         set_slope(system.masses.shape[0], shifts[stage], speeds[stage], slopes[stage])
     for stage in range(STAGES):
@@ -187,29 +187,29 @@ def place_stages(system, march, h):
 
 
 @kernel
-def place_trial(system, march, stage):
+def place_trial(system, integration, stage):
     """The state of a stage in `trial`."""
-    for i in range(march.z.shape[0]):
-        march.trial[i] = march.z[i]
-    q, u = coordinates_and_speeds(system, march.trial)
-    turn_exactly(system.masses.shape[0], q, march.shifts[stage])
+    for i in range(integration.z.shape[0]):
+        integration.trial[i] = integration.z[i]
+    q, u = coordinates_and_speeds(system, integration.trial)
+    turn_exactly(system.masses.shape[0], q, integration.shifts[stage])
     for k in range(u.shape[0]):
-        u[k] = march.speeds[stage, k]
+        u[k] = integration.speeds[stage, k]
 
 
 @kernel
-def _evaluate(system, work, march, stage, t):
+def _evaluate(system, work, integration, stage, t):
     """Evaluate the residual of the equations of motion at a stage, by independent speeds; return a code."""
-    place_trial(system, march, stage)
-    q, u = coordinates_and_speeds(system, march.trial)
+    place_trial(system, integration, stage)
+    q, u = coordinates_and_speeds(system, integration.trial)
     code = factorise_constraints(system, work, q)
     if code != SOLVED:
         return code
-    n, rank, ud = u.shape[0], work.rank[0], march.rates[1 + stage]
+    n, rank, ud = u.shape[0], work.rank[0], integration.rates[1 + stage]
     mass_matrices(system, work, q)
     power = fill_forces(system, work, q, u, t)
     fill_gamma(system, work, q, u, t)
-    gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], march.missing
+    gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], integration.missing
     for row in range(gaps.shape[0]):
         total = 0.0
         for k in range(n):
@@ -221,68 +221,68 @@ def _evaluate(system, work, march, stage, t):
         missing[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= missing[k] * u[k]
-    march.powers[stage] = power
-    mass_times(inertia_of(system, work), u, march.momenta[stage])
-    split(system, work, missing, gaps, march.steps[stage], march.rest[stage])
+    integration.powers[stage] = power
+    mass_times(inertia_of(system, work), u, integration.momenta[stage])
+    split(system, work, missing, gaps, integration.steps[stage], integration.rest[stage])
     for k in range(n):
         for f in range(n - rank):
-            march.motions[stage, k, f] = work.motions[k, f]
+            integration.motions[stage, k, f] = work.motions[k, f]
     return code
 
 
 @kernel
-def _correct(system, work, march):
+def _correct(system, work, integration):
     """Newton's correction of the accelerations of all stages."""
     free = work.jacobian.shape[1] - work.rank[0]
-    rest, y, w = march.rest, march.real_part, march.complex_part
+    rest, y, w = integration.rest, integration.real_part, integration.complex_part
     for f in range(free):
         y[f], w[f] = 0.0, 0.0
         for stage in range(STAGES):
             y[f] += REAL_LEFT[stage] * rest[stage, f]
             w[f] += COMPLEX_LEFT[stage] * rest[stage, f]
-    cholesky_solve(march.newton.reduced, free, y)
-    solve_symmetric(march.complex, free, w)
+    cholesky_solve(integration.newton.reduced, free, y)
+    solve_symmetric(integration.complex, free, w)
     for stage in range(STAGES):
         for f in range(free):
             rest[stage, f] = REAL_RIGHT[stage] * y[f] + 2.0 * (COMPLEX_RIGHT[stage] * w[f]).real
-        add_free(system, work, march.motions[stage], rest[stage], march.steps[stage])
-        for k in range(march.steps.shape[1]):
-            march.rates[1 + stage, k] += march.steps[stage, k]
-            march.powers[stage] += march.steps[stage, k] * march.momenta[stage, k]
+        add_free(system, work, integration.motions[stage], rest[stage], integration.steps[stage])
+        for k in range(integration.steps.shape[1]):
+            integration.rates[1 + stage, k] += integration.steps[stage, k]
+            integration.powers[stage] += integration.steps[stage, k] * integration.momenta[stage, k]
 
 
 @kernel
-def step_error(system, work, march, h):
+def step_error(system, work, integration, h):
     """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
-    clock, n, rank, m = march.clock[0], march.rates.shape[1], work.rank[0], work.jacobian.shape[0]
-    u = coordinates_and_speeds(system, march.z)[1]
-    of_speed, of_position, y = march.rest[0], march.rest[1], march.real_part
+    clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
+    u = coordinates_and_speeds(system, integration.z)[1]
+    of_speed, of_position, y = integration.rest[0], integration.rest[1], integration.real_part
     for f in range(n - rank):
         k = work.order[m + rank + f]
-        of_speed[f], of_position[f] = REAL * h * march.rates[START, k], REAL * h * u[k]
+        of_speed[f], of_position[f] = REAL * h * integration.rates[START, k], REAL * h * u[k]
         for stage in range(STAGES):
-            of_speed[f] += ERROR[stage] * (march.speeds[stage, k] - u[k])
-            of_position[f] += ERROR[stage] * march.shifts[stage, k]
+            of_speed[f] += ERROR[stage] * (integration.speeds[stage, k] - u[k])
+            of_position[f] += ERROR[stage] * integration.shifts[stage, k]
         of_speed[f] /= system.speed_scale[k]
         of_position[f] /= system.speed_scale[k]
     for f in range(n - rank):
         y[f] = 0.0
         for g in range(n - rank):
             i, j = max(f, g), min(f, g)
-            y[f] += march.matrices[MASS, i, j] * of_speed[g]
-            y[f] -= REAL * h * march.matrices[STIFFNESS, i, j] * of_position[g]
-    cholesky_solve(march.newton.reduced, n - rank, y)
-    speeds, shifts = march.steps[0], march.steps[1]
+            y[f] += integration.matrices[MASS, i, j] * of_speed[g]
+            y[f] -= REAL * h * integration.matrices[STIFFNESS, i, j] * of_position[g]
+    cholesky_solve(integration.newton.reduced, n - rank, y)
+    speeds, shifts = integration.steps[0], integration.steps[1]
     speeds[:] = 0.0
     shifts[:] = 0.0
     for f in range(n - rank):
         of_position[f] += REAL * h * y[f]
-    add_free(system, work, march.motions[STAGES - 1], y, speeds)
-    add_free(system, work, march.motions[STAGES - 1], of_position, shifts)
-    total, first = 0.0, march.z.shape[0] - 1 - n
+    add_free(system, work, integration.motions[STAGES - 1], y, speeds)
+    add_free(system, work, integration.motions[STAGES - 1], of_position, shifts)
+    total, first = 0.0, integration.z.shape[0] - 1 - n
     for k in range(n):
-        scale = clock["atol"] * march.units[first + k] + clock["rtol"] * max(
-            abs(u[k]), abs(march.speeds[STAGES - 1, k])
+        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * max(
+            abs(u[k]), abs(integration.speeds[STAGES - 1, k])
         )
         total += (speeds[k] / scale) ** 2
         total += (shifts[k] / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
@@ -290,22 +290,25 @@ def step_error(system, work, march, h):
 
 
 @kernel
-def work_error(march, h):
+def work_error(integration, h):
     """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     error = REAL * h * clock["power"]
     for stage in range(STAGES):
         for j in range(STAGES):
-            error += h * ERROR[stage] * WEIGHTS[stage, j] * march.powers[j]
-    return abs(error) / work_scale(march)
+            error += h * ERROR[stage] * WEIGHTS[stage, j] * integration.powers[j]
+    return abs(error) / work_scale(integration)
 
 
 @kernel
-def work_scale(march):
+def work_scale(integration):
     """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
-    clock, u, last = march.clock[0], march.speeds[STAGES - 1], march.z.shape[0] - 1
-    scale, first = clock["atol"] * march.units[last] + clock["rtol"] * abs(march.z[last]), last - u.shape[0]
+    clock, u, last = integration.clock[0], integration.speeds[STAGES - 1], integration.z.shape[0] - 1
+    scale, first = (
+        clock["atol"] * integration.units[last] + clock["rtol"] * abs(integration.z[last]),
+        last - u.shape[0],
+    )
     for k in range(u.shape[0]):
-        tolerance = clock["atol"] * march.units[first + k] + clock["rtol"] * abs(u[k])
-        scale += abs(march.momenta[STAGES - 1, k]) * tolerance
+        tolerance = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(u[k])
+        scale += abs(integration.momenta[STAGES - 1, k]) * tolerance
     return scale

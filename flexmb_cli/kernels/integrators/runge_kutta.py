@@ -1,7 +1,7 @@
 """The parts of an explicit Runge-Kutta step that do not know what is integrated: DOP853.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), sections
-II.4-II.6.  The caller evaluates the stages and drives; see `tree_march`.
+II.4-II.6.  The caller evaluates the stages and drives; see `tree_dop853`.
 """
 
 import math

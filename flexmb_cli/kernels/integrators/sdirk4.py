@@ -89,7 +89,7 @@ def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
 
 
 @kernel
-def march_implicitly(until, budget, tree, work, coordinates, clocks, z, s):
+def integrate_implicitly(until, budget, tree, work, coordinates, clocks, z, s):
     """Step the state z from clock["t"] to the first step's end at or after `until`, or to the stop.
 
     `s.before` holds the slope at z.  Pauses after `budget` evaluations.  The last step began at

@@ -23,20 +23,20 @@ OVER = 4.0  # of the way to a position that is foreseen worse
 
 
 @kernel
-def look_ahead(system, work, march, ud, h):
+def look_ahead(system, work, integration, ud, h):
     """Note in the clock when a pivot of the elimination vanishes, s, infinity: not in a few steps of h.
 
     ud (n,) are the accelerations at z, whose factors are at hand; jacobian and factors are not those of z
     afterwards.
     """
-    clock, rank = march.clock[0], work.rank[0]
+    clock, rank = integration.clock[0], work.rank[0]
     way = _expected(clock, work)
     for k in range(rank):
         work.pivots[k] = work.factors[k, k]
     clock["pivot_order"], clock["pivot_time"] = work.quality[0], clock["t"]
     clock["singular"] = math.inf
     if rank > 0 and way < LOOK * h:
-        way = _way(system, work, march, ud, way if way > 0.0 else h, LOOK * h)
+        way = _way(system, work, integration, ud, way if way > 0.0 else h, LOOK * h)
         if way < LOOK * h:
             clock["singular"] = clock["t"] + way
 
@@ -53,11 +53,11 @@ def _expected(clock, work):
 
 
 @kernel
-def _way(system, work, march, ud, first, longest):
+def _way(system, work, integration, ud, first, longest):
     """Time from t until the pivot that declines most vanishes, by secants; infinity where none is found."""
     before, at_before, way, pivot = 0.0, 1.0, first, -1
     for _ in range(MOST_SECANTS):
-        _factorise_ahead(system, work, march, ud, way)
+        _factorise_ahead(system, work, integration, ud, way)
         if pivot < 0:
             pivot = most_declined(work)
         at_way = work.factors[pivot, pivot] / work.pivots[pivot]
@@ -84,9 +84,9 @@ def most_declined(work):
 
 
 @allocating
-def _factorise_ahead(system, work, march, ud, way):
+def _factorise_ahead(system, work, integration, ud, way):
     """Factors where the motion leads in the time `way` with accelerations that stay."""
-    z, bodies, n = march.z, system.masses.shape[0], system.speed_scale.shape[0]
+    z, bodies, n = integration.z, system.masses.shape[0], system.speed_scale.shape[0]
     q, u = z[: n + bodies], z[n + bodies : 2 * n + bodies]
     place, mean, rates = q.copy(), u.copy(), q.copy()
     for k in range(u.shape[0]):

@@ -3,7 +3,7 @@
 The steps do not depend on how the report rows are cut into calls: a call ends between two steps and
 the next goes on from there, so that a resumed run walks the same steps as an uninterrupted one.
 
-The march is a machine that asks for one evaluation of the slope after another, so that the equations
+The integration is a machine that asks for one evaluation of the slope after another, so that the equations
 are called, and compiled, in one place only: `clock["phase"]` tells what the evaluation is for.
 """
 
@@ -19,8 +19,8 @@ from ..tree.projection import largest_gap, largest_rate, project, strayed
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGE_TIMES, STAGES
 from .runge_kutta import interpolate, next_factor, scaled_norm, set_dense, set_stage, step_error
 
-# What a call may be asked for: close the loops of z, begin at z, go on at z with a known step, march.
-CLOSE, BEGIN, GO_ON, MARCH = 0, 1, 2, 3
+# What a call may be asked for: close the loops of z, begin at z, go on at z with a known step, integrate.
+CLOSE, BEGIN, GO_ON, INTEGRATION = 0, 1, 2, 3
 # What it answers.
 ASKS, READY, ROWS_FULL, AT_STOP, PAUSED, STEP_VANISHED, NO_INERTIA = -1, 0, 1, 2, 3, 4, 5
 
@@ -45,7 +45,7 @@ CLOCK = np.dtype(
         ("fault", np.int64),  # coordinate without inertia at the last failed attempt, or SOLVED
         ("worst", np.int64),  # place in z of the largest error of the last attempt,
         ("strayed", np.int64),  # and whether closing the loops moved it there
-        ("stop", np.float64),  # end of the interval in which all laws are linear, s
+        ("stop", np.float64),  # end of the interval in which all functions are linear, s
         ("gap", np.float64),  # largest gap that CLOSE left, m
         ("rtol", np.float64),
         ("atol", np.float64),
@@ -57,8 +57,8 @@ CLOCK = np.dtype(
 )
 
 
-class March(NamedTuple):
-    """What a march keeps from call to call, for states of n numbers."""
+class Integration(NamedTuple):
+    """What an integration keeps from call to call, for states of n numbers."""
 
     clock: np.ndarray  # one record of CLOCK
     z: np.ndarray  # (n,) state at the time t
@@ -79,26 +79,28 @@ class Report(NamedTuple):
     audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J, largest gap, m, its rate, m/s
 
 
-def new_march(n: int) -> March:
-    """A march at time 0 with an empty state."""
+def new_integration(n: int) -> Integration:
+    """An integration at time 0 with an empty state."""
     clock = np.zeros(1, CLOCK)
     clock["fault"] = SOLVED
-    return March(
+    return Integration(
         clock, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((ASIDE + 1, n)), np.zeros((DENSE_TERMS, n))
     )
 
 
 @kernel
-def call(task, budget, tree, work, coordinates, march, report):
+def call(task, budget, tree, work, coordinates, integration, report):
     """Do one task, for at most `budget` evaluations and the rest of a step; returns an answer."""
-    clock = march.clock[0]
+    clock = integration.clock[0]
     clock["row"] = 0
     clock["spent"] = clock["evaluations"] + budget
-    answer = _begin(task, tree, clock, march, report)
+    answer = _begin(task, tree, clock, integration, report)
     while answer == ASKS:
-        fault = derivative(tree, work, coordinates, clock["at"], march.trial, march.slopes[clock["slot"]])
+        fault = derivative(
+            tree, work, coordinates, clock["at"], integration.trial, integration.slopes[clock["slot"]]
+        )
         clock["evaluations"] += 1
-        answer = _digest(task, fault, tree, work, coordinates, clock, march, report)
+        answer = _digest(task, fault, tree, work, coordinates, clock, integration, report)
     return answer
 
 
@@ -109,62 +111,62 @@ def _ask(clock, phase, stage, slot, at):
 
 
 @kernel
-def _begin(task, tree, clock, march, report):
-    if task == MARCH:
-        return _next(tree, clock, march, report)
-    _copy(march.z, march.trial)
+def _begin(task, tree, clock, integration, report):
+    if task == INTEGRATION:
+        return _next(tree, clock, integration, report)
+    _copy(integration.z, integration.trial)
     return _ask(clock, STEP_OPEN if task == CLOSE else FIRST, 0, 0, clock["t"])
 
 
 @kernel
-def _digest(task, fault, tree, work, coordinates, clock, march, report):
+def _digest(task, fault, tree, work, coordinates, clock, integration, report):
     """Use an evaluation, and ask for the next one or answer."""
     phase = clock["phase"]
     if phase == STAGE:
-        return _digest_stage(fault, tree, clock, march, report)
+        return _digest_stage(fault, tree, clock, integration, report)
     if phase == DENSE:
         # The end points of the step had inertia; a point between them that has none is not worth a
         # failure, the polynomial then takes the slope as it stands.
-        return _digest_dense(tree, clock, march, report)
+        return _digest_dense(tree, clock, integration, report)
     if phase == ROW_CLOSED:
-        _observe(tree, work, coordinates, clock, march, report)
-        return _next(tree, clock, march, report)
+        _observe(tree, work, coordinates, clock, integration, report)
+        return _next(tree, clock, integration, report)
     if fault != SOLVED:
         clock["fault"] = fault
         return NO_INERTIA
     if phase in (STEP_OPEN, ROW_OPEN):
-        project(tree, work, coordinates, march.trial)
+        project(tree, work, coordinates, integration.trial)
         if phase == ROW_OPEN:
             return _ask(clock, ROW_CLOSED, 0, ASIDE, clock["at"])
-        if task == MARCH:
-            place = strayed(march.z, march.trial, clock)
+        if task == INTEGRATION:
+            place = strayed(integration.z, integration.trial, clock)
             if place >= 0:
-                return _take_back(clock, march, place)
+                return _take_back(clock, integration, place)
         clock["gap"] = largest_gap(tree.closures)
-        _copy(march.trial, march.z)
+        _copy(integration.trial, integration.z)
         return READY if task == CLOSE else _ask(clock, STEP_CLOSED, 0, 0, clock["at"])
     if phase == STEP_CLOSED:
-        return _next(tree, clock, march, report)
-    return _digest_first(task, clock, march)
+        return _next(tree, clock, integration, report)
+    return _digest_first(task, clock, integration)
 
 
 @kernel
-def _digest_first(task, clock, march):
+def _digest_first(task, clock, integration):
     """Choose the first step (Hairer et al., section II.4) from the first slope and a probe."""
-    counted = march.z.shape[0] - 1
+    counted = integration.z.shape[0] - 1
     if task == GO_ON:
         return READY
     rtol, atol = clock["rtol"], clock["atol"]
-    size = scaled_norm(march.z, march.z, rtol, atol, counted)
-    slope = scaled_norm(march.z, march.slopes[0], rtol, atol, counted)
+    size = scaled_norm(integration.z, integration.z, rtol, atol, counted)
+    slope = scaled_norm(integration.z, integration.slopes[0], rtol, atol, counted)
     first = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6
     if clock["phase"] == FIRST:
-        for i in range(march.z.shape[0]):
-            march.trial[i] = march.z[i] + first * march.slopes[0, i]
+        for i in range(integration.z.shape[0]):
+            integration.trial[i] = integration.z[i] + first * integration.slopes[0, i]
         return _ask(clock, PROBE, 0, 1, clock["t"] + first)
     for i in range(counted):
-        march.slopes[1, i] -= march.slopes[0, i]
-    steepest = max(slope, scaled_norm(march.z, march.slopes[1], rtol, atol, counted) / first)
+        integration.slopes[1, i] -= integration.slopes[0, i]
+    steepest = max(slope, scaled_norm(integration.z, integration.slopes[1], rtol, atol, counted) / first)
     second = (0.01 / steepest) ** 0.125 if steepest > 1e-15 else max(1e-6, 1e-3 * first)
     clock["step"] = min(100.0 * first, second)
     clock["step_start"], clock["step_length"] = clock["t"], clock["step"]
@@ -173,29 +175,29 @@ def _digest_first(task, clock, march):
 
 
 @kernel
-def _next(tree, clock, march, report):
+def _next(tree, clock, integration, report):
     """Between two steps: the next report row, an answer, or the first stage of the next step."""
     row, times = clock["row"], report.times
     if row == times.shape[0]:
         return ROWS_FULL
     if times[row] <= clock["t"]:
-        return _ask_row(tree, clock, march, times[row])
+        return _ask_row(tree, clock, integration, times[row])
     if clock["t"] >= clock["stop"]:
         return AT_STOP
     if clock["evaluations"] >= clock["spent"]:
         return PAUSED
-    return _try_step(clock, march)
+    return _try_step(clock, integration)
 
 
 @kernel
-def _ask_row(tree, clock, march, t):
+def _ask_row(tree, clock, integration, t):
     """The state at a report time up to the present one, and what follows from it."""
     if t == clock["t"]:
-        _copy(march.z, march.trial)
+        _copy(integration.z, integration.trial)
     else:
         x = (t - clock["step_start"]) / clock["step_length"]
-        interpolate(march.old, march.dense, x, march.trial)
-        normalise_attitudes(tree, march.trial)
+        interpolate(integration.old, integration.dense, x, integration.trial)
+        normalise_attitudes(tree, integration.trial)
     return _ask(clock, ROW_OPEN if tree.closures.shape[0] > 0 else ROW_CLOSED, 0, ASIDE, t)
 
 
@@ -206,29 +208,29 @@ def _length(clock):
 
 
 @kernel
-def _try_step(clock, march):
+def _try_step(clock, integration):
     h, t = _length(clock), clock["t"]
     if not h > 1e-15 * max(abs(t), 1e-3):
         return STEP_VANISHED
-    set_stage(march.z, march.slopes, 1, h, march.trial)
+    set_stage(integration.z, integration.slopes, 1, h, integration.trial)
     return _ask(clock, STAGE, 1, 1, t + h * STAGE_TIMES[1])
 
 
 @kernel
-def _digest_stage(fault, tree, clock, march, report):
+def _digest_stage(fault, tree, clock, integration, report):
     """The next stage of a step, or the judgement of the whole step."""
     h, stage = _length(clock), clock["stage"] + 1
     error = 1e10
     clock["fault"] = fault
     if fault == SOLVED and stage <= STAGES:
-        set_stage(march.z, march.slopes, stage, h, march.trial)
+        set_stage(integration.z, integration.slopes, stage, h, integration.trial)
         if stage == STAGES:
-            normalise_attitudes(tree, march.trial)
+            normalise_attitudes(tree, integration.trial)
         return _ask(clock, STAGE, stage, stage, clock["t"] + h * STAGE_TIMES[stage])
     if fault == SOLVED:
-        counted = march.z.shape[0] - 1
+        counted = integration.z.shape[0] - 1
         error, clock["worst"] = step_error(
-            march.z, march.trial, march.slopes, h, clock["rtol"], clock["atol"], counted
+            integration.z, integration.trial, integration.slopes, h, clock["rtol"], clock["atol"], counted
         )
     rejected = clock["rejected"]
     # `not <` and `<` both reject a nan.
@@ -237,71 +239,71 @@ def _digest_stage(fault, tree, clock, march, report):
         clock["rejections"] += 1
         clock["rejected"], clock["strayed"] = 1, 0
         clock["step"] = h * factor
-        return _try_step(clock, march)
-    _accept(clock, march, h, rejected)
+        return _try_step(clock, integration)
+    _accept(clock, integration, h, rejected)
     clock["step"] = h * factor
     if clock["row"] < report.times.shape[0] and report.times[clock["row"]] < clock["t"]:
         clock["stage"] = STAGES
-        return _digest_dense(tree, clock, march, report)
-    return _close_step(tree, clock, march, report)
+        return _digest_dense(tree, clock, integration, report)
+    return _close_step(tree, clock, integration, report)
 
 
 @kernel
-def _accept(clock, march, h, rejected):
+def _accept(clock, integration, h, rejected):
     last = h >= clock["stop"] - clock["t"]
     clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, rejected
     clock["t"] = clock["stop"] if last else clock["t"] + h
     clock["rejected"] = 0
-    _copy(march.z, march.old)
-    _copy(march.trial, march.z)
+    _copy(integration.z, integration.old)
+    _copy(integration.trial, integration.z)
 
 
 @kernel
-def _take_back(clock, march, place):
+def _take_back(clock, integration, place):
     """A shorter step from where the last one began, for closing the loops moved its end too far."""
     clock["t"], clock["step"] = clock["step_start"], 0.2 * clock["step_length"]
     # A resumed run begins with the shorter step too.
     clock["step_length"], clock["rejected"], clock["step_rejected"] = clock["step"], 1, 1
     clock["worst"], clock["strayed"] = place, 1
     clock["rejections"] += 1
-    _copy(march.old, march.z)
-    return _try_step(clock, march)
+    _copy(integration.old, integration.z)
+    return _try_step(clock, integration)
 
 
 @kernel
-def _digest_dense(tree, clock, march, report):
+def _digest_dense(tree, clock, integration, report):
     """The next stage of the dense output, or its polynomial."""
     h, stage = clock["step_length"], clock["stage"] + 1
     if stage < ALL_STAGES:
-        set_stage(march.old, march.slopes, stage, h, march.trial)
+        set_stage(integration.old, integration.slopes, stage, h, integration.trial)
         return _ask(clock, DENSE, stage, stage, clock["step_start"] + h * STAGE_TIMES[stage])
-    set_dense(march.old, march.z, march.slopes, h, march.dense)
-    return _close_step(tree, clock, march, report)
+    set_dense(integration.old, integration.z, integration.slopes, h, integration.dense)
+    return _close_step(tree, clock, integration, report)
 
 
 @kernel
-def _close_step(tree, clock, march, report):
+def _close_step(tree, clock, integration, report):
     """The slope at the end of a step is that at the start of the next, once the loops are closed."""
     if tree.closures.shape[0] == 0:
-        _copy(march.slopes[STAGES], march.slopes[0])
-        return _next(tree, clock, march, report)
-    _copy(march.z, march.trial)
+        _copy(integration.slopes[STAGES], integration.slopes[0])
+        return _next(tree, clock, integration, report)
+    _copy(integration.z, integration.trial)
     # slopes[0] is needed again where the step must be taken back.
     return _ask(clock, STEP_OPEN, 0, ASIDE, clock["t"])
 
 
 @kernel
-def _observe(tree, work, coordinates, clock, march, report):
+def _observe(tree, work, coordinates, clock, integration, report):
     """Fill a report row from the state that has just been evaluated."""
     row = clock["row"]
-    _copy(march.trial, report.rows[row])
+    _copy(integration.trial, report.rows[row])
     for k in range(work.shape[0]):
         report.frames[row, k] = work[k]
     for m in range(coordinates.shape[0]):
         report.rates[row, m] = coordinates[m]["rate"]
     for j in range(tree.closures.shape[0]):
         report.closures[row, j] = tree.closures[j]
-    y, q, _attitudes = parts(tree, march.trial)
+    y, q, _attitudes = parts(tree, integration.trial)
     audit = report.audit[row]
     audit[0], audit[1], audit[2] = energies(tree, work, q, y)
     audit[3], audit[4] = largest_gap(tree.closures), largest_rate(tree.closures)

@@ -25,8 +25,8 @@ SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION = 7, 8, 9, 10
 
 
 @kernel
-def residual(constraints, q, t, near, A, phi):
-    """Fill phi (equations,).  near (screws,): the angles expected, rad; A: matrices at q."""
+def residual(constraints, q, t, expected, A, phi):
+    """Fill phi (equations,).  expected (screws,): the angles expected, rad; A: matrices at q."""
     for k in range(constraints.size):
         c = constraints[k]
         kind = c["kind"]
@@ -41,7 +41,7 @@ def residual(constraints, q, t, near, A, phi):
         elif kind == TRANSLATIONAL:
             translational.residual(c, q, A, phi)
         elif kind == SCREW:
-            screw.residual(c, q, A, near[c["screw"]], phi)
+            screw.residual(c, q, A, expected[c["screw"]], phi)
         elif kind == SIMPLIFIED:
             simplified.residual(c, q, phi)
         elif kind == DISTANCE:
@@ -124,10 +124,10 @@ def acceleration(constraints, q, qd, t, rotations, gamma):
 
 
 @kernel
-def screw_motion(constraints, states, rotations, near, motion):
+def screw_motion(constraints, states, rotations, expected, motion):
     """Fill motion (screws, 3) with θ, dθ/dt, d²θ/dt², rad.
 
-    states (3, n): q and its derivatives; near (screws,) picks the whole turns.
+    states (3, n): q and its derivatives; expected (screws,) picks the whole turns.
     """
     A, Ad, Add = rotations[0], rotations[1], rotations[2]
     for k in range(constraints.size):
@@ -136,5 +136,5 @@ def screw_motion(constraints, states, rotations, near, motion):
             s = c["screw"]
             xdd = screw.second_rate(c, c["h_i"], states[0], states[2], A, Ad, Add)
             ydd = screw.second_rate(c, c["g_i"], states[0], states[2], A, Ad, Add)
-            motion[s, 0] = screw.angle(c, A, near[s])
+            motion[s, 0] = screw.angle(c, A, expected[s])
             motion[s, 1], motion[s, 2] = screw.angle_rates(c, A, Ad, Add, xdd, ydd)

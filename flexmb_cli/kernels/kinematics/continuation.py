@@ -1,6 +1,6 @@
-"""The march through time of a kinematic analysis: predict, correct, check, and report.
+"""The continuation through time of a kinematic analysis: predict, correct, check, and report.
 
-Young (1996), section 5.2 (procedure KINEM).  Between report times the march takes the steps it
+Young (1996), section 5.2 (procedure KINEM).  Between report times the continuation takes the steps it
 needs: a step counts only if the positions, velocities and accelerations at its two ends belong to
 one smooth curve, so that a mechanism is never carried over to another way of assembling it.
 """
@@ -16,15 +16,15 @@ from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, largest, make_wor
 # as a part of the way moved.  Another branch is as far off as the way to it is long.
 SMOOTH = 1e-2
 SMOOTH_PART = 0.1
-TINY_WAY = 1e-9
+TINY_LENGTH = 1e-9
 ROOM_TO_GROW = 1.0 / 64.0  # twice the step makes the defect 32 times as large
 WHOLE = 1e-6  # the clock rounds the length of a step
 LARGEST_TURN = 1.1  # rad that a driver may turn in one step
 SMALLEST_PART = 2.0**-26  # of the last step that went well: below, the way is barred
 CLOCK_ROUND_OFF = 2e-15  # of the time: shorter steps do not move the clock
-# Scaled way within which det Φ_q may change its sign: shorter ones come so near to the crossing that
+# Scaled way within which det Φ_q may change its sign: shorter ones come so near to the bifurcation that
 # round-off hides which curve is smooth.
-CROSSING_WAY = 1e-4
+BIFURCATION_LENGTH = 1e-4
 NO_LIMIT = 1e3
 STEP_ITERATIONS = 20
 ASSEMBLY_LIMIT = 0.5
@@ -38,19 +38,19 @@ CLOCK_SIZE = 6
 
 
 @kernel
-def screws_expected(motion, h, near):
+def screws_expected(motion, h, expected):
     """Angles of the screws a time h later, by their rates: they settle the whole turns."""
-    for s in range(near.size):
-        near[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
+    for s in range(expected.size):
+        expected[s] = motion[s, 0] + h * (motion[s, 1] + 0.5 * h * motion[s, 2])
 
 
 @kernel
-def turns_too_far(constraints, t, t_new):
+def angle_too_far(constraints, t, t_new):
     """Return whether a rotational driver would turn so far that the predictor is blind."""
     for k in range(constraints.size):
         c = constraints[k]
         if c["kind"] == equations.DRIVER and c["coordinate"] >= 3:
-            here, there = driver.law(c, t), driver.law(c, t_new)
+            here, there = driver.function(c, t), driver.function(c, t_new)
             # Through a reversal the way is longer than the difference of its ends.
             way = max(abs(here[1]), abs(there[1])) * (t_new - t)
             if max(abs(there[0] - here[0]), way) > LARGEST_TURN:
@@ -74,7 +74,7 @@ def defect(system, state, new, h):
         if not part <= off:
             off = part if part > off else np.inf
         moved = max(moved, abs(way) / system.units[OF_COORDINATE, k])
-    return off / min(SMOOTH, SMOOTH_PART * moved + TINY_WAY), moved
+    return off / min(SMOOTH, SMOOTH_PART * moved + TINY_LENGTH), moved
 
 
 @kernel
@@ -85,7 +85,7 @@ def predict(state, h, q):
 
 
 @kernel
-def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
+def attempt(system, work, state, motion, t, t_new, limit, most, new, expected):
     """Solve at t_new from what `state` at t predicts; returns (defect, way moved, sign of det Φ_q,
     iterations, largest |dΦ/dt|); the defect is infinite where it failed.
 
@@ -93,8 +93,8 @@ def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
     """
     h = t_new - t
     predict(state, h, new[POSITION])
-    screws_expected(motion, h, near)
-    code, iterations, sign = newton(system, work, new[POSITION], t_new, near, limit, most)
+    screws_expected(motion, h, expected)
+    code, iterations, sign = newton(system, work, new[POSITION], t_new, expected, limit, most)
     if code != CONVERGED:
         return np.inf, 0.0, sign, iterations, np.inf
     gap = rates(system, work, new[POSITION], t_new, new[VELOCITY], new[ACCELERATION])
@@ -103,10 +103,10 @@ def attempt(system, work, state, motion, t, t_new, limit, most, new, near):
 
 
 @kernel
-def accept(system, work, new, near, state, motion):
+def accept(system, work, new, expected, state, motion):
     """Make the new row the state, and note where the screws are."""
     copy(new, state)
-    equations.screw_motion(system.constraints, new, work.rotations, near, motion)
+    equations.screw_motion(system.constraints, new, work.rotations, expected, motion)
 
 
 @kernel
@@ -128,15 +128,15 @@ def step_to(clock, target):
 def acceptable(clock, off, moved, sign):
     """Return whether a step may be taken: on one smooth curve, and with det Φ_q of one sign.
 
-    The ways of assembling a mechanism are parted by positions at which det Φ_q is zero.  Where two
+    The ways of assembling a mechanism are separated by positions at which det Φ_q is zero.  Where two
     of them come close, the other can look smoother than the true one; the sign tells them apart.  A
-    sign that changes on a way too short for a narrow pass to hide in is a true crossing.
+    sign that changes on a way too short for a narrow pass to hide in is a true bifurcation.
     """
     if clock[STEP] == 0.0:
         return off < np.inf
     if off > 1.0:
         return False
-    return sign == clock[SIGN] or moved <= CROSSING_WAY
+    return sign == clock[SIGN] or moved <= BIFURCATION_LENGTH
 
 
 @kernel
@@ -161,7 +161,7 @@ def is_barred(clock, target):
 
 
 @kernel
-def advance(system, work, state, motion, clock, target, new, near):
+def advance(system, work, state, motion, clock, target, new, expected):
     """Carry `state` from clock[TIME] to `target`; returns (arrived, largest |dΦ/dt|).
 
     Not arrived with clock[BUDGET] left: the way is barred.  A clock[STEP] of 0 says that `state`
@@ -178,13 +178,13 @@ def advance(system, work, state, motion, clock, target, new, near):
         clock[BUDGET] -= 1.0
         t_new = step_to(clock, target)
         off, moved, sign = np.inf, 0.0, 0
-        if not turns_too_far(system.constraints, clock[TIME], t_new):
+        if not angle_too_far(system.constraints, clock[TIME], t_new):
             off, moved, sign, iterations, gap = attempt(
-                system, work, state, motion, clock[TIME], t_new, limit, most, new, near
+                system, work, state, motion, clock[TIME], t_new, limit, most, new, expected
             )
             clock[SPENT] += iterations
         if acceptable(clock, off, moved, sign):
-            accept(system, work, new, near, state, motion)
+            accept(system, work, new, expected, state, motion)
             after_success(clock, t_new, off, sign)
         else:
             clock[STEP] = 0.5 * (t_new - clock[TIME])
@@ -194,7 +194,7 @@ def advance(system, work, state, motion, clock, target, new, near):
 
 
 @allocating
-def march(system, state, motion, clock, times, out, audit):
+def follow(system, state, motion, clock, times, out, audit):
     """Report rows at `times` (rows,), from `state` (3, n) at clock[TIME] on; state and clock move along.
 
     motion (screws, 3) holds angles and rates of the screws.  out (rows, 3, n): positions,
@@ -204,9 +204,9 @@ def march(system, state, motion, clock, times, out, audit):
     """
     work = make_work(state.shape[1])
     new = np.empty((3, state.shape[1]))
-    near = np.empty(motion.shape[0])
+    expected = np.empty(motion.shape[0])
     for row in range(times.size):
-        arrived, gap = advance(system, work, state, motion, clock, times[row], new, near)
+        arrived, gap = advance(system, work, state, motion, clock, times[row], new, expected)
         if not arrived:
             return row
         copy(state, out[row])

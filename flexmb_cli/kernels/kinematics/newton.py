@@ -110,10 +110,10 @@ def largest(values):
 
 
 @kernel
-def evaluate_position(system, work, q, t, near):
+def evaluate_position(system, work, q, t, expected):
     """Fill A and Φ of `work` at q; returns the largest scaled residual."""
     rotation_matrices(q, work.rotations[A])
-    equations.residual(system.constraints, q, t, near, work.rotations[A], work.vectors[PHI])
+    equations.residual(system.constraints, q, t, expected, work.rotations[A], work.vectors[PHI])
     return largest_scaled(system, work.vectors[PHI])
 
 
@@ -128,7 +128,7 @@ def factorise_at(system, work, q):
 
 
 @kernel
-def newton(system, work, q, t, near, limit, most):
+def newton(system, work, q, t, expected, limit, most):
     """Improve q until only round-off is left; the factors of the last iteration stay in work.
 
     `limit` bounds the scaled correction of one iteration, `most` their number.  Returns (code,
@@ -138,7 +138,7 @@ def newton(system, work, q, t, near, limit, most):
     sign = 0
     previous = np.inf
     for iteration in range(1, most + 1):
-        gap = evaluate_position(system, work, q, t, near)
+        gap = evaluate_position(system, work, q, t, expected)
         if not gap < np.inf:
             return STALLED, iteration, sign
         if gap <= system.limits[EARLY_END] and iteration > 1:
@@ -152,7 +152,7 @@ def newton(system, work, q, t, near, limit, most):
             q[k] -= shrink * correction[k]
         reach = reach_of(system, q)
         if size <= LAST_CORRECTION * reach:
-            gap = evaluate_position(system, work, q, t, near)
+            gap = evaluate_position(system, work, q, t, expected)
             return (CONVERGED if gap <= ROUND_OFF * reach else STALLED), iteration, sign
         if iteration > 3 and shrink == 1.0 and size > previous:
             return STALLED, iteration, sign

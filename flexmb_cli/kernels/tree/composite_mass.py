@@ -9,7 +9,7 @@ is that of the entries which are not zero.
 from .._jit import kernel, part
 from ..linalg.vec3 import column, cross, dot, outward, plus, scaled, triple
 from .kane import solve_tree
-from .kinematics import lump_place, place_frames
+from .kinematics import node_place, place_frames
 from .motion import parts
 
 
@@ -27,13 +27,15 @@ def set_mass(tree, work, coordinates, z, mass):
     mass.fill(0.0)
     for k in range(1, tree.frames.shape[0]):
         frame = tree.frames[k]
-        if frame["rider"] >= 0:
+        if frame["node_frame"] >= 0:
             continue
         _set_hinge_rows(tree, work, coordinates, k, mass)
-        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-            _set_lump_rows(tree, work, coordinates, k, tree.lumps[i], q, mass)
-        if frame["ridden"] >= 0:
-            _add_rider_rows(tree, work, coordinates, tree.riders.bodies[frame["ridden"]], mass)
+        for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
+            _set_node_rows(tree, work, coordinates, k, tree.nodal_masses[i], q, mass)
+        if frame["flexible_parent"] >= 0:
+            _add_node_frame_rows(
+                tree, work, coordinates, tree.node_frames.bodies[frame["flexible_parent"]], mass
+            )
     _complete(tree, mass)
 
 
@@ -46,73 +48,73 @@ def _set_hinge_rows(tree, work, coordinates, k, mass):
         if i >= frame["rotations"]:
             m = frame["first_translation"] + i - frame["rotations"]
         coupling = coordinates[m]["coupling"]
-        add_felt(tree, work, coordinates, k, triple(coupling, 0), triple(coupling, 3), mass[m])
+        add_generalised_forces(tree, work, coordinates, k, triple(coupling, 0), triple(coupling, 3), mass[m])
 
 
 @part
-def _set_lump_rows(tree, work, coordinates, k, lump, q, mass):
-    place = outward(work[k]["axes"], lump_place(lump, q))
+def _set_node_rows(tree, work, coordinates, k, nodal_mass, q, mass):
+    place = outward(work[k]["axes"], node_place(nodal_mass, q))
     for axis in range(3):
-        m = lump["coordinate"][axis]
+        m = nodal_mass["coordinate"][axis]
         if m >= 0:
-            f = scaled(lump["mass"], column(work[k]["axes"], axis))
-            mass[m, m] = lump["mass"]
-            add_felt(tree, work, coordinates, k, cross(place, f), f, mass[m])
+            f = scaled(nodal_mass["mass"], column(work[k]["axes"], axis))
+            mass[m, m] = nodal_mass["mass"]
+            add_generalised_forces(tree, work, coordinates, k, cross(place, f), f, mass[m])
 
 
 @part
-def _add_rider_rows(tree, work, coordinates, body, mass):
-    """Return what the riders of a body carry resists its elastic coordinates."""
-    riders, first = tree.riders, body["first"]
-    for r in range(body["first_rider"], body["first_rider"] + body["riders"]):
-        k = riders.records[r]["frame"]
+def _add_node_frame_rows(tree, work, coordinates, body, mass):
+    """Return what the node frames of a body carry resists its elastic coordinates."""
+    node_frames, first = tree.node_frames, body["first"]
+    for r in range(body["first_node_frame"], body["first_node_frame"] + body["node_frames"]):
+        k = node_frames.records[r]["frame"]
         for m in range(body["count"]):
-            n, f = _rider_rows(riders, r, m, 0), _rider_rows(riders, r, m, 3)
-            add_felt(tree, work, coordinates, k, n, f, mass[first + m])
+            n, f = _node_frame_rows(node_frames, r, m, 0), _node_frame_rows(node_frames, r, m, 3)
+            add_generalised_forces(tree, work, coordinates, k, n, f, mass[first + m])
 
 
 @kernel
-def _rider_rows(riders, r, m, part):
-    """Three rows of (inertia of what hangs on rider r) times (its motion by coordinate m)."""
+def _node_frame_rows(node_frames, r, m, part):
+    """Three rows of (inertia of what hangs on node frame r) times (its motion by coordinate m)."""
     return (
-        _rider_row(riders, 6 * r, 6 * r + part, m),
-        _rider_row(riders, 6 * r, 6 * r + part + 1, m),
-        _rider_row(riders, 6 * r, 6 * r + part + 2, m),
+        _node_frame_row(node_frames, 6 * r, 6 * r + part, m),
+        _node_frame_row(node_frames, 6 * r, 6 * r + part + 1, m),
+        _node_frame_row(node_frames, 6 * r, 6 * r + part + 2, m),
     )
 
 
 @kernel
-def _rider_row(riders, start, row, m):
+def _node_frame_row(node_frames, start, row, m):
     total = 0.0
     for i in range(6):
-        total += riders.own[row, i] * riders.motion[start + i, m]
+        total += node_frames.own[row, i] * node_frames.motion[start + i, m]
     return total
 
 
 @kernel
-def add_felt(tree, work, coordinates, k, n, f, felt):
-    """Add to felt (NS,) what all coordinates feel of the moment n and force f at the origin of frame k."""
+def add_generalised_forces(tree, work, coordinates, k, n, f, forces):
+    """Add to forces (NS,) what all coordinates feel of the moment n and force f at the origin of frame k."""
     while k > 0:
         frame, s = tree.frames[k], work[k]
-        if frame["rider"] >= 0:
-            _add_felt_by_nodes(tree.riders, frame["rider"], n, f, felt)
+        if frame["node_frame"] >= 0:
+            _add_generalised_forces_by_nodes(tree.node_frames, frame["node_frame"], n, f, forces)
         for i in range(frame["rotations"]):
             m = frame["first_rotation"] + i
-            felt[m] += dot(triple(coordinates[m]["direction"], 0), n)
+            forces[m] += dot(triple(coordinates[m]["direction"], 0), n)
         for i in range(frame["translations"]):
             m = frame["first_translation"] + i
-            felt[m] += dot(triple(coordinates[m]["direction"], 0), f)
+            forces[m] += dot(triple(coordinates[m]["direction"], 0), f)
         n = plus(n, cross(triple(s["offset"], 0), f))
         k = frame["parent"]
 
 
 @part
-def _add_felt_by_nodes(riders, r, n, f, felt):
-    """The elastic coordinates of its body move a rider by D."""
-    D, first = riders.motion, riders.records[r]["first"]
-    for m in range(riders.records[r]["count"]):
+def _add_generalised_forces_by_nodes(node_frames, r, n, f, forces):
+    """The elastic coordinates of its body move a node frame by D."""
+    D, first = node_frames.motion, node_frames.records[r]["first"]
+    for m in range(node_frames.records[r]["count"]):
         for i in range(3):
-            felt[first + m] += D[6 * r + i, m] * n[i] + D[6 * r + 3 + i, m] * f[i]
+            forces[first + m] += D[6 * r + i, m] * n[i] + D[6 * r + 3 + i, m] * f[i]
 
 
 @part

@@ -2,8 +2,8 @@
 
 from .._jit import kernel
 from ..linalg.vec3 import cross, dot, inward, outward, plus, scaled, symmetric, symmetric_times, triple
-from .kinematics import lump_place, lump_vector
-from .loads import elastic_row_times, pulls
+from .kinematics import node_place, node_vector
+from .loads import axial_prestress, elastic_row_times
 
 
 @kernel
@@ -16,10 +16,10 @@ def energies(tree, work, q, y):
         kinetic += _frame_kinetic(frame, s)
         height = plus(scaled(frame["mass"], triple(s["position"], 0)), _moment(frame, s))
         potential -= dot(g, height)
-        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-            place, velocity = lump_state(tree.lumps[i], s, q, y)
-            kinetic += 0.5 * tree.lumps[i]["mass"] * dot(velocity, velocity)
-            potential -= tree.lumps[i]["mass"] * dot(g, place)
+        for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
+            place, velocity = node_state(tree.nodal_masses[i], s, q, y)
+            kinetic += 0.5 * tree.nodal_masses[i]["mass"] * dot(velocity, velocity)
+            potential -= tree.nodal_masses[i]["mass"] * dot(g, place)
     for i in range(tree.springs.shape[0]):
         spring = tree.springs[i]
         potential += 0.5 * spring["stiffness"] * (q[spring["coordinate"]] - spring["rest"]) ** 2
@@ -40,10 +40,10 @@ def _frame_kinetic(frame, s):
 
 
 @kernel
-def lump_state(lump, s, q, y):
-    """Position and velocity of a lump of the body with frame record s, inertial axes."""
-    r = outward(s["axes"], lump_place(lump, q))
-    du = outward(s["axes"], lump_vector(lump, y))
+def node_state(nodal_mass, s, q, y):
+    """Position and velocity of a nodal mass of the body with frame record s, inertial axes."""
+    r = outward(s["axes"], node_place(nodal_mass, q))
+    du = outward(s["axes"], node_vector(nodal_mass, y))
     velocity = plus(triple(s["velocity"], 0), plus(cross(triple(s["angular"], 0), r), du))
     return plus(triple(s["position"], 0), r), velocity
 
@@ -75,15 +75,19 @@ def applied_power(tree, work, coordinates, t, q, y):
         frame, s = tree.frames[k], work[k]
         power += dot(triple(frame["force"], 0), triple(s["velocity"], 0))
         power += dot(triple(frame["torque"], 0), triple(s["angular"], 0))
-        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-            force = triple(tree.lumps[i]["force"], 0)
+        for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
+            force = triple(tree.nodal_masses[i]["force"], 0)
             if dot(force, force) > 0.0:
-                _place, velocity = lump_state(tree.lumps[i], s, q, y)
+                _place, velocity = node_state(tree.nodal_masses[i], s, q, y)
                 power += dot(force, velocity)
-    for i in range(tree.laws.shape[0]):
-        law = tree.laws[i]
-        rate = y[law["coordinate"]] if law["frame"] == 0 else work[law["frame"]]["angular"][law["axis"]]
-        power += (law["c0"] + law["c1"] * t) * rate
+    for i in range(tree.functions.shape[0]):
+        function = tree.functions[i]
+        rate = (
+            y[function["coordinate"]]
+            if function["frame"] == 0
+            else work[function["frame"]]["angular"][function["axis"]]
+        )
+        power += (function["c0"] + function["c1"] * t) * rate
     for m in range(coordinates.shape[0]):
         if tree.given[m]:
             power += coordinates[m]["drive"] * y[m]
@@ -111,7 +115,7 @@ def _stiffening_power(tree, work, q, y):
         body = tree.elastic_bodies[b]
         start = body["stiffening"]
         if start >= 0:
-            turning, weight = pulls(tree, work, body)
+            turning, weight = axial_prestress(tree, work, body)
             total -= turning * _bilinear(tree, tree.stiffening, start, body, y, q)
             total -= weight * _bilinear(tree, tree.stiffening, start + body["count"] ** 2, body, y, q)
     return total

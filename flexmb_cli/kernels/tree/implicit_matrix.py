@@ -16,8 +16,8 @@ from .._jit import kernel
 from ..linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from ..linalg.row_products import product, subtract_multiple
 from ..linalg.vec3 import cross, minus, scaled, triple
-from .composite_mass import add_felt, set_mass
-from .loads import pulls
+from .composite_mass import add_generalised_forces, set_mass
+from .loads import axial_prestress
 from .loop_closures import eliminate_rows, solve_rows
 
 
@@ -32,9 +32,9 @@ class Stiff(NamedTuple):
     matrix_ends: np.ndarray
     rest: np.ndarray  # (NS,)
     rows: np.ndarray  # (R,) of CLOSURE_ROW: the closures as they were for the matrix, and their forces
-    felt: np.ndarray  # (R, NS) J
-    yields: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
-    grip: np.ndarray  # (R, R) J times these
+    jacobian: np.ndarray  # (R, NS) J
+    inverse_jacobian: np.ndarray  # (R, NS) rows of (b + f D + f² K)^-1 Jᵀ
+    schur: np.ndarray  # (R, R) J times these
 
 
 def stiff_work(closures: np.ndarray, speeds: int) -> Stiff:
@@ -57,28 +57,28 @@ def renew(tree, work, coordinates, z, s):
     set_mass(tree, work, coordinates, z, s.mass)
     _set_ends(s.mass, s.mass_ends)
     _set_stiffness(tree, work, s.stiff, s.stiff_ends)
-    set_pulls(tree, work, coordinates, s)
+    set_jacobian(tree, work, coordinates, s)
 
 
 @kernel
-def set_pulls(tree, work, coordinates, s):
+def set_jacobian(tree, work, coordinates, s):
     """Fill J for placed frames and measured closures."""
     for i in range(s.rows.shape[0]):
         s.rows[i] = tree.closures[i]
-        s.felt[i].fill(0.0)
+        s.jacobian[i].fill(0.0)
         row, direction = s.rows[i], triple(s.rows[i]["direction"], 0)
-        _add_pull(tree, work, coordinates, row, row["frame_a"], direction, s.felt[i])
-        _add_pull(tree, work, coordinates, row, row["frame_b"], scaled(-1.0, direction), s.felt[i])
-        for m in range(s.felt.shape[1]):
+        _add_force_row(tree, work, coordinates, row, row["frame_a"], direction, s.jacobian[i])
+        _add_force_row(tree, work, coordinates, row, row["frame_b"], scaled(-1.0, direction), s.jacobian[i])
+        for m in range(s.jacobian.shape[1]):
             if tree.given[m]:
-                s.felt[i, m] = 0.0
+                s.jacobian[i, m] = 0.0
 
 
 @kernel
-def _add_pull(tree, work, coordinates, row, k, force, felt):
+def _add_force_row(tree, work, coordinates, row, k, force, jacobian):
     """Add what the coordinates feel of a force on frame k at the place of a closure."""
     arm = minus(triple(row["place"], 0), triple(work[k]["position"], 0))
-    add_felt(tree, work, coordinates, k, cross(arm, force), force, felt)
+    add_generalised_forces(tree, work, coordinates, k, cross(arm, force), force, jacobian)
 
 
 @kernel
@@ -104,21 +104,21 @@ def factorise(tree, f, s):
     _add_damping(tree, f, A)
     if not factorise_profile(A, s.matrix_ends):
         return False
-    set_grip(s)
+    factor_schur_complement(s)
     return True
 
 
 @kernel
-def set_grip(s):
+def factor_schur_complement(s):
     """Fill (b + f D + f² K)^-1 Jᵀ and J times that, and eliminate the latter."""
     rows = s.rows.shape[0]
     for i in range(rows):
-        for m in range(s.yields.shape[1]):
-            s.yields[i, m] = s.felt[i, m]
-        substitute_profile(s.matrix, s.matrix_ends, s.yields[i])
+        for m in range(s.inverse_jacobian.shape[1]):
+            s.inverse_jacobian[i, m] = s.jacobian[i, m]
+        substitute_profile(s.matrix, s.matrix_ends, s.inverse_jacobian[i])
         for j in range(rows):
-            s.grip[j, i] = product(s.felt[j], s.yields[i])
-    eliminate_rows(s.rows, s.grip)
+            s.schur[j, i] = product(s.jacobian[j], s.inverse_jacobian[i])
+    eliminate_rows(s.rows, s.schur)
 
 
 @kernel
@@ -147,16 +147,16 @@ def solve_stiff(tree, residual, x, s):
     if tree.one_way:
         _answer_rigid_motion(tree, x, s)
     for i in range(s.rows.shape[0]):
-        s.rows[i]["force"] = product(s.felt[i], x) - product(s.felt[i], residual)
-    give_way(x, s)
+        s.rows[i]["force"] = product(s.jacobian[i], x) - product(s.jacobian[i], residual)
+    apply_multipliers(x, s)
 
 
 @kernel
-def give_way(x, s):
+def apply_multipliers(x, s):
     """Take off x (NS,) the motion that changes the gaps by what the rows hold as forces."""
-    solve_rows(s.rows, s.grip)
+    solve_rows(s.rows, s.schur)
     for i in range(s.rows.shape[0]):
-        subtract_multiple(s.rows[i]["force"], s.yields[i], x)
+        subtract_multiple(s.rows[i]["force"], s.inverse_jacobian[i], x)
 
 
 @kernel
@@ -186,7 +186,7 @@ def _set_stiffness(tree, work, K, ends):
             ends[m] = body["first"] + tree.reach[m, 1]
         _add_block(1.0, tree.stiffness, body["stiffness"], body, tree.reach, K)
         if body["stiffening"] >= 0:
-            turning, weight = pulls(tree, work, body)
+            turning, weight = axial_prestress(tree, work, body)
             start = body["stiffening"]
             _add_block(turning, tree.stiffening, start, body, tree.reach, K)
             _add_block(weight, tree.stiffening, start + body["count"] ** 2, body, tree.reach, K)

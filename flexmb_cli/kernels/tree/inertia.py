@@ -1,8 +1,8 @@
-"""Inertia and bias force of a frame, the lumps of a flexible body eliminated on the spot.
+"""Inertia and bias force of a frame, the nodal masses of a flexible body eliminated on the spot.
 
 DAFMS thesis (1992), sections 3.2-3.3, in recursive form: instead of the matrix b and the columns f*
 and F, each frame collects the inertia and force its subtree shows at its origin while the
-coordinates of that subtree stay free.  A lump that is free along axis d shows no inertia along d,
+coordinates of that subtree stay free.  A nodal mass that is free along axis d shows no inertia along d,
 only the elastic force; along the other axes it is carried with the body.
 """
 
@@ -23,17 +23,17 @@ from ..linalg.vec3 import (
     symmetric_times,
     triple,
 )
-from .kinematics import lump_place, lump_vector
+from .kinematics import node_place, node_vector
 from .work import H_, J_, M_
 
 
 @part
-def own_inertia(frame, s, lumps, gravity, coordinates, q, y):
-    """Start inertia and bias of a frame with its own mass, loads and lumps."""
-    if frame["lumps"] == 0:
+def own_inertia(frame, s, nodal_masses, gravity, coordinates, q, y):
+    """Start inertia and bias of a frame with its own mass, loads and nodal masses."""
+    if frame["nodal_masses"] == 0:
         _rigid_inertia(frame, s)
     else:
-        _sum_lumps(frame, s, lumps, gravity, coordinates, q, y)
+        _sum_nodal_masses(frame, s, nodal_masses, gravity, coordinates, q, y)
         _turn_sums(s)
     _add_rigid_bias(frame, s, gravity)
 
@@ -66,7 +66,7 @@ def _rotated(A, J):
 
 @part
 def _add_rigid_bias(frame, s, gravity):
-    """p_n = w x J w - s x g - M_k, p_f = w x (w x s) - m g - F_k of the frame without lumps."""
+    """p_n = w x J w - s x g - M_k, p_f = w x (w x s) - m g - F_k of the frame without nodal masses."""
     w = triple(s["angular"], 0)
     g = triple(gravity, 0)
     moment = outward(s["axes"], triple(frame["moment"], 0))
@@ -78,22 +78,22 @@ def _add_rigid_bias(frame, s, gravity):
 
 
 @part
-def _sum_lumps(frame, s, lumps, gravity, coordinates, q, y):
-    """Sum the lumps in the body's axes."""
+def _sum_nodal_masses(frame, s, nodal_masses, gravity, coordinates, q, y):
+    """Sum the nodal masses in the body's axes."""
     w = inward(s["axes"], triple(s["angular"], 0))
     g = inward(s["axes"], triple(gravity, 0))
     _start_sums(frame, s)
-    for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-        lump = lumps[i]
-        r = lump_place(lump, q)
-        c = plus(centripetal(w, r), scaled(2.0, cross(w, lump_vector(lump, y))))
-        load = plus(scaled(lump["mass"], g), inward(s["axes"], triple(lump["force"], 0)))
-        _sum_lump(lump, r, c, load, s["inertia"], s["bias"], coordinates)
+    for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
+        nodal_mass = nodal_masses[i]
+        r = node_place(nodal_mass, q)
+        c = plus(centripetal(w, r), scaled(2.0, cross(w, node_vector(nodal_mass, y))))
+        load = plus(scaled(nodal_mass["mass"], g), inward(s["axes"], triple(nodal_mass["force"], 0)))
+        _sum_nodal_mass(nodal_mass, r, c, load, s["inertia"], s["bias"], coordinates)
 
 
 @part
 def _start_sums(frame, s):
-    """J and M of the frame without lumps, in its own axes; a flexible body has no first moment."""
+    """J and M of the frame without nodal masses, in its own axes; a flexible body has no first moment."""
     out = s["inertia"]
     for i in range(6):
         s["bias"][i] = 0.0
@@ -106,10 +106,10 @@ def _start_sums(frame, s):
 
 
 @part
-def _sum_lump(lump, r, c, load, inertia, bias, coordinates):
-    """Add a lump at r with acceleration remainder c under an external load."""
-    m = lump["coordinate"]
-    mass = lump["mass"]
+def _sum_nodal_mass(nodal_mass, r, c, load, inertia, bias, coordinates):
+    """Add a nodal mass at r with acceleration remainder c under an external load."""
+    m = nodal_mass["coordinate"]
+    mass = nodal_mass["mass"]
     b0, f0 = _carried(mass, c[0], load[0], m[0], coordinates)
     b1, f1 = _carried(mass, c[1], load[1], m[1], coordinates)
     b2, f2 = _carried(mass, c[2], load[2], m[2], coordinates)
@@ -121,7 +121,7 @@ def _sum_lump(lump, r, c, load, inertia, bias, coordinates):
 
 @part
 def _carried(mass, c, load, m, coordinates):
-    """Mass that the body carries along one axis, and the force it has to pass on to the lump."""
+    """Mass that the body carries along one axis, and the force it has to pass on to the nodal mass."""
     if m < 0:
         return mass, mass * c - load
     coordinate = coordinates[m]
@@ -153,7 +153,7 @@ def _add_carried(out, r, b0, b1, b2):
 
 @part
 def _turn_sums(s):
-    """Turn the sums over lumps from the body's axes to inertial ones."""
+    """Turn the sums over nodal masses from the body's axes to inertial ones."""
     out, A = s["inertia"], s["axes"]
     for block in range(J_, M_ + 1, M_ - J_):
         first, second = _rotated(A, symmetric(out, block))

@@ -23,10 +23,10 @@ from ..linalg.vec3 import (
     triple,
 )
 from .inertia import own_inertia
-from .kinematics import lump_place, place_frames
+from .kinematics import node_place, place_frames
 from .loads import add_body_torques, coordinate_efforts
-from .loop_closures import add_closure_forces, closing_forces, forget_closing_forces
-from .node_frames import absorb_riders, release_riders
+from .loop_closures import add_closure_forces, clear_loop_forces, find_loop_forces
+from .node_frames import absorb_node_frames, release_node_frames
 from .work import H_, J_, M_
 
 SOLVED = -1
@@ -41,7 +41,7 @@ def accelerations(tree, work, coordinates, t, q, y, attitudes):
 
     q, y (NS,), attitudes (balls, 4).  The rate of a "held" coordinate is input.
     """
-    forget_closing_forces(tree.closures)
+    clear_loop_forces(tree.closures)
     # One call of the solution only: a second would be compiled a second time.
     for turn in range(2):
         if not _prepare_turn(tree, work, coordinates, turn):
@@ -61,7 +61,7 @@ def _prepare_turn(tree, work, coordinates, turn):
     """Lock and load the tree for the first or second solution; False when no second one is needed."""
     if turn == 1 and not tree.one_way:
         if tree.closures.shape[0] > 0:
-            closing_forces(tree, work, coordinates)
+            find_loop_forces(tree, work, coordinates)
         return tree.closures.shape[0] > 0
     for m in range(coordinates.shape[0]):
         c = coordinates[m]
@@ -81,25 +81,29 @@ def solve_tree(tree, work, coordinates, t, q, y):
     """
     frames = tree.frames
     for k in range(1, frames.shape[0]):
-        own_inertia(frames[k], work[k], tree.lumps, tree.gravity, coordinates, q, y)
+        own_inertia(frames[k], work[k], tree.nodal_masses, tree.gravity, coordinates, q, y)
     add_body_torques(tree, t, work)
     add_closure_forces(tree.closures, work)
     for k in range(frames.shape[0] - 1, 0, -1):
-        if frames[k]["ridden"] >= 0:
-            absorb_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work, coordinates, q)
+        if frames[k]["flexible_parent"] >= 0:
+            absorb_node_frames(
+                tree, tree.node_frames.bodies[frames[k]["flexible_parent"]], work, coordinates, q
+            )
         fault = _eliminate_hinge(frames[k], work[k], coordinates, tree.inertia_scale)
         if fault != SOLVED:
             return fault
-        if frames[k]["parent"] > 0 and frames[k]["rider"] < 0:
+        if frames[k]["parent"] > 0 and frames[k]["node_frame"] < 0:
             _hand_over(work[k], work[frames[k]["parent"]])
     for k in range(1, frames.shape[0]):
-        if frames[k]["rider"] >= 0:
+        if frames[k]["node_frame"] >= 0:
             continue
         _accelerate_frame(frames[k], work[frames[k]["parent"]], work[k], coordinates)
-        if frames[k]["ridden"] >= 0:
-            release_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work, coordinates)
-        if frames[k]["lumps"] > 0:
-            _accelerate_lumps(frames[k], work[k], tree.lumps, q, coordinates)
+        if frames[k]["flexible_parent"] >= 0:
+            release_node_frames(
+                tree, tree.node_frames.bodies[frames[k]["flexible_parent"]], work, coordinates
+            )
+        if frames[k]["nodal_masses"] > 0:
+            _accelerate_nodes(frames[k], work[k], tree.nodal_masses, q, coordinates)
     return SOLVED
 
 
@@ -252,21 +256,21 @@ def _solve_coordinate(c, al, a):
 
 
 @part
-def _accelerate_lumps(frame, s, lumps, q, coordinates):
-    """Accelerations of the lumps of a flexible body against it."""
+def _accelerate_nodes(frame, s, nodal_masses, q, coordinates):
+    """Accelerations of the nodal masses of a flexible body against it."""
     al = inward(s["axes"], triple(s["acceleration"], 0))
     a = inward(s["axes"], triple(s["acceleration"], 3))
-    for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-        lump = lumps[i]
-        carried = plus(a, cross(al, lump_place(lump, q)))
+    for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
+        nodal_mass = nodal_masses[i]
+        carried = plus(a, cross(al, node_place(nodal_mass, q)))
         for axis in range(3):
-            m = lump["coordinate"][axis]
+            m = nodal_mass["coordinate"][axis]
             if m >= 0:
-                _accelerate_lump(coordinates[m], lump["mass"], carried[axis])
+                _accelerate_node(coordinates[m], nodal_mass["mass"], carried[axis])
 
 
 @part
-def _accelerate_lump(c, mass, carried):
+def _accelerate_node(c, mass, carried):
     if c["locked"] != 0:
         c["drive"] = mass * carried - c["drive"]
     else:

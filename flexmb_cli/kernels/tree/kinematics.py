@@ -20,9 +20,15 @@ def place_frames(tree, work, coordinates, q, y, attitudes):
     for k in range(1, tree.frames.shape[0]):
         frame = tree.frames[k]
         parent = work[frame["parent"]]
-        if frame["rider"] >= 0:
-            _place_rider(
-                frame, tree.riders.records[frame["rider"]], tree.riders.slopes, parent, work[k], q, y
+        if frame["node_frame"] >= 0:
+            _place_node_frame(
+                frame,
+                tree.node_frames.records[frame["node_frame"]],
+                tree.node_frames.slopes,
+                parent,
+                work[k],
+                q,
+                y,
             )
             continue
         _set_hinge_axes(frame, parent, work[k])
@@ -31,33 +37,33 @@ def place_frames(tree, work, coordinates, q, y, attitudes):
 
 
 @part
-def _place_rider(frame, rider, slopes, parent, s, q, y):
-    """A rider moves with its node and is turned by three successive rotations C w."""
+def _place_node_frame(frame, node_frame, slopes, parent, s, q, y):
+    """A node frame moves with its node and is turned by three successive rotations C w."""
     _copy_axes(parent["axes"], s["axes"])
     w = triple(parent["angular"], 0)
     rest = (0.0, 0.0, 0.0)
     for i in range(3):
         axis = column(s["axes"], i)
         store(axis, s["hinge_axes"], 3 * i)
-        start = rider["slope"] + i * rider["count"]
-        angle, rate = _slope(rider, slopes, start, q), _slope(rider, slopes, start, y)
+        start = node_frame["slope"] + i * node_frame["count"]
+        angle, rate = _slope(node_frame, slopes, start, q), _slope(node_frame, slopes, start, y)
         spin = scaled(rate, axis)
         rest = plus(rest, cross(w, spin))
         w = plus(w, spin)
         _turn_about(s["axes"], i, angle)
     store(w, s["angular"], 0)
     store(rest, s["remainder"], 0)
-    place = plus(triple(frame["point"], 0), _along_axes(rider["node"], q))
-    slide = outward(parent["axes"], _along_axes(rider["node"], y))
+    place = plus(triple(frame["point"], 0), _along_axes(node_frame["node"], q))
+    slide = outward(parent["axes"], _along_axes(node_frame["node"], y))
     _set_motion(parent, s, outward(parent["axes"], place), slide)
 
 
 @part
-def _slope(rider, slopes, start, values):
+def _slope(node_frame, slopes, start, values):
     """One row of C times the elastic coordinates or their speeds."""
     total = 0.0
-    for m in range(rider["count"]):
-        total += slopes[start + m] * values[rider["first"] + m]
+    for m in range(node_frame["count"]):
+        total += slopes[start + m] * values[node_frame["first"] + m]
     return total
 
 
@@ -176,15 +182,15 @@ def _set_motion(parent, s, offset, slide):
 
 
 @part
-def lump_place(lump, q):
-    """r = x + u of a lump in the axes of its body, m."""
-    return plus(triple(lump["position"], 0), lump_vector(lump, q))
+def node_place(nodal_mass, q):
+    """r = x + u of a nodal mass in the axes of its body, m."""
+    return plus(triple(nodal_mass["position"], 0), node_vector(nodal_mass, q))
 
 
 @part
-def lump_vector(lump, values):
-    """Values of a lump's coordinates along axes 1, 2, 3; 0 where it is held."""
-    return _along_axes(lump["coordinate"], values)
+def node_vector(nodal_mass, values):
+    """Values of a nodal mass's coordinates along axes 1, 2, 3; 0 where it is held."""
+    return _along_axes(nodal_mass["coordinate"], values)
 
 
 @part

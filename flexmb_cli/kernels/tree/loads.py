@@ -22,7 +22,7 @@ def coordinate_efforts(tree, work, t, q, y, coordinates):
         if body["damping"] >= 0:
             _subtract_product(1.0, tree.damping, body["damping"], body, tree.reach, y, coordinates)
         if body["stiffening"] >= 0:
-            turning, weight = pulls(tree, work, body)
+            turning, weight = axial_prestress(tree, work, body)
             start = body["stiffening"]
             _subtract_product(turning, tree.stiffening, start, body, tree.reach, q, coordinates)
             _subtract_product(
@@ -32,14 +32,14 @@ def coordinate_efforts(tree, work, t, q, y, coordinates):
         s = tree.springs[i]
         m = s["coordinate"]
         coordinates[m]["effort"] -= s["stiffness"] * (q[m] - s["rest"]) + s["damping"] * y[m]
-    for i in range(tree.laws.shape[0]):
-        law = tree.laws[i]
-        if law["coordinate"] >= 0:
-            coordinates[law["coordinate"]]["effort"] += law["c0"] + law["c1"] * t
+    for i in range(tree.functions.shape[0]):
+        function = tree.functions[i]
+        if function["coordinate"] >= 0:
+            coordinates[function["coordinate"]]["effort"] += function["c0"] + function["c1"] * t
 
 
 @part
-def pulls(tree, work, body):
+def axial_prestress(tree, work, body):
     """Return what pulls along a beam: square of the angular velocity across it, and gravity along it."""
     s = work[body["frame"]]
     along, w = outward(s["axes"], triple(body["beam"], 0)), triple(s["angular"], 0)
@@ -76,8 +76,8 @@ def set_prescribed(tree, t, q, y, coordinates):
 
 @part
 def add_body_torques(tree, t, work):
-    """Take the torque laws on bodies off p_n of their frames."""
-    for i in range(tree.laws.shape[0]):
-        law = tree.laws[i]
-        if law["frame"] > 0:
-            work[law["frame"]]["bias"][law["axis"]] -= law["c0"] + law["c1"] * t
+    """Take the torque functions on bodies off p_n of their frames."""
+    for i in range(tree.functions.shape[0]):
+        function = tree.functions[i]
+        if function["frame"] > 0:
+            work[function["frame"]]["bias"][function["axis"]] -= function["c0"] + function["c1"] * t

@@ -25,7 +25,7 @@ from ..linalg.vec3 import (
     store,
     triple,
 )
-from .unit_forces import forget_pushes, push, respond
+from .unit_forces import clear_unit_forces, respond, unit_force
 
 # A pivot below this part of the row's own response means that other rows close this direction too;
 # a response below the second part of the largest one that nothing moves in this direction.
@@ -33,14 +33,14 @@ REPEATED, IMMOBILE = 1e-9, 1e-12
 
 
 @kernel
-def forget_closing_forces(closures):
+def clear_loop_forces(closures):
     """Leave all loops open."""
     for i in range(closures.shape[0]):
         closures[i]["force"] = 0.0
 
 
 @kernel
-def measure_closures(closures, work):
+def evaluate_closures(closures, work):
     """Set direction, place, gap and rate of every row for placed frames."""
     for i in range(closures.shape[0]):
         row = closures[i]
@@ -93,7 +93,7 @@ def add_closure_forces(closures, work):
     """Take the closing forces off the bias of the two frames of each row."""
     if closures.shape[0] == 0:
         return
-    measure_closures(closures, work)
+    evaluate_closures(closures, work)
     for i in range(closures.shape[0]):
         row = closures[i]
         force = scaled(row["force"], triple(row["direction"], 0))
@@ -111,7 +111,7 @@ def _load(s, place, force):
 
 
 @kernel
-def closing_forces(tree, work, coordinates):
+def find_loop_forces(tree, work, coordinates):
     """Set the forces that take the closures' accelerations away, from the solution with open loops."""
     closures = tree.closures
     _set_response_matrix(tree, work, coordinates)
@@ -122,14 +122,14 @@ def closing_forces(tree, work, coordinates):
 
 
 @kernel
-def push_rows(closures, work):
+def apply_row_forces(closures, work):
     """Push with the forces of all rows."""
-    forget_pushes(work)
+    clear_unit_forces(work)
     for i in range(closures.shape[0]):
         row = closures[i]
         force = scaled(row["force"], triple(row["direction"], 0))
-        push(work[row["frame_a"]], triple(row["place"], 0), force)
-        push(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
+        unit_force(work[row["frame_a"]], triple(row["place"], 0), force)
+        unit_force(work[row["frame_b"]], triple(row["place"], 0), scaled(-1.0, force))
 
 
 @kernel
@@ -138,7 +138,7 @@ def _set_response_matrix(tree, work, coordinates):
     closures, matrix = tree.closures, tree.closure_matrix
     for j in range(closures.shape[0]):
         closures[j]["force"] = 1.0
-        push_rows(closures, work)
+        apply_row_forces(closures, work)
         closures[j]["force"] = 0.0
         respond(tree, work, coordinates)
         for i in range(closures.shape[0]):

@@ -1,7 +1,7 @@
 """Bringing the coordinates and speeds of a tree onto its closures.
 
 A correction is the motion that forces in the closures would give the tree, b^-1 Jᵀ times what closes
-the gaps: the least one in the measure of the mass matrix, which leaves alone whatever the loops do
+the gaps: the least one in the metric of the mass matrix, which leaves alone whatever the loops do
 not involve.
 """
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from .._jit import allocating, kernel
 from .kinematics import attitude_rates, place_frames
-from .loop_closures import measure_closures, push_rows, solve_rows
+from .loop_closures import apply_row_forces, evaluate_closures, solve_rows
 from .motion import normalise_attitudes, parts
-from .unit_forces import respond, respond_lumps
+from .unit_forces import respond, respond_nodes
 
 CLOSED = 1e-13  # m and m/s: as good as closed
 MOST_CORRECTIONS = 5
@@ -42,11 +42,11 @@ def largest_rate(closures):
 def project(tree, work, coordinates, z):
     """Close gaps and rates of z, near the state for which the equations have just been solved."""
     for _ in range(MOST_CORRECTIONS):
-        measure(tree, work, coordinates, z)
+        evaluate_gaps(tree, work, coordinates, z)
         if largest_gap(tree.closures) <= CLOSED:
             break
         _close_gaps(tree, work, coordinates, z)
-    measure(tree, work, coordinates, z)
+    evaluate_gaps(tree, work, coordinates, z)
     _close_rates(tree, work, coordinates, z)
 
 
@@ -69,11 +69,11 @@ def strayed(open_end, closed_end, clock):
 
 
 @kernel
-def measure(tree, work, coordinates, z):
+def evaluate_gaps(tree, work, coordinates, z):
     """Place the frames and measure the closures at the state z."""
     y, q, attitudes = parts(tree, z)
     place_frames(tree, work, coordinates, q, y, attitudes)
-    measure_closures(tree.closures, work)
+    evaluate_closures(tree.closures, work)
 
 
 @kernel
@@ -81,9 +81,9 @@ def _respond_to_rows(tree, work, coordinates, z):
     """Responses of all coordinates to forces that take away what the rows hold as forces."""
     _y, q, _attitudes = parts(tree, z)
     solve_rows(tree.closures, tree.closure_matrix)
-    push_rows(tree.closures, work)
+    apply_row_forces(tree.closures, work)
     respond(tree, work, coordinates)
-    respond_lumps(tree, work, coordinates, q)
+    respond_nodes(tree, work, coordinates, q)
 
 
 @kernel

@@ -6,69 +6,71 @@ force costs a fraction of a solution.
 
 from .._jit import part
 from ..linalg.vec3 import accumulate, cross, dot, inward, minus, plus, scaled, store, triple
-from .kinematics import lump_place
-from .node_frames import absorb_pushes, follow_riders, rider_share
+from .kinematics import node_place
+from .node_frames import absorb_unit_forces, follow_node_frames, node_frame_share
 
 
 @part
-def forget_pushes(work):
+def clear_unit_forces(work):
     """No force on any frame."""
     for k in range(work.shape[0]):
         for i in range(6):
-            work[k]["push"][i] = 0.0
+            work[k]["unit_force"][i] = 0.0
 
 
 @part
-def push(s, place, force):
-    """Add a force at a place, both in inertial axes, to the pushes of a frame."""
+def unit_force(s, place, force):
+    """Add a force at a place, both in inertial axes, to the unit forces of a frame."""
     arm = minus(place, triple(s["position"], 0))
-    accumulate(scaled(-1.0, cross(arm, force)), s["push"], 0)
-    accumulate(scaled(-1.0, force), s["push"], 3)
+    accumulate(scaled(-1.0, cross(arm, force)), s["unit_force"], 0)
+    accumulate(scaled(-1.0, force), s["unit_force"], 3)
 
 
 @part
 def respond(tree, work, coordinates):
-    """Set the responses of frames and hinge coordinates to the pushes; locked coordinates do not move."""
+    """Set the responses of frames and hinge coordinates to the unit forces; locked coordinates do not
+    move.
+    """
     frames = tree.frames
     for k in range(frames.shape[0] - 1, 0, -1):
-        if frames[k]["rider"] >= 0:
+        if frames[k]["node_frame"] >= 0:
             continue
-        if frames[k]["ridden"] >= 0:
-            absorb_pushes(tree, tree.riders.bodies[frames[k]["ridden"]], work)
+        if frames[k]["flexible_parent"] >= 0:
+            absorb_unit_forces(tree, tree.node_frames.bodies[frames[k]["flexible_parent"]], work)
         _take_up(frames[k], work[k], coordinates)
         _pass_on(work[k], work[frames[k]["parent"]])
     for k in range(1, frames.shape[0]):
-        if frames[k]["rider"] >= 0:
+        if frames[k]["node_frame"] >= 0:
             continue
         _follow(frames[k], work[frames[k]["parent"]], work[k], coordinates)
-        if frames[k]["ridden"] >= 0:
-            follow_riders(tree, tree.riders.bodies[frames[k]["ridden"]], work)
+        if frames[k]["flexible_parent"] >= 0:
+            follow_node_frames(tree, tree.node_frames.bodies[frames[k]["flexible_parent"]], work)
 
 
 @part
 def _take_up(frame, s, coordinates):
     for i in range(frame["rotations"]):
-        _yield_to(s["push"], coordinates[frame["first_rotation"] + i], 0)
+        _yield_to(s["unit_force"], coordinates[frame["first_rotation"] + i], 0)
     for i in range(frame["translations"]):
-        _yield_to(s["push"], coordinates[frame["first_translation"] + i], 3)
+        _yield_to(s["unit_force"], coordinates[frame["first_translation"] + i], 3)
 
 
 @part
-def _yield_to(pushes, c, part):
-    """Take out of the pushes what a free coordinate does not transmit."""
+def _yield_to(forces, c, part):
+    """Take out of the unit forces what a free coordinate does not transmit."""
     if c["locked"] != 0:
         return
-    c["response"] = -dot(triple(c["direction"], 0), triple(pushes, part))
+    c["response"] = -dot(triple(c["direction"], 0), triple(forces, part))
     gain = c["response"] / c["pivot"]
     for i in range(6):
-        pushes[i] += gain * c["coupling"][i]
+        forces[i] += gain * c["coupling"][i]
 
 
 @part
 def _pass_on(s, parent):
-    n, f = triple(s["push"], 0), triple(s["push"], 3)
-    accumulate(plus(n, cross(triple(s["offset"], 0), f)), parent["push"], 0)
-    accumulate(f, parent["push"], 3)
+    n, f = triple(s["unit_force"], 0), triple(s["unit_force"], 3)
+    accumulate(plus(n, cross(triple(s["offset"], 0), f)), parent["unit_force"], 0)
+    accumulate(f, parent["unit_force"], 3)
 
 
 @part
@@ -97,17 +99,17 @@ def _own_response(c, al, a):
 
 
 @part
-def respond_lumps(tree, work, coordinates, q):
-    """Set the responses of the lumps' coordinates, those of the frames being known."""
+def respond_nodes(tree, work, coordinates, q):
+    """Set the responses of the nodal masses' coordinates, those of the frames being known."""
     for k in range(1, tree.frames.shape[0]):
         frame, s = tree.frames[k], work[k]
         al, a = inward(s["axes"], triple(s["response"], 0)), inward(s["axes"], triple(s["response"], 3))
-        for i in range(frame["first_lump"], frame["first_lump"] + frame["lumps"]):
-            lump = tree.lumps[i]
-            carried = plus(a, cross(al, lump_place(lump, q)))
+        for i in range(frame["first_nodal_mass"], frame["first_nodal_mass"] + frame["nodal_masses"]):
+            nodal_mass = tree.nodal_masses[i]
+            carried = plus(a, cross(al, node_place(nodal_mass, q)))
             for axis in range(3):
-                m = lump["coordinate"][axis]
+                m = nodal_mass["coordinate"][axis]
                 if m >= 0:
-                    passed_on = rider_share(tree, frame, m) / lump["mass"]
+                    passed_on = node_frame_share(tree, frame, m) / nodal_mass["mass"]
                     free = coordinates[m]["locked"] == 0
                     coordinates[m]["response"] = -carried[axis] - passed_on if free else 0.0

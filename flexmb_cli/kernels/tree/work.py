@@ -14,7 +14,11 @@ J_, H_, M_ = 0, 6, 15
 
 FRAME_WORK = np.dtype(
     [
-        ("hinge_axes", np.float64, 9),  # S_j TD_k, axes of P_k; of a rider the axes of its slopes, row by row
+        (
+            "hinge_axes",
+            np.float64,
+            9,
+        ),  # S_j TD_k, axes of P_k; of a node frame the axes of its slopes, row by row
         ("axes", np.float64, 9),  # S_k, axes of O_k
         ("position", np.float64, 3),  # p_k, m
         ("offset", np.float64, 3),  # rho_k, from the parent's origin, m
@@ -24,7 +28,7 @@ FRAME_WORK = np.dtype(
         ("inertia", np.float64, 21),  # articulated inertia
         ("bias", np.float64, 6),  # p_n, p_f
         ("acceleration", np.float64, 6),  # al, a
-        ("push", np.float64, 6),  # bias of a force whose effect alone is asked for
+        ("unit_force", np.float64, 6),  # bias of a force whose effect alone is asked for
         ("response", np.float64, 6),  # (al, a) by that force alone
     ]
 )
@@ -39,7 +43,7 @@ COORDINATE_WORK = np.dtype(
         ("coupling", np.float64, 6),  # inertia times direction
         ("pivot", np.float64),  # inertia along it while all that hangs on it is free
         ("drive", np.float64),  # effort less the bias force; in the end, of a locked one, what locks it
-        ("response", np.float64),  # acceleration by the pushes alone
+        ("response", np.float64),  # acceleration by the unit forces alone
     ]
 )
 

@@ -1,7 +1,7 @@
-"""Equations between points and directions of moving, deformable bodies, and the arms they stand on.
+"""Equations between points and directions of moving, deformable bodies, and the body vectors they stand on.
 
-Every joint, pin, motion and joint spring is a list of measures (`records.MEASURE`).  Directions that
-a joint's nodes define move with the nodes: an arm B (r2 - r1) for a constant matrix B is linear in the
+Every joint, pin, motion and joint spring is a list of primitives (`records.MEASURE`).  Directions that
+a joint's nodes define move with the nodes: a body vector B (r2 - r1) for a constant matrix B is linear in the
 modal coordinates, as its points are.
 """
 
@@ -14,8 +14,8 @@ from ..equations import Equation
 from ..flexible_mechanism import FloatingBody, NodePoint
 from ..mechanism import Body
 from ..vectors import rotation_matrix
-from .law_table import LawTable
-from .records import GROUP, MEASURE, NONE, ArmTable, blank_measure
+from .function_table import FunctionTable
+from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
 
 
 def tilde(v) -> np.ndarray:
@@ -23,10 +23,11 @@ def tilde(v) -> np.ndarray:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-class MeasureTable(LawTable):
-    """Collects arms, laws, equations and the measures of springs; `length` is the unit of lengths, m.
+class PrimitiveTable(FunctionTable):
+    """Collects body vectors, functions, equations and the primitives of springs; `length` is the unit of
+    lengths, m.
 
-    `first_row`: equations that stand before these; `turns`: angles that do.
+    `first_row`: equations that stand before these; `angles`: angles that do.
     """
 
     def __init__(
@@ -34,19 +35,19 @@ class MeasureTable(LawTable):
         bodies: tuple[FloatingBody | Body, ...],
         length: float,
         first_row: int = 0,
-        turns: Iterable[float] = (),
+        angles: Iterable[float] = (),
     ):
         super().__init__()
         self.first_row = first_row
         self.bodies = bodies
         self.length = length
         self.first = np.cumsum([0, *(body.modes for body in bodies)])
-        self.arms = ArmTable()
+        self.body_vectors = BodyVectorTable()
         self.names: list[Equation] = []
         self.measured: list[np.ndarray] = []
         self.springs: list[np.ndarray] = []
         self.groups: list[tuple[int, int, int, int]] = []
-        self.turns: list[float] = list(turns)
+        self.angles: list[float] = list(angles)
         self._known: dict = {}
         self._next = NONE
 
@@ -59,48 +60,52 @@ class MeasureTable(LawTable):
         origin = np.zeros(3) if point.body < 0 else self.bodies[point.body].r
         return origin + self.A(point.body) @ point.r0
 
-    def arm(self, body: int, c, shape=None) -> int:
-        """Number of the arm c + shape η, the same for the same arm."""
+    def body_vector(self, body: int, c, shape=None) -> int:
+        """Number of the body vector c + shape η, the same for the same body vector."""
         c = np.asarray(c, float)
         key = body, c.tobytes(), None if shape is None else shape.tobytes()
         if key not in self._known:
             first = 0 if body < 0 else int(self.first[body])
-            self._known[key] = self.arms.add(body, c, shape, first)
+            self._known[key] = self.body_vectors.add(body, c, shape, first)
         return self._known[key]
 
     def point(self, point: NodePoint) -> int:
-        """The arm of a point."""
-        return self.arm(point.body, point.r0, point.shape)
+        """The body vector of a point."""
+        return self.body_vector(point.body, point.r0, point.shape)
 
     def between(self, tail: NodePoint, head: NodePoint, B=None) -> int:
         """The free vector B (head - tail) of two points of one body."""
         B = np.eye(3) if B is None else B
-        return self.arm(tail.body, B @ (head.r0 - tail.r0), B @ (head.shape - tail.shape))
+        return self.body_vector(tail.body, B @ (head.r0 - tail.r0), B @ (head.shape - tail.shape))
 
     def axis(self, k: int) -> int:
         """The global direction x, y or z."""
-        return self.arm(NONE, np.eye(3)[k])
+        return self.body_vector(NONE, np.eye(3)[k])
 
     def product(self, v, w, alpha: float = 1.0, constant: float = 0.0) -> np.ndarray:
-        """The measure α V · W - constant of V and W, each an arm or a pair (head, tail) of points."""
-        record = blank_measure()
+        """The primitive α V · W - constant of V and W, each a body vector or a pair (head, tail) of
+        points.
+        """
+        record = blank_primitive()
         record["ends"] = [span if isinstance(span, tuple) else (span, NONE) for span in (v, w)]
         record["alpha"], record["constant"] = alpha, constant
         return record
 
-    def add_angle(self, record, beta: float, f: int, g: int, h: int, near: float = 0.0) -> np.ndarray:
-        """Add β times the angle from F to H, positive towards G, to a measure; `near`: it at the start."""
+    def add_angle(self, record, beta: float, f: int, g: int, h: int, expected: float = 0.0) -> np.ndarray:
+        """Add β times the angle from F to H, positive towards G, to a primitive; `expected`: it at the
+        start.
+        """
         record["beta"], record["f"], record["g"], record["h"] = beta, f, g, h
-        record["turn"] = len(self.turns)
-        self.turns.append(near)
+        record["turn"] = len(self.angles)
+        self.angles.append(expected)
         return record
 
-    def angle(self, f: int, g: int, h: int, near: float = 0.0) -> np.ndarray:
-        """The measure of an angle."""
-        return self.add_angle(self.product(NONE, NONE, 0.0), 1.0, f, g, h, near)
+    def angle(self, f: int, g: int, h: int, expected: float = 0.0) -> np.ndarray:
+        """The primitive of an angle."""
+        return self.add_angle(self.product(NONE, NONE, 0.0), 1.0, f, g, h, expected)
 
     def equations(self, owner: str, place: Place | None, i: int, j: int, parts) -> None:
-        """Add a group of equations between bodies i and j; parts: (name, whether a length, measure)."""
+        """Add a group of equations between bodies i and j; parts: (name, whether a length, primitive)."""
         first = self.first_row + len(self.names)
         for name, is_length, record in parts:
             scale = self.length if is_length else 1.0
@@ -109,12 +114,12 @@ class MeasureTable(LawTable):
         self.groups.append((first, self.first_row + len(self.names), i, j))
 
     def spring(self, record) -> int:
-        """Number of the measure a spring acts in; all equations must have been added."""
+        """Number of the primitive a spring acts in; all equations must have been added."""
         self.springs.append(record)
         return len(self.measured) + len(self.springs) - 1
 
     def chained(self, records) -> np.ndarray:
-        """The first of the measures `records`, to which an equation adds all others."""
+        """The first of the primitives `records`, to which an equation adds all others."""
         for record in reversed(records[1:]):
             record["next"] = self._next
             self.springs.append(record)
@@ -122,22 +127,22 @@ class MeasureTable(LawTable):
         records[0]["next"], self._next = self._next, NONE
         return records[0]
 
-    def _measures(self):
-        """All measures; those that are added to others are counted behind the equations."""
-        found = np.array([*self.measured, *self.springs], dtype=MEASURE).reshape(-1)
+    def _primitives(self):
+        """All primitives; those that are added to others are counted behind the equations."""
+        found = np.array([*self.measured, *self.springs], dtype=PRIMITIVE).reshape(-1)
         found["next"] += np.where(found["next"] >= 0, len(self.measured), 0)
         return found
 
     def arrays(self) -> dict:
         """The arrays of `SystemArrays` that are collected here."""
-        arms, shapes = self.arms.arrays()
+        body_vectors, shapes = self.body_vectors.arrays()
         return {
             "equations": tuple(self.names),
-            "turns": np.array(self.turns, dtype=float),
+            "angles": np.array(self.angles, dtype=float),
             "row_scale": np.array([equation.scale for equation in self.names]),
             "groups": np.array(self.groups, dtype=GROUP).reshape(-1),
-            "arms": arms,
+            "body_vectors": body_vectors,
             "shapes": shapes,
-            "measures": self._measures(),
-            **self.law_arrays(),
+            "primitives": self._primitives(),
+            **self.function_arrays(),
         }

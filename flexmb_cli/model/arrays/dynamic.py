@@ -12,9 +12,9 @@ import numpy as np
 from ...quick_dataclass import dataclass, replace
 from ..joints import NORMALISATION
 from ..loads import DynamicModel
-from .constraint_table import MeasureTable
+from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
-from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_measure
+from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
 from .young_elements import ElementTable, without_driven
 
@@ -33,7 +33,9 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
     mechanism = without_driven(model.mechanism, model.elements)
     kinematic = _without_normalisation(kinematic_arrays(mechanism))
     bodies = len(mechanism.bodies)
-    table = MeasureTable(mechanism.bodies, kinematic.length, len(kinematic.equations), kinematic.screw_angles)
+    table = PrimitiveTable(
+        mechanism.bodies, kinematic.length, len(kinematic.equations), kinematic.screw_angles
+    )
     elements = ElementTable(table, model) if model.elements else None
     if elements:
         elements.add_equations()
@@ -117,7 +119,7 @@ def inertia_matrix(elements) -> np.ndarray:
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
 
 
-def _loads(table: MeasureTable, model: DynamicModel) -> list[np.ndarray]:
+def _loads(table: PrimitiveTable, model: DynamicModel) -> list[np.ndarray]:
     """LOAD records of forces, torques and springs."""
     records = []
     for kind, items in ((FORCE, model.forces), (TORQUE, model.torques)):
@@ -125,14 +127,14 @@ def _loads(table: MeasureTable, model: DynamicModel) -> list[np.ndarray]:
             record = blank_load(kind)
             record["following"] = item.following
             record["vector"] = item.force if kind == FORCE else item.torque
-            record["arm"] = table.arm(item.body, item.point if kind == FORCE else (0.0,) * 3)
+            record["body_vector"] = table.body_vector(item.body, item.point if kind == FORCE else (0.0,) * 3)
             if item.factor is not None:
-                record["law"] = table.law(item.factor)
+                record["function"] = table.function(item.factor)
             records.append(record)
     for spring in model.springs:
         record = blank_load(LINE)
-        head, tail = table.arm(spring.j, spring.P_j), table.arm(spring.i, spring.P_i)
-        record["measure"] = table.spring(line_measure(head, tail))
+        head, tail = table.body_vector(spring.j, spring.P_j), table.body_vector(spring.i, spring.P_i)
+        record["primitive"] = table.spring(line_primitive(head, tail))
         for field in ("stiffness", "free_length", "damping"):
             record[field] = getattr(spring, field)
         records.append(record)

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody
-from .constraint_table import MeasureTable
+from .constraint_table import PrimitiveTable
 from .kinematic import CONSTRAINT
-from .node_joints import add_joints, add_motions, spring_measure
-from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_measure
+from .node_joints import add_joints, add_motions, spring_primitive
+from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
 
 
@@ -19,7 +19,7 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     """
     bodies = mechanism.bodies
     length = length_scale(mechanism)
-    table = MeasureTable(bodies, length)
+    table = PrimitiveTable(bodies, length)
     add_joints(table, mechanism)
     add_motions(table, mechanism)
     loads = _loads(table, mechanism)
@@ -83,13 +83,13 @@ def _flexible(bodies):
     return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
 
 
-def _loads(table: MeasureTable, mechanism: FlexibleMechanism):
+def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
     records += [_spring(table, item) for item in mechanism.springs]
     for item in mechanism.joint_springs:
         record = blank_load(RELATIVE)
-        record["measure"] = table.spring(spring_measure(table, mechanism.joints[item.joint]))
+        record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
         record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
         records.append(record)
     return np.array(records, dtype=LOAD).reshape(-1)
@@ -97,20 +97,26 @@ def _loads(table: MeasureTable, mechanism: FlexibleMechanism):
 
 def _force(table, item):
     record = blank_load(FORCE)
-    record["arm"], record["vector"] = table.point(item.point), item.force
-    record["following"], record["law"] = item.follows, table.law(item.factor) if item.factor else NONE
+    record["body_vector"], record["vector"] = table.point(item.point), item.force
+    record["following"], record["function"] = (
+        item.follows,
+        table.function(item.factor) if item.factor else NONE,
+    )
     return record
 
 
 def _torque(table, item):
     record = blank_load(TORQUE)
-    record["arm"], record["vector"] = table.arm(item.body, np.zeros(3)), item.torque
-    record["following"], record["law"] = item.follows, table.law(item.factor) if item.factor else NONE
+    record["body_vector"], record["vector"] = table.body_vector(item.body, np.zeros(3)), item.torque
+    record["following"], record["function"] = (
+        item.follows,
+        table.function(item.factor) if item.factor else NONE,
+    )
     return record
 
 
 def _spring(table, item):
     record = blank_load(LINE)
-    record["measure"] = table.spring(line_measure(table.point(item.b), table.point(item.a)))
+    record["primitive"] = table.spring(line_primitive(table.point(item.b), table.point(item.a)))
     record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.length
     return record

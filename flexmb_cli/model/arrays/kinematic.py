@@ -35,7 +35,7 @@ CONSTRAINT = np.dtype(
         ("h_i", np.float64, 3),  # translational: unit h_i; screw: unit part of h_i across the axis
         ("g_i", np.float64, 3),  # screw: s_i × h_i
         ("h_j", np.float64, 3),  # unit vector, body axes of j
-        ("C", np.float64),  # value of a constraint; law C + B t + A t²/2 of a driver
+        ("C", np.float64),  # value of a constraint; function C + B t + A t²/2 of a driver
         ("B", np.float64),
         ("A", np.float64),
         ("pitch", np.float64),  # screw: advance per radian, m
@@ -197,15 +197,15 @@ def _add_distance(rows, item):
 
 
 def _add_driver(rows, driver: Driver):
-    law = {"C": driver.C, "B": driver.B, "A": driver.A}
+    function = {"C": driver.C, "B": driver.B, "A": driver.A}
     if driver.direction <= 3:
         part = Equation(
             driver.name, COORDINATES[driver.direction - 1], driver.place, rows.length, is_length=True
         )
-        rows.add(DRIVER, driver.body, driver.body, [part], coordinate=driver.direction - 1, **law)
+        rows.add(DRIVER, driver.body, driver.body, [part], coordinate=driver.direction - 1, **function)
     else:
         parts = [Equation(driver.name, e, driver.place, 1.0) for e in (COORDINATES[driver.direction], "e0")]
-        rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction, **law)
+        rows.add(DRIVER, driver.body, driver.body, parts, coordinate=driver.direction, **function)
 
 
 def _add_normalisation(rows, attitudes, mechanism, body):

@@ -1,16 +1,16 @@
-"""Riders: frames at nodes of a flexible body whose hinges turn with the slope of the body.
+"""Node frames: frames at nodes of a flexible body whose hinges turn with the slope of the body.
 
 The rotation of such a node is a linear function C w of all elastic coordinates of its body (DAFMS
 thesis, 1992, eqs. 2.7 and 2.24: the nodal rotations that the condensation took out), so that what
-hangs there acts on all of them.  A rider has no mass and no coordinates of its own: its node stays a
-lump like the others.  A body that carries a turning hinge has riders at all its carrying nodes.
+hangs there acts on all of them.  A node frame has no mass and no coordinates of its own: its node stays a
+nodal mass like the others.  A body that carries a turning hinge has node frames at all its carrying nodes.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-RIDER = np.dtype(
+NODE_FRAME = np.dtype(
     [
         ("frame", np.int64),
         ("node", np.int64, 3),  # coordinate of its node's displacement along axis 1, 2, 3; -1 where held
@@ -20,45 +20,47 @@ RIDER = np.dtype(
     ]
 )
 
-RIDDEN_BODY = np.dtype(
+FLEXIBLE_PARENT = np.dtype(
     [
         ("frame", np.int64),
-        ("first_rider", np.int64),
-        ("riders", np.int64),
+        ("first_node_frame", np.int64),
+        ("node_frames", np.int64),
         ("first", np.int64),  # first elastic coordinate
         ("count", np.int64),  # NM
     ]
 )
 
 
-class Riders(NamedTuple):
-    """R riders in numbers, and their work space: six rows each, rotation first, inertial axes.
+class NodeFrames(NamedTuple):
+    """R node frames in numbers, and their work space: six rows each, rotation first, inertial axes.
 
-    Of a ridden body with n riders the first 6 n columns of (6 R, 6 R) arrays count, beginning at 0.
+    Of a flexible parent with n node frames the first 6 n columns of (6 R, 6 R) arrays count, beginning at 0.
     """
 
-    records: np.ndarray  # (R,) of RIDER
-    bodies: np.ndarray  # of RIDDEN_BODY
+    records: np.ndarray  # (R,) of NODE_FRAME
+    bodies: np.ndarray  # of FLEXIBLE_PARENT
     slopes: np.ndarray  # all matrices C, flat
-    motion: np.ndarray  # (6 R, NM) D: acceleration of the riders by the elastic coordinates
+    motion: np.ndarray  # (6 R, NM) D: acceleration of the node frames by the elastic coordinates
     carry: np.ndarray  # (6 R, 6) E: and by the body, the nodes staying behind
     given: np.ndarray  # (6 R,) s: and without either
-    own: np.ndarray  # (6 R, 6) inertia of what hangs on each rider
-    compliance: np.ndarray  # (6 R, 6 R) W: acceleration by forces on the riders
-    grip: np.ndarray  # (6 R, 6 R) (1 + own W)^-1
+    own: np.ndarray  # (6 R, 6) inertia of what hangs on each node frame
+    compliance: np.ndarray  # (6 R, 6 R) W: acceleration by forces on the node frames
+    transmission: np.ndarray  # (6 R, 6 R) (1 + own W)^-1
     stiff: np.ndarray  # (6 R, 6 R) grip own
     gain: np.ndarray  # (6 R, 6) stiff E
     held: np.ndarray  # (6 R,) force on what hangs there while the body does not accelerate
     force: np.ndarray  # (6 R,) force on what hangs there
 
 
-def empty_riders(riders: list, bodies: list, slopes: list) -> Riders:
-    """Riders with blank work space; `riders` and `bodies` are rows of RIDER and RIDDEN_BODY."""
-    rows, widest = 6 * len(riders), max((6 * body[2] for body in bodies), default=0)
+def empty_node_frames(node_frames: list, bodies: list, slopes: list) -> NodeFrames:
+    """Node frames with blank work space; `node_frames` and `bodies` are rows of NODE_FRAME and
+    FLEXIBLE_PARENT.
+    """
+    rows, widest = 6 * len(node_frames), max((6 * body[2] for body in bodies), default=0)
     longest = max((body[4] for body in bodies), default=0)
-    return Riders(
-        np.array(riders, RIDER) if riders else np.zeros(0, RIDER),
-        np.array(bodies, RIDDEN_BODY) if bodies else np.zeros(0, RIDDEN_BODY),
+    return NodeFrames(
+        np.array(node_frames, NODE_FRAME) if node_frames else np.zeros(0, NODE_FRAME),
+        np.array(bodies, FLEXIBLE_PARENT) if bodies else np.zeros(0, FLEXIBLE_PARENT),
         np.concatenate([np.zeros(0), *(np.ravel(C) for C in slopes)]),
         np.zeros((rows, longest)),
         np.zeros((rows, 6)),

@@ -1,7 +1,8 @@
-"""Joints, pins and motions between points of rigid and flexible bodies, as lists of measures.
+"""Joints, pins and motions between points of rigid and flexible bodies, as lists of primitives.
 
 The equations are those of Young's joints (1996, chapter 4) with vectors that move with the nodes: points
-coincide, axes stay parallel, (p1) and (p2), arms keep right angles, angles count about the axis of body a.
+coincide, axes stay parallel, (p1) and (p2), body vectors keep right angles, angles count about the axis of
+body a.
 """
 
 import math
@@ -11,16 +12,16 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ..flexible_mechanism import FlexibleMechanism, NodePoint, PointJoint
 from ..time_functions import POLYNOMIAL, Motion
-from .constraint_table import MeasureTable, tilde
+from .constraint_table import PrimitiveTable, tilde
 from .records import NONE
 
 TRANSLATIONS, ROTATIONS = ("TRAX", "TRAY", "TRAZ"), ("ROTX", "ROTY", "ROTZ")
 
 
-class JointArms:
+class JointVectors:
     """The moving directions of a joint between points P, Q, H of bodies a and b."""
 
-    def __init__(self, table: MeasureTable, joint: PointJoint):
+    def __init__(self, table: PrimitiveTable, joint: PointJoint):
         self.table, self.joint = table, joint
         self.a, self.b = joint.a, joint.b
         self.i, self.j = joint.a[0].body, joint.b[0].body
@@ -35,7 +36,7 @@ class JointArms:
         s = points[1].r0 - points[0].r0
         return s / np.linalg.norm(s)
 
-    def arm_of(self, points) -> int:
+    def body_vector_of(self, points) -> int:
         """The vector from P to Q, 1 long at t = 0."""
         B = np.eye(3) / np.linalg.norm(points[1].r0 - points[0].r0)
         return self.table.between(points[0], points[1], B)
@@ -64,7 +65,11 @@ class JointArms:
             f = np.cross(s, np.eye(3)[int(np.argmin(np.abs(s)))])
             f /= np.linalg.norm(f)
             h = of_b.T @ of_a @ f
-            return table.arm(self.i, f), table.arm(self.i, np.cross(s, f)), table.arm(self.j, h)
+            return (
+                table.body_vector(self.i, f),
+                table.body_vector(self.i, np.cross(s, f)),
+                table.body_vector(self.j, h),
+            )
         h = self.b[2].r0 - self.b[0].r0
         target = of_a.T @ of_b @ h
         given = self.a[2].r0 - self.a[0].r0
@@ -77,50 +82,73 @@ class JointArms:
         return f, g, table.between(self.b[0], self.b[2], np.eye(3) / np.linalg.norm(h))
 
     def stroke(self) -> np.ndarray:
-        """The measure of the stroke, 0 at t = 0."""
-        return self.table.product(self.gap, self.arm_of(self.a), constant=self.slide)
+        """The primitive of the stroke, 0 at t = 0."""
+        return self.table.product(self.gap, self.body_vector_of(self.a), constant=self.slide)
 
 
-def _coincident(arms):
-    return [(name, True, arms.table.product(arms.gap, arms.table.axis(k))) for k, name in enumerate("xyz")]
-
-
-def _parallel(arms):
-    other = arms.arm_of(arms.b)
+def _coincident(body_vectors):
     return [
-        (f"axes parallel, {word}", False, arms.table.product(other, across))
-        for word, across in zip(("1st", "2nd"), arms.across(), strict=True)
+        (name, True, body_vectors.table.product(body_vectors.gap, body_vectors.table.axis(k)))
+        for k, name in enumerate("xyz")
     ]
 
 
-def _on_axis(arms):
+def _parallel(body_vectors):
+    other = body_vectors.body_vector_of(body_vectors.b)
     return [
-        (f"{arms.b[0].name} on the axis, {word}", True, arms.table.product(arms.gap, across))
-        for word, across in zip(("1st", "2nd"), arms.across(), strict=True)
+        (f"axes parallel, {word}", False, body_vectors.table.product(other, across))
+        for word, across in zip(("1st", "2nd"), body_vectors.across(), strict=True)
     ]
 
 
-def _no_turn(arms):
-    _, g, h = arms.turning()
-    return [("angle about the axis", False, arms.table.product(g, h))]
+def _on_axis(body_vectors):
+    return [
+        (
+            f"{body_vectors.b[0].name} on the axis, {word}",
+            True,
+            body_vectors.table.product(body_vectors.gap, across),
+        )
+        for word, across in zip(("1st", "2nd"), body_vectors.across(), strict=True)
+    ]
 
 
-def _right_angle(arms):
-    return [("arms at right angles", False, arms.table.product(arms.arm_of(arms.a), arms.arm_of(arms.b)))]
+def _no_turn(body_vectors):
+    _, g, h = body_vectors.turning()
+    return [("angle about the axis", False, body_vectors.table.product(g, h))]
 
 
-def _thread(arms):
-    record = arms.stroke()
-    return [("slide and turn", True, arms.table.add_angle(record, -arms.joint.size, *arms.turning()))]
+def _right_angle(body_vectors):
+    return [
+        (
+            "arms at right angles",
+            False,
+            body_vectors.table.product(
+                body_vectors.body_vector_of(body_vectors.a), body_vectors.body_vector_of(body_vectors.b)
+            ),
+        )
+    ]
 
 
-def _distance(arms):
-    L = arms.joint.size
-    return [("distance", True, arms.table.product(arms.gap, arms.gap, 0.5 / L, 0.5 * L))]
+def _thread(body_vectors):
+    record = body_vectors.stroke()
+    return [
+        (
+            "slide and turn",
+            True,
+            body_vectors.table.add_angle(record, -body_vectors.joint.size, *body_vectors.turning()),
+        )
+    ]
 
 
-def _in_plane(arms):
-    return [("in the plane across the axis", True, arms.stroke())]
+def _distance(body_vectors):
+    L = body_vectors.joint.size
+    return [
+        ("distance", True, body_vectors.table.product(body_vectors.gap, body_vectors.gap, 0.5 / L, 0.5 * L))
+    ]
+
+
+def _in_plane(body_vectors):
+    return [("in the plane across the axis", True, body_vectors.stroke())]
 
 
 EQUATIONS_OF = {
@@ -136,51 +164,57 @@ EQUATIONS_OF = {
 }
 
 
-def add_joints(table: MeasureTable, mechanism: FlexibleMechanism) -> None:
+def add_joints(table: PrimitiveTable, mechanism: FlexibleMechanism) -> None:
     """The equations of joints and pins."""
     for joint in mechanism.joints:
-        arms = JointArms(table, joint)
-        parts = [part for make in EQUATIONS_OF[joint.kind] for part in make(arms)]
-        table.equations(joint.name, joint.place, arms.i, arms.j, parts)
+        body_vectors = JointVectors(table, joint)
+        parts = [part for make in EQUATIONS_OF[joint.kind] for part in make(body_vectors)]
+        table.equations(joint.name, joint.place, body_vectors.i, body_vectors.j, parts)
     for pin in mechanism.pins:
-        target = table.arm(NONE, pin.target)
+        target = table.body_vector(NONE, pin.target)
         gap = table.point(pin.point), target
         parts = [("xyz"[k], True, table.product(gap, table.axis(k))) for k in range(3) if pin.directions[k]]
         table.equations(pin.name, pin.place, NONE, pin.point.body, parts)
 
 
-def add_motions(table: MeasureTable, mechanism: FlexibleMechanism) -> None:
+def add_motions(table: PrimitiveTable, mechanism: FlexibleMechanism) -> None:
     """The equations of prescribed motions, one each.  Raises ModelError where turns have no meaning."""
-    _refuse_two_turns(mechanism.motions)
+    _refuse_two_rotations(mechanism.motions)
     for motion in mechanism.motions:
         if motion.kind in ("ANGL", "STRK"):
-            arms = JointArms(table, mechanism.joints[motion.target])
-            i, j = arms.i, arms.j
+            body_vectors = JointVectors(table, mechanism.joints[motion.target])
+            i, j = body_vectors.i, body_vectors.j
             is_length = motion.kind == "STRK"
-            record = arms.stroke() if is_length else table.angle(*arms.turning(), motion.law.at(0.0)[0])
+            record = (
+                body_vectors.stroke()
+                if is_length
+                else table.angle(*body_vectors.turning(), motion.function.at(0.0)[0])
+            )
         else:
             i, j, is_length = NONE, motion.target, motion.kind in TRANSLATIONS
             record = _body_motion(table, mechanism, motion)
-        record["law"] = table.law(motion.law)
+        record["function"] = table.function(motion.function)
         name = "stroke" if is_length else "angle"
         table.equations(motion.name, motion.place, i, j, [(name, is_length, record)])
 
 
 def _body_motion(table, mechanism, motion: Motion):
     if motion.kind in TRANSLATIONS:
-        origin = table.arm(motion.target, np.zeros(3)), table.arm(NONE, np.zeros(3))
+        origin = table.body_vector(motion.target, np.zeros(3)), table.body_vector(NONE, np.zeros(3))
         return table.product(origin, table.axis(TRANSLATIONS.index(motion.kind)))
     own = _node_axes(mechanism.bodies[motion.target])
     about = ROTATIONS.index(motion.kind)
     spin = _spin(mechanism.motions, motion.target)
     after, last = (about + 1) % 3, (about + 2) % 3
     if about == spin:
-        near = motion.law.at(0.0)[0]
-        return table.angle(table.axis(after), table.axis(last), table.arm(motion.target, own[after]), near)
+        expected = motion.function.at(0.0)[0]
+        return table.angle(
+            table.axis(after), table.axis(last), table.body_vector(motion.target, own[after]), expected
+        )
     # A small turn φ about `about` moves the axis of spin by φ along ±the third axis.
     sign = -1.0 if (spin + 1) % 3 == about else 1.0
     third = 3 - about - spin
-    return table.product(table.arm(motion.target, own[spin]), table.axis(third), sign)
+    return table.product(table.body_vector(motion.target, own[spin]), table.axis(third), sign)
 
 
 def _node_axes(body):
@@ -188,21 +222,21 @@ def _node_axes(body):
     return body.flexible.axes if body.flexible else np.eye(3)
 
 
-def _is_zero(law):
-    return law.kind == POLYNOMIAL and not any(law.c)
+def _is_zero(function):
+    return function.kind == POLYNOMIAL and not any(function.c)
 
 
 def _spin(motions, body):
     """The axis a body is turned about: that of the only rotation that is not held at 0."""
     own = [motion for motion in motions if motion.target == body and motion.kind in ROTATIONS]
-    turned = [motion for motion in own if not _is_zero(motion.law)]
+    turned = [motion for motion in own if not _is_zero(motion.function)]
     return ROTATIONS.index((turned or own[-1:])[0].kind)
 
 
-def _refuse_two_turns(motions):
+def _refuse_two_rotations(motions):
     faults = []
     for body in {motion.target for motion in motions if motion.kind in ROTATIONS}:
-        turned = [m for m in motions if m.target == body and m.kind in ROTATIONS and not _is_zero(m.law)]
+        turned = [m for m in motions if m.target == body and m.kind in ROTATIONS and not _is_zero(m.function)]
         for motion in turned[1:]:
             message = (
                 f"{turned[0].kind} and {motion.kind} both turn body {body + 1}; one axis can be turned about "
@@ -213,10 +247,10 @@ def _refuse_two_turns(motions):
         raise ModelError(faults)
 
 
-def spring_measure(table: MeasureTable, joint: PointJoint) -> np.ndarray:
+def spring_primitive(table: PrimitiveTable, joint: PointJoint) -> np.ndarray:
     """The stroke of a translational joint, the angle of the others."""
-    arms = JointArms(table, joint)
-    return arms.stroke() if joint.kind == "translational" else table.angle(*arms.turning())
+    body_vectors = JointVectors(table, joint)
+    return body_vectors.stroke() if joint.kind == "translational" else table.angle(*body_vectors.turning())
 
 
 def reaction_point(joint: PointJoint) -> NodePoint:

@@ -1,8 +1,10 @@
-"""Records that the kernels of constrained dynamics read: masses, arms, measures, loads, laws, groups.
+"""Records that the kernels of constrained dynamics read: masses, body vectors, primitives, loads, functions,
+groups.
 
-An arm is c + S η in the axes of its body: a point, taken with the body's origin, or a free vector.  Body -1
-is the ground, whose axes are global.  The first coordinates are r and p of every body, seven each, the first
-speeds v and ω, six each; behind them stand the modal coordinates of the flexible bodies and their rates.
+A body vector is c + S η in the axes of its body: a point, taken with the body's origin, or a free vector.
+Body -1 is the ground, whose axes are global.  The first coordinates are r and p of every body, seven each,
+the first speeds v and ω, six each; behind them stand the modal coordinates of the flexible bodies and their
+rates.
 """
 
 import numpy as np
@@ -32,10 +34,10 @@ FLEXIBLE = np.dtype(
     ]
 )
 
-ARM = np.dtype(
+BODY_VECTOR = np.dtype(
     [
         ("body", np.int64),
-        ("modes", np.int64),  # N, 0 where the arm does not deform
+        ("modes", np.int64),  # N, 0 where the body vector does not deform
         ("first", np.int64),  # first modal coordinate of its body
         ("shape", np.int64),  # where S (3, N) begins in `shapes`
         ("c", np.float64, 3),
@@ -43,19 +45,20 @@ ARM = np.dtype(
 )
 
 # α V · W + β θ - constant, θ the angle from F to H, positive towards G; V and W, the `ends`, are the point at
-# the first arm less that at the second, or the first arm as a free vector where the second is -1.
-MEASURE = np.dtype(
+# the first body vector less that at the second, or the first body vector as a free vector where the second is
+# -1.
+PRIMITIVE = np.dtype(
     [
         ("alpha", np.float64),
         ("ends", np.int64, (2, 2)),
         ("beta", np.float64),
-        ("f", np.int64),  # arms, free vectors; F and G at right angles
+        ("f", np.int64),  # body vectors, free vectors; F and G at right angles
         ("g", np.int64),
         ("h", np.int64),
         ("turn", np.int64),  # running number of the angle, -1 where there is none
-        ("law", np.int64),  # what the measure follows, -1: 0
+        ("function", np.int64),  # what the primitive follows, -1: 0
         ("constant", np.float64),
-        ("next", np.int64),  # measure that is added to it in an equation, -1: none
+        ("next", np.int64),  # primitive that is added to it in an equation, -1: none
     ]
 )
 
@@ -63,25 +66,25 @@ LOAD = np.dtype(
     [
         ("kind", np.int64),  # FORCE, TORQUE, LINE, RELATIVE, ELEMENT or FRICTION
         (
-            "arm",
+            "body_vector",
             np.int64,
-        ),  # point of action of a force; of a torque any arm of its body; of friction the axis
-        ("measure", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
+        ),  # point of action of a force; of a torque any body vector of its body; of friction the axis
+        ("primitive", np.int64),  # RELATIVE, ELEMENT: the angle or stroke the spring acts in; LINE: its V
         ("following", np.int64),  # 1: the vector is in body axes
-        ("law", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
+        ("function", np.int64),  # what multiplies the vector, -1: 1; RELATIVE: effort of a motor, -1: none
         ("vector", np.float64, 3),  # N or N m
         ("stiffness", np.float64),  # N/m, N m/rad
         ("free_length", np.float64),  # m or rad
         ("damping", np.float64),  # N s/m, N m s/rad; of a stop or cable s/m, s/rad
         ("shape", np.int64),  # ELEMENT: SPRING, STOP or CABLE
         ("in_line", np.int64),  # ELEMENT: 1: it acts in the length of V
-        ("curve", np.int64),  # ELEMENT: law of the stretch, -1: none,
+        ("curve", np.int64),  # ELEMENT: function of the stretch, -1: none,
         ("energy", np.int64),  # and its integral
-        ("damper", np.int64),  # ELEMENT: law of the rate, -1: none
+        ("damper", np.int64),  # ELEMENT: function of the rate, -1: none
         ("preload", np.float64),  # N, N m
         ("lower", np.float64),  # STOP: m, rad
         ("upper", np.float64),
-        ("stroke", np.int64),  # FRICTION: measure of the stroke, -1: none; `measure` is the angle
+        ("stroke", np.int64),  # FRICTION: primitive of the stroke, -1: none; `primitive` is the angle
         ("group", np.int64),  # FRICTION: number of the joint among the groups
         ("dynamic", np.float64),  # FRICTION: coefficients,
         ("static", np.float64),
@@ -91,7 +94,7 @@ LOAD = np.dtype(
     ]
 )
 
-LAW = np.dtype(
+FUNCTION = np.dtype(
     [
         ("kind", np.int64),
         ("c", np.float64, 4),
@@ -104,8 +107,8 @@ LAW = np.dtype(
 GROUP = np.dtype([("first_row", np.int64), ("end_row", np.int64), ("body_i", np.int64), ("body_j", np.int64)])
 
 
-class ArmTable:
-    """Collects arms and their shapes."""
+class BodyVectorTable:
+    """Collects body vectors and their shapes."""
 
     def __init__(self):
         self.records = []
@@ -113,8 +116,8 @@ class ArmTable:
         self._size = 0
 
     def add(self, body: int, c, shape=None, first: int = 0) -> int:
-        """Number of a new arm c + shape η; `first`: the first modal coordinate of its body."""
-        record = np.zeros((), ARM)
+        """Number of a new body vector c + shape η; `first`: the first modal coordinate of its body."""
+        record = np.zeros((), BODY_VECTOR)
         record["body"], record["c"], record["first"], record["shape"] = body, c, first, self._size
         if shape is not None and shape.shape[1]:
             record["modes"] = shape.shape[1]
@@ -124,30 +127,30 @@ class ArmTable:
         return len(self.records) - 1
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """ARM records, and the shapes one after the other."""
+        """BODY_VECTOR records, and the shapes one after the other."""
         flat = np.concatenate(self.shapes) if self.shapes else np.zeros(0)
-        return np.array(self.records, dtype=ARM).reshape(-1), flat
+        return np.array(self.records, dtype=BODY_VECTOR).reshape(-1), flat
 
 
-def law_record(kind: int, c=(0.0, 0.0, 0.0, 0.0), first: int = 0, last: int = 0):
-    """A LAW record."""
-    record = np.zeros((), LAW)
+def function_record(kind: int, c=(0.0, 0.0, 0.0, 0.0), first: int = 0, last: int = 0):
+    """A FUNCTION record."""
+    record = np.zeros((), FUNCTION)
     record["kind"], record["c"], record["first"], record["last"] = kind, c, first, last
     return record
 
 
-def blank_measure():
+def blank_primitive():
     """A MEASURE record that refers to nothing."""
-    record = np.zeros((), MEASURE)
+    record = np.zeros((), PRIMITIVE)
     record["ends"] = NONE
-    for field in ("f", "g", "h", "turn", "law", "next"):
+    for field in ("f", "g", "h", "turn", "function", "next"):
         record[field] = NONE
     return record
 
 
-def line_measure(head: int, tail: int):
-    """The measure whose V goes from the point at arm `tail` to that at `head`."""
-    record = blank_measure()
+def line_primitive(head: int, tail: int):
+    """The primitive whose V goes from the point at body vector `tail` to that at `head`."""
+    record = blank_primitive()
     record["ends"][0] = head, tail
     return record
 
@@ -156,6 +159,6 @@ def blank_load(kind: int):
     """A LOAD record of a kind that refers to nothing."""
     record = np.zeros((), LOAD)
     record["kind"] = kind
-    for field in ("arm", "measure", "law", "curve", "energy", "damper", "stroke", "group"):
+    for field in ("body_vector", "primitive", "function", "curve", "energy", "damper", "stroke", "group"):
         record[field] = NONE
     return record

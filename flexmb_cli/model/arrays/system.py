@@ -12,13 +12,13 @@ SPEEDS_OF_BODY = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
 class SystemArrays:
     """A mechanism of b bodies with m equations, E modal coordinates and n = 6 b + E speeds.
 
-    Records are those of `system_records`; the rows of `constraints` come before those of `measures`.
+    Records are those of `records`; the rows of `constraints` come before those of `primitives`.
     """
 
     body_names: tuple[str, ...]
     equations: tuple[Equation, ...]  # (m,)
     q: np.ndarray  # (n + b,) estimates at the start
-    turns: np.ndarray  # (angles,) estimates of the angles that count turns, rad
+    angles: np.ndarray  # (angles,) estimates of the angles that count turns, rad
     coordinate_scale: np.ndarray  # (n + b,) units
     speed_scale: np.ndarray  # (n,)
     row_scale: np.ndarray  # (m,)
@@ -28,11 +28,11 @@ class SystemArrays:
     masses: np.ndarray  # (b,) MASS
     flexible: np.ndarray  # FLEXIBLE
     modal: np.ndarray  # their invariants
-    arms: np.ndarray  # ARM
+    body_vectors: np.ndarray  # BODY_VECTOR
     shapes: np.ndarray
-    measures: np.ndarray  # MEASURE: first of the rows behind those of `constraints`, then of springs
+    primitives: np.ndarray  # MEASURE: first of the rows behind those of `constraints`, then of springs
     loads: np.ndarray  # LOAD
-    laws: np.ndarray  # LAW
+    functions: np.ndarray  # FUNCTION
     knots: np.ndarray  # (k, 3)
     gravity: np.ndarray  # (3,) global axes, m/s²
 

@@ -7,8 +7,8 @@ import numpy as np
 from ..geometric_stiffness import across, beam_direction, geometric_stiffness
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from .bandwidth import row_reach
-from .node_frames import Riders, empty_riders
-from .tree_frames import LUMP, tree_frames
+from .node_frames import NodeFrames, empty_node_frames
+from .tree_frames import NODAL_MASS, tree_frames
 
 ELASTIC_BODY = np.dtype(
     [
@@ -28,8 +28,9 @@ SPRING = np.dtype(
 
 PRESCRIBED = np.dtype([("coordinate", np.int64), ("C", np.float64), ("B", np.float64), ("A", np.float64)])
 
-# A law has the value c0 + c1 t between two breakpoints of its table; `solve` fills it in for each interval.
-LAW = np.dtype(
+# A function has the value c0 + c1 t between two breakpoints of its table; `solve` fills it in for each
+# interval.
+FUNCTION = np.dtype(
     [
         ("frame", np.int64),  # body torque on this frame, or 0
         ("axis", np.int64),  # 0, 1, 2, inertial
@@ -62,7 +63,7 @@ class TreeArrays(NamedTuple):
     """A tree in numbers.  NS coordinates; `elastic`, `given` (NS,) mark elastic and prescribed ones."""
 
     frames: np.ndarray
-    lumps: np.ndarray
+    nodal_masses: np.ndarray
     elastic_bodies: np.ndarray
     stiffness: np.ndarray  # all matrices, flat
     damping: np.ndarray  # all matrices, flat
@@ -70,19 +71,19 @@ class TreeArrays(NamedTuple):
     reach: np.ndarray  # (NS, 2) first place and one past the last that counts in an elastic coordinate's rows
     springs: np.ndarray
     prescribed: np.ndarray
-    laws: np.ndarray
+    functions: np.ndarray
     closures: np.ndarray  # one record a closed direction
     closure_matrix: np.ndarray  # (rows, rows), scratch
     gravity: np.ndarray  # (3,)
     elastic: np.ndarray  # (NS,) bool
     given: np.ndarray  # (NS,) bool
     inertia_scale: np.ndarray  # (NS,) inertia against which a pivot of the mass matrix counts as zero
-    riders: Riders
+    node_frames: NodeFrames
     one_way: bool
 
 
 def tree_arrays(tree: Tree) -> TreeArrays:
-    """The arrays of a tree; laws get their values later, interval by interval."""
+    """The arrays of a tree; functions get their values later, interval by interval."""
     index = {(c.body, c.motion, c.axis, c.node): m for m, c in enumerate(tree.coordinates)}
     parts = tree_frames(tree, index)
     closures = _closure_rows(tree, parts.of_body, parts.of_node)
@@ -93,7 +94,7 @@ def tree_arrays(tree: Tree) -> TreeArrays:
     given[[row[0] for row in prescribed]] = True
     return TreeArrays(
         frames=np.concatenate(parts.frames),
-        lumps=_records(LUMP, parts.lumps),
+        nodal_masses=_records(NODAL_MASS, parts.nodal_masses),
         elastic_bodies=elastic_bodies,
         stiffness=stiffness,
         damping=damping,
@@ -101,14 +102,14 @@ def tree_arrays(tree: Tree) -> TreeArrays:
         reach=reach,
         springs=_records(SPRING, [(_rigid(index, s), s.stiffness, s.damping, s.rest) for s in tree.springs]),
         prescribed=_records(PRESCRIBED, prescribed),
-        laws=_laws(tree, index, parts.of_body),
+        functions=_functions(tree, index, parts.of_body),
         closures=closures,
         closure_matrix=np.zeros((closures.size, closures.size)),
         gravity=np.array(tree.gravity, float),
         elastic=np.array([c.motion == ELASTIC for c in tree.coordinates], bool),
         given=given,
         inertia_scale=_inertia_scale(tree),
-        riders=empty_riders(parts.riders, parts.ridden, parts.slopes),
+        node_frames=empty_node_frames(parts.node_frames, parts.flexible_parent, parts.slopes),
         one_way=tree.one_way,
     )
 
@@ -167,9 +168,11 @@ def _stiffening(tree, k):
     return np.array(
         [
             across(
-                geometric_stiffness(elastic.positions, elastic.stiffened_from, pulls), direction, elastic.axes
+                geometric_stiffness(elastic.positions, elastic.stiffened_from, prestress),
+                direction,
+                elastic.axes,
             )
-            for pulls in (masses * (elastic.positions @ direction), masses)
+            for prestress in (masses * (elastic.positions @ direction), masses)
         ]
     )
 
@@ -187,10 +190,10 @@ def hanging_masses(tree, k):
     return hanging
 
 
-def _laws(tree, index, of_body):
-    laws = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
-    laws += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
-    return _records(LAW, laws)
+def _functions(tree, index, of_body):
+    functions = [(of_body[t.body], t.axis - 1, -1, 0.0, 0.0) for t in tree.torques]
+    functions += [(0, 0, _rigid(index, m), 0.0, 0.0) for m in tree.motors]
+    return _records(FUNCTION, functions)
 
 
 def _closure_rows(tree, of_body, of_node):

@@ -1,10 +1,10 @@
-"""Tree → records of frames, lumps and riders.
+"""Tree → records of frames, nodal masses and node frames.
 
 A *frame* is a body or a node that carries a hinge or closure: such a node is a point mass on
 translational hinges along the axes of its body, so that one recursion serves both.  The other nodes
-are *lumps*, which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's
+are *nodal masses*, which end the tree and are cheaper.  Frames stand in the order of the bodies, a body's
 carrying nodes right behind it: a parent always comes before its children.  Frame 0 is the inertial
-frame.  Hinges that turn with the slope of their node hang on *riders* instead, see `tree_riders`.
+frame.  Hinges that turn with the slope of their node hang on *node frames* instead, see `tree_node_frames`.
 """
 
 import math
@@ -30,19 +30,19 @@ FRAME = np.dtype(
         ("frame", np.float64, 9),  # P_k axes -> parent's axes, row by row
         ("turned", np.int64),  # whether `attitude` turns anything
         ("attitude", np.float64, 9),  # O_k axes -> P_k axes when no rotation is free
-        ("mass", np.float64),  # without lumps and carrying nodes, kg
+        ("mass", np.float64),  # without nodal masses and carrying nodes, kg
         ("moment", np.float64, 3),  # mass times centre of mass, own axes, kg m
-        ("inertia", np.float64, 6),  # xx xy xz yy yz zz about the origin, without lumps, own axes
+        ("inertia", np.float64, 6),  # xx xy xz yy yz zz about the origin, without nodal masses, own axes
         ("force", np.float64, 3),  # at the origin, inertial axes, N
         ("torque", np.float64, 3),  # inertial axes, N m
-        ("first_lump", np.int64),
-        ("lumps", np.int64),
-        ("rider", np.int64),  # number among the riders, -1 otherwise
-        ("ridden", np.int64),  # number among the ridden bodies, -1 otherwise
+        ("first_nodal_mass", np.int64),
+        ("nodal_masses", np.int64),
+        ("node_frame", np.int64),  # number among the node frames, -1 otherwise
+        ("flexible_parent", np.int64),  # number among the flexible parents, -1 otherwise
     ]
 )
 
-LUMP = np.dtype(
+NODAL_MASS = np.dtype(
     [
         ("position", np.float64, 3),  # undeformed, in the axes of its body, m
         ("mass", np.float64),  # kg
@@ -65,16 +65,18 @@ class FrameParts:
     """Records on their way into arrays, and which frame is whose."""
 
     frames: list
-    lumps: list = field(default_factory=list)
+    nodal_masses: list = field(default_factory=list)
     of_body: list = field(default_factory=list)
     of_node: dict = field(default_factory=dict)  # (body, node, hinge that turns with the slope or None)
-    riders: list = field(default_factory=list)
-    ridden: list = field(default_factory=list)
+    node_frames: list = field(default_factory=list)
+    flexible_parent: list = field(default_factory=list)
     slopes: list = field(default_factory=list)
 
 
 def tree_frames(tree, index) -> FrameParts:
-    """Frames, lumps and riders of all bodies; `index` finds a coordinate by (body, motion, axis, node)."""
+    """Frames, nodal masses and node frames of all bodies; `index` finds a coordinate by (body, motion, axis,
+    node).
+    """
     parts = FrameParts([_blank_frame(0, INERTIAL)])
     carriers = _carriers(tree)
     balls = 0
@@ -87,39 +89,39 @@ def tree_frames(tree, index) -> FrameParts:
         parts.frames.append(frame)
         own = [carrier for carrier in carriers if carrier[0] == k]
         if any(hinge is not None for _, _, hinge in own):
-            _add_riders(tree, k, own, index, parts)
+            _add_node_frames(tree, k, own, index, parts)
             own = []
         for _, node, _ in own:
             parts.of_node[k, node, None] = len(parts.frames)
             parts.frames.append(_node_frame(body, k, node, parts.of_body[k], index))
-        _add_lumps(body, k, {node for _, node, _ in own}, index, parts)
+        _add_nodal_masses(body, k, {node for _, node, _ in own}, index, parts)
     return parts
 
 
-def _add_riders(tree, k, carriers, index, parts):
-    """Riders at all carrying nodes of a body; they have no slope where nothing turns."""
+def _add_node_frames(tree, k, carriers, index, parts):
+    """Node frames at all carrying nodes of a body; they have no slope where nothing turns."""
     elastic, frame = tree.bodies[k].elastic, parts.of_body[k]
     first, count = index[k, ELASTIC, elastic.axes[0], 0], elastic.coordinates
-    parts.frames[frame]["ridden"] = len(parts.ridden)
-    parts.ridden.append((frame, len(parts.riders), len(carriers), first, count))
+    parts.frames[frame]["flexible_parent"] = len(parts.flexible_parent)
+    parts.flexible_parent.append((frame, len(parts.node_frames), len(carriers), first, count))
     for _, node, hinge in carriers:
-        rider = _blank_frame(frame, k)
-        rider["point"], rider["rider"] = elastic.positions[node], len(parts.riders)
+        node_frame = _blank_frame(frame, k)
+        node_frame["point"], node_frame["node_frame"] = elastic.positions[node], len(parts.node_frames)
         parts.of_node[k, node, hinge] = len(parts.frames)
         own = tuple(_node_coordinates(tree.bodies[k], k, node, index))
-        parts.riders.append((len(parts.frames), own, first, count, sum(map(np.size, parts.slopes))))
-        parts.frames.append(rider)
+        parts.node_frames.append((len(parts.frames), own, first, count, sum(map(np.size, parts.slopes))))
+        parts.frames.append(node_frame)
         still = np.zeros((3, count))
         parts.slopes.append(still if hinge is None else tree.hinges[hinge].elastic_rotation)
 
 
-def _add_lumps(body, k, carrying, index, parts):
-    """Lumps for the nodes that have no frame of their own."""
+def _add_nodal_masses(body, k, carrying, index, parts):
+    """Nodal masses for the nodes that have no frame of their own."""
     nodes = range(len(body.elastic.masses) if body.elastic else 0)
     frame = parts.frames[parts.of_body[k]]
-    frame["first_lump"] = len(parts.lumps)
-    parts.lumps.extend(_lump(body, k, node, index) for node in nodes if node not in carrying)
-    frame["lumps"] = len(parts.lumps) - frame["first_lump"]
+    frame["first_nodal_mass"] = len(parts.nodal_masses)
+    parts.nodal_masses.extend(_nodal_mass(body, k, node, index) for node in nodes if node not in carrying)
+    frame["nodal_masses"] = len(parts.nodal_masses) - frame["first_nodal_mass"]
 
 
 def _carriers(tree):
@@ -139,7 +141,7 @@ def _carriers(tree):
 def _blank_frame(parent, body):
     frame = np.zeros(1, FRAME)
     frame["parent"], frame["body"] = parent, body
-    for number in ("ball", "rider", "ridden"):
+    for number in ("ball", "node_frame", "flexible_parent"):
         frame[number] = -1
     return frame
 
@@ -207,7 +209,7 @@ def _node_frame(body, k, node, parent, index):
     return frame
 
 
-def _lump(body, k, node, index):
+def _nodal_mass(body, k, node, index):
     elastic = body.elastic
     return (
         tuple(elastic.positions[node]),

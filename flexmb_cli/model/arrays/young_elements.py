@@ -1,4 +1,4 @@
-"""Elements at joints of a YOUNG deck → equations, measures and loads for the kernels."""
+"""Elements at joints of a YOUNG deck → equations, primitives and loads for the kernels."""
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, CompositeJoint, Join
 from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
 from ..time_functions import integral_of
-from .constraint_table import MeasureTable
-from .node_joints import EQUATIONS_OF, JointArms
-from .records import CABLE, ELEMENT, FRICTION, NONE, RELATIVE, SPRING, STOP, blank_load, line_measure
+from .constraint_table import PrimitiveTable
+from .node_joints import EQUATIONS_OF, JointVectors
+from .records import CABLE, ELEMENT, FRICTION, NONE, RELATIVE, SPRING, STOP, blank_load, line_primitive
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -33,7 +33,7 @@ def reported_coordinates(mechanism: Mechanism) -> list[JointCoordinateName]:
 
 
 def without_driven(mechanism: Mechanism, elements: JointElements) -> Mechanism:
-    """The mechanism without the drivers and supports that follow laws of their own."""
+    """The mechanism without the drivers and supports that follow functions of their own."""
     driven, supports = ({one.item for one in items} for items in (elements.driven, elements.supports))
     return replace(
         mechanism,
@@ -43,7 +43,7 @@ def without_driven(mechanism: Mechanism, elements: JointElements) -> Mechanism:
 
 
 def point_joint(joint: Joint) -> PointJoint:
-    """The joint between points P and P + s, as tables of measures have it."""
+    """The joint between points P and P + s, as tables of primitives have it."""
     ends = [
         (_point(body, P), _point(body, np.add(P, s)))
         for body, P, s in ((joint.i, joint.P_i, joint.s_i), (joint.j, joint.P_j, joint.s_j))
@@ -56,20 +56,24 @@ def _point(body, r0):
 
 
 class ElementTable:
-    """Fills a table of measures with the elements of a model, equations first."""
+    """Fills a table of primitives with the elements of a model, equations first."""
 
-    def __init__(self, table: MeasureTable, model: DynamicModel):
+    def __init__(self, table: PrimitiveTable, model: DynamicModel):
         self.table, self.model, self.elements = table, model, model.elements
         self.start = model.mechanism.time.start
 
-    def arms(self, joint: int) -> JointArms:
+    def body_vectors(self, joint: int) -> JointVectors:
         """The moving directions of a joint."""
-        return JointArms(self.table, point_joint(self.model.mechanism.joints[joint]))
+        return JointVectors(self.table, point_joint(self.model.mechanism.joints[joint]))
 
-    def coordinate(self, joint: int, coordinate: str, near: float = 0.0) -> np.ndarray:
-        """The measure of a joint coordinate."""
-        arms = self.arms(joint)
-        return arms.stroke() if coordinate == STROKE else self.table.angle(*arms.turning(), near)
+    def coordinate(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
+        """The primitive of a joint coordinate."""
+        body_vectors = self.body_vectors(joint)
+        return (
+            body_vectors.stroke()
+            if coordinate == STROKE
+            else self.table.angle(*body_vectors.turning(), expected)
+        )
 
     def add_equations(self) -> None:
         """The equations: drivers of the deck, supports, composite joints, couplings, joint drivers."""
@@ -83,11 +87,11 @@ class ElementTable:
         for item in self.elements.couplings:
             self._coupling(item)
         for item in self.elements.drivers:
-            arms, is_length = self.arms(item.joint), item.coordinate == STROKE
-            record = self.coordinate(item.joint, item.coordinate, item.law.at(self.start)[0])
-            record["law"] = self.table.law(item.law)
+            body_vectors, is_length = self.body_vectors(item.joint), item.coordinate == STROKE
+            record = self.coordinate(item.joint, item.coordinate, item.function.at(self.start)[0])
+            record["function"] = self.table.function(item.function)
             parts = [(item.coordinate, is_length, record)]
-            self.table.equations(item.name, item.place, arms.i, arms.j, parts)
+            self.table.equations(item.name, item.place, body_vectors.i, body_vectors.j, parts)
 
     def _driven(self, item):
         driver = self.model.mechanism.drivers[item.item]
@@ -96,15 +100,15 @@ class ElementTable:
             return
         axis = driver.direction - 4
         after, last = self.table.axis((axis + 1) % 3), self.table.axis((axis + 2) % 3)
-        own = self.table.arm(driver.body, np.eye(3)[(axis + 1) % 3])
-        record = self.table.angle(after, last, own, item.law.at(self.start)[0])
-        record["law"] = self.table.law(item.law)
+        own = self.table.body_vector(driver.body, np.eye(3)[(axis + 1) % 3])
+        record = self.table.angle(after, last, own, item.function.at(self.start)[0])
+        record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
     def _along_axis(self, name, body, direction, item):
-        origin = self.table.arm(body, np.zeros(3)), self.table.arm(NONE, np.zeros(3))
+        origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
-        record["law"] = self.table.law(item.law)
+        record["function"] = self.table.function(item.function)
         self.table.equations(name, item.place, NONE, body, [("xyz"[direction - 1], True, record)])
 
     def _composite(self, item: CompositeJoint):
@@ -115,16 +119,20 @@ class ElementTable:
         if item.kind == "revolute-cylindrical":
             parts = _revolute_cylindrical(self.table, *ends)
         else:
-            arms = JointArms(self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place))
-            parts = [part for make in EQUATIONS_OF[item.kind] for part in make(arms)]
+            body_vectors = JointVectors(
+                self.table, PointJoint(item.name, item.kind, *ends, item.size, item.place)
+            )
+            parts = [part for make in EQUATIONS_OF[item.kind] for part in make(body_vectors)]
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
     def _coupling(self, item):
         records = [self._scaled(self.coordinate(joint, kind), factor) for joint, kind, factor in item.terms]
         is_length = any(kind == STROKE for _, kind, _ in item.terms)
-        arms = self.arms(item.terms[0][0])
+        body_vectors = self.body_vectors(item.terms[0][0])
         record = self.table.chained(records)
-        self.table.equations(item.name, item.place, arms.i, arms.j, [("coupling", is_length, record)])
+        self.table.equations(
+            item.name, item.place, body_vectors.i, body_vectors.j, [("coupling", is_length, record)]
+        )
 
     @staticmethod
     def _scaled(record, factor):
@@ -147,13 +155,13 @@ class ElementTable:
     def _at(self, joint, coordinate, shape):
         record = blank_load(ELEMENT)
         record["shape"] = shape
-        record["measure"] = self.table.spring(self.coordinate(joint, coordinate))
+        record["primitive"] = self.table.spring(self.coordinate(joint, coordinate))
         return record
 
     def _motor(self, item):
         record = blank_load(RELATIVE)
-        record["measure"] = self.table.spring(self.coordinate(item.joint, item.coordinate))
-        record["law"] = self.table.law(item.law)
+        record["primitive"] = self.table.spring(self.coordinate(item.joint, item.coordinate))
+        record["function"] = self.table.function(item.function)
         return record
 
     def _spring(self, item):
@@ -162,18 +170,18 @@ class ElementTable:
     def _line(self, item):
         record = blank_load(ELEMENT)
         record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
-        head, tail = (self.table.arm(body, P) for body, P in ((item.j, item.P_j), (item.i, item.P_i)))
-        record["measure"] = self.table.spring(line_measure(head, tail))
+        head, tail = (self.table.body_vector(body, P) for body, P in ((item.j, item.P_j), (item.i, item.P_i)))
+        record["primitive"] = self.table.spring(line_primitive(head, tail))
         return self._with_data(record, item)
 
     def _with_data(self, record, item):
         record["stiffness"], record["damping"] = item.stiffness, item.damping
         record["free_length"], record["preload"] = item.rest, item.preload
         if item.curve is not None:
-            record["curve"] = self.table.law(item.curve, of_time=False)
-            record["energy"] = self.table.law(integral_of(item.curve), of_time=False)
+            record["curve"] = self.table.function(item.curve, of_time=False)
+            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)
         if item.damper is not None:
-            record["damper"] = self.table.law(item.damper, of_time=False)
+            record["damper"] = self.table.function(item.damper, of_time=False)
         return record
 
     def _stop(self, item):
@@ -185,27 +193,30 @@ class ElementTable:
     def _bushing(self, item):
         """Six loads, along and about the axes of body i."""
         table = self.table
-        head, tail = table.arm(item.j, item.P_j), table.arm(item.i, item.P_i)
+        head, tail = table.body_vector(item.j, item.P_j), table.body_vector(item.i, item.P_i)
         turned = table.A(item.j).T @ table.A(item.i)
-        axes = [table.arm(item.i, np.eye(3)[k]) for k in range(3)]
+        axes = [table.body_vector(item.i, np.eye(3)[k]) for k in range(3)]
         records = [table.product((head, tail), axes[k]) for k in range(3)]
         for k in range(3):
             after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
-            records.append(table.angle(after, last, table.arm(item.j, turned[:, (k + 1) % 3])))
+            records.append(table.angle(after, last, table.body_vector(item.j, turned[:, (k + 1) % 3])))
         for record, stiffness, damping in zip(records, item.stiffness, item.damping, strict=True):
             load = blank_load(ELEMENT)
-            load["shape"], load["measure"] = SPRING, table.spring(record)
+            load["shape"], load["primitive"] = SPRING, table.spring(record)
             load["stiffness"], load["damping"] = stiffness, damping
             yield load
 
     def _friction(self, item):
         record = blank_load(FRICTION)
         kinds = COORDINATES_OF[self.model.mechanism.joints[item.joint].kind]
-        for field, coordinate in (("measure", ANGLE), ("stroke", STROKE)):
+        for field, coordinate in (("primitive", ANGLE), ("stroke", STROKE)):
             if coordinate in kinds:
                 record[field] = self.table.spring(self.coordinate(item.joint, coordinate))
-        arms = self.arms(item.joint)
-        record["arm"], record["group"] = self.table.arm(arms.i, arms.s), item.joint
+        body_vectors = self.body_vectors(item.joint)
+        record["body_vector"], record["group"] = (
+            self.table.body_vector(body_vectors.i, body_vectors.s),
+            item.joint,
+        )
         for field in ("dynamic", "static", "stribeck", "creep", "radius", "preload"):
             record[field] = getattr(item, field)
         return record
@@ -219,8 +230,8 @@ def _revolute_cylindrical(table, a, b):
     first /= np.linalg.norm(first)
     gap = table.point(a[0]), table.point(b[0])
     parts = [
-        (f"on the axis, {word}", True, table.product(gap, table.arm(b[0].body, across)))
+        (f"on the axis, {word}", True, table.product(gap, table.body_vector(b[0].body, across)))
         for word, across in (("1st", first), ("2nd", np.cross(s_j, first)))
     ]
-    axes = table.arm(a[0].body, s_i), table.arm(b[0].body, s_j)
+    axes = table.body_vector(a[0].body, s_i), table.body_vector(b[0].body, s_j)
     return [*parts, ("axes at right angles", False, table.product(*axes))]

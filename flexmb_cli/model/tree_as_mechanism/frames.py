@@ -2,8 +2,8 @@
 
 A hinge sits on a *base*: a point P_k of a body, moving with a node where it has one, and the axes of
 P_k.  Where P_k turns with the slope of its node (DAFMS thesis, 1992, eqs. 2.7 and 2.24), massless
-*riders* stand between the body and the base, one for each axis it turns about.  Bodies are numbered
-as in the tree, riders behind them; -1 is the inertial frame.
+*node frames* stand between the body and the base, one for each axis it turns about.  Bodies are numbered
+as in the tree, node frames behind them; -1 is the inertial frame.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ class Base:
 
 
 @dataclass(frozen=True, eq=False)
-class Rider:
+class NodeFrame:
     """A massless body at the point of `base`, turned about its `axis` (0, 1, 2) by `slope @ eta`.
 
     `slope` (NM,): of the elastic coordinates of body `owner`.
@@ -41,25 +41,25 @@ class Rider:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """The bases of all hinges, and the riders that some stand on."""
+    """The bases of all hinges, and the node frames that some stand on."""
 
     bases: tuple[Base, ...]
-    riders: tuple[Rider, ...]
+    node_frames: tuple[NodeFrame, ...]
 
 
 def hinge_frames(tree: Tree) -> Frames:
-    """Bases and riders of a tree."""
-    bases, riders = [], []
+    """Bases and node frames of a tree."""
+    bases, node_frames = [], []
     for k, hinge in enumerate(tree.hinges):
         base = Base(hinge.parent, np.array(hinge.point, float), node_shape(tree, hinge), np.eye(3))
         for axis in range(3):
             slope = RIGID[0] if hinge.elastic_rotation is None else hinge.elastic_rotation[axis]
             if np.any(slope):
                 name = f"slope {axis + 1} at the hinge of {tree.bodies[k].name}"
-                riders.append(Rider(name, base, axis, hinge.parent, np.array(slope, float)))
-                base = Base(len(tree.bodies) + len(riders) - 1, np.zeros(3), RIGID, np.eye(3))
+                node_frames.append(NodeFrame(name, base, axis, hinge.parent, np.array(slope, float)))
+                base = Base(len(tree.bodies) + len(node_frames) - 1, np.zeros(3), RIGID, np.eye(3))
         bases.append(Base(base.body, base.place, base.shape, rotation_matrix(hinge.frame)))
-    return Frames(tuple(bases), tuple(riders))
+    return Frames(tuple(bases), tuple(node_frames))
 
 
 def node_shape(tree: Tree, hinge) -> np.ndarray:

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from ..arrays.constraint_table import MeasureTable
+from ..arrays.constraint_table import PrimitiveTable
 from ..arrays.records import FORCE, LOAD, NONE, RELATIVE, TORQUE, blank_load
-from ..time_functions import HELD_TABLE, POLYNOMIAL, MotionLaw
+from ..time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ..tree import ROTATION, Table, Tree
 from ..vectors import rotation_matrix
 from .frames import Frames, shape_of
-from .hinges import coordinate_measure
+from .hinges import coordinate_primitive
 from .limits import has_fixed_axis, has_shared_axis
 
 
-def tree_loads(table: MeasureTable, tree: Tree, frames: Frames) -> np.ndarray:
+def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
     """All loads but gravity and elasticity."""
     return _Loads(table, tree, frames).records()
 
@@ -26,12 +26,14 @@ class _Loads:
 
     def records(self):
         for k, body in enumerate(self.tree.bodies):
-            self._add(FORCE, self.table.arm(k, np.zeros(3)), body.force)
-            self._add(TORQUE, self.table.arm(k, np.zeros(3)), body.torque)
+            self._add(FORCE, self.table.body_vector(k, np.zeros(3)), body.force)
+            self._add(TORQUE, self.table.body_vector(k, np.zeros(3)), body.torque)
             self._add_nodal(k, body.elastic)
         for torque in self.tree.torques:
-            arm = self.table.arm(torque.body, np.zeros(3))
-            self._add(TORQUE, arm, np.eye(3)[torque.axis - 1], law=self._law(torque.law))
+            body_vector = self.table.body_vector(torque.body, np.zeros(3))
+            self._add(
+                TORQUE, body_vector, np.eye(3)[torque.axis - 1], function=self._function(torque.function)
+            )
         for motor in self.tree.motors:
             if has_fixed_axis(self.tree, motor):
                 self._add_motor(motor)
@@ -41,35 +43,35 @@ class _Loads:
             self._add_spring(spring)
         return np.array(self.found, dtype=LOAD).reshape(-1)
 
-    def _add(self, kind, arm, vector, law=NONE, following=False):
+    def _add(self, kind, body_vector, vector, function=NONE, following=False):
         if not np.any(vector):
             return
         record = blank_load(kind)
-        record["arm"], record["vector"] = arm, vector
-        record["law"], record["following"] = law, following
+        record["body_vector"], record["vector"] = body_vector, vector
+        record["function"], record["following"] = function, following
         self.found.append(record)
 
     def _add_nodal(self, k, elastic):
         for node in range(len(elastic.masses) if elastic else 0):
-            arm = self.table.arm(k, elastic.positions[node], shape_of(elastic, node))
-            self._add(FORCE, arm, elastic.forces[node])
+            body_vector = self.table.body_vector(k, elastic.positions[node], shape_of(elastic, node))
+            self._add(FORCE, body_vector, elastic.forces[node])
 
     def _add_motor(self, motor):
         """Torque or force along an axis that rests or that both bodies share, and its opposite."""
-        base, law = self.frames.bases[motor.body], self._law(motor.law)
+        base, function = self.frames.bases[motor.body], self._function(motor.function)
         kind = TORQUE if motor.motion == ROTATION else FORCE
         axis = base.axes[:, motor.axis - 1]
         own = _axis_in_body(self.tree.hinges[motor.body], motor)
-        arm = self.table.arm(motor.body, np.zeros(3))
-        self._add(kind, arm, axis if own is None else own, law, own is not None)
+        body_vector = self.table.body_vector(motor.body, np.zeros(3))
+        self._add(kind, body_vector, axis if own is None else own, function, own is not None)
         if base.body >= 0:
-            place = self.table.arm(base.body, base.place, base.shape if base.shape.size else None)
-            self._add(kind, place, -axis, law, True)
+            place = self.table.body_vector(base.body, base.place, base.shape if base.shape.size else None)
+            self._add(kind, place, -axis, function, True)
 
     def _add_along_coordinate(self, motor):
         """Generalised force along the hinge coordinate, whose axes move against each other."""
         record = self._relative(motor)
-        record["law"] = self._law(motor.law)
+        record["function"] = self._function(motor.function)
         self.found.append(record)
 
     def _add_spring(self, spring):
@@ -81,21 +83,21 @@ class _Loads:
     def _relative(self, item):
         """A load that acts in the hinge coordinate of a spring or motor."""
         where = item.body, item.motion, item.axis
-        near = next(
+        expected = next(
             q
             for c, q in zip(self.tree.coordinates, self.tree.q, strict=True)
             if (c.body, c.motion, c.axis) == where
         )
         record = blank_load(RELATIVE)
-        measure = coordinate_measure(self.table, self.tree, self.frames, *where, near)
-        record["measure"] = self.table.spring(measure)
+        primitive = coordinate_primitive(self.table, self.tree, self.frames, *where, expected)
+        record["primitive"] = self.table.spring(primitive)
         return record
 
-    def _law(self, law: Table) -> int:
-        if len(law.times) == 1:
-            return self.table.law(MotionLaw(POLYNOMIAL, (law.values[0], 0.0, 0.0, 0.0)))
+    def _function(self, function: Table) -> int:
+        if len(function.times) == 1:
+            return self.table.function(MotionFunction(POLYNOMIAL, (function.values[0], 0.0, 0.0, 0.0)))
         # Past a jump at its end a table goes on: the kernel divides by the length of the last piece.
-        times, values = (*law.times, law.times[-1] + 1.0), (*law.values, law.values[-1])
+        times, values = (*function.times, function.times[-1] + 1.0), (*function.values, function.values[-1])
         return self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))]))
 
 

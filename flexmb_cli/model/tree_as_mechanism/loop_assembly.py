@@ -97,12 +97,15 @@ def _gaps_and_rates(tree, frames):
 
 def _point(tree, poses, body, place, node) -> Pose:
     """Motion of a point of a body, or of a node, with the axes of the body."""
-    on, arm, slide = STILL if body == INERTIAL else poses[body], np.array(place, float), np.zeros(3)
+    on, body_vector, slide = STILL if body == INERTIAL else poses[body], np.array(place, float), np.zeros(3)
     if node is not None and body != INERTIAL:
         elastic = tree.bodies[body].elastic
         eta, rate = elastic_start(tree, body)
-        arm, slide = elastic.positions[node] + shape_of(elastic, node) @ eta, shape_of(elastic, node) @ rate
-    r = on.A @ arm
+        body_vector, slide = (
+            elastic.positions[node] + shape_of(elastic, node) @ eta,
+            shape_of(elastic, node) @ rate,
+        )
+    r = on.A @ body_vector
     return Pose(on.r + r, on.A, on.v + np.cross(on.w, r) + on.A @ slide, on.w)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ...quick_dataclass import dataclass
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Tree
 from ..vectors import rotation_matrix
-from .frames import Base, Frames, Rider
+from .frames import Base, Frames, NodeFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,9 @@ STILL = Pose(np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3))
 
 
 def first_poses(tree: Tree, frames: Frames) -> list[Pose]:
-    """Poses of bodies, then riders, at the tree's initial coordinates and speeds."""
+    """Poses of bodies, then node frames, at the tree's initial coordinates and speeds."""
     start = _Start(tree, frames)
-    return [start.pose(k) for k in range(len(tree.bodies) + len(frames.riders))]
+    return [start.pose(k) for k in range(len(tree.bodies) + len(frames.node_frames))]
 
 
 class _Start:
@@ -43,24 +43,26 @@ class _Start:
         self.found: dict[int, Pose] = {INERTIAL: STILL}
 
     def pose(self, body: int) -> Pose:
-        """Pose of a body or rider; parents come before their children."""
+        """Pose of a body or node frame; parents come before their children."""
         if body not in self.found:
-            rider = body - len(self.tree.bodies)
-            self.found[body] = self._hung(body) if rider < 0 else self._turned(self.frames.riders[rider])
+            node_frame = body - len(self.tree.bodies)
+            self.found[body] = (
+                self._hung(body) if node_frame < 0 else self._turned(self.frames.node_frames[node_frame])
+            )
         return self.found[body]
 
     def _at(self, base: Base) -> Pose:
         """Motion of the point of a base, with its axes."""
         on, (eta, rate) = self.pose(base.body), elastic_start(self.tree, base.body)
         shape = base.shape
-        arm = on.A @ (base.place + (shape @ eta if shape.size else 0.0))
+        body_vector = on.A @ (base.place + (shape @ eta if shape.size else 0.0))
         slide = on.A @ (shape @ rate) if shape.size else np.zeros(3)
-        return Pose(on.r + arm, on.A @ base.axes, on.v + np.cross(on.w, arm) + slide, on.w)
+        return Pose(on.r + body_vector, on.A @ base.axes, on.v + np.cross(on.w, body_vector) + slide, on.w)
 
-    def _turned(self, rider: Rider) -> Pose:
-        at, (eta, rate) = self._at(rider.base), elastic_start(self.tree, rider.owner)
-        A = at.A @ about(rider.axis, rider.slope @ eta)
-        return Pose(at.r, A, at.v, at.w + at.A[:, rider.axis] * (rider.slope @ rate))
+    def _turned(self, node_frame: NodeFrame) -> Pose:
+        at, (eta, rate) = self._at(node_frame.base), elastic_start(self.tree, node_frame.owner)
+        A = at.A @ about(node_frame.axis, node_frame.slope @ eta)
+        return Pose(at.r, A, at.v, at.w + at.A[:, node_frame.axis] * (node_frame.slope @ rate))
 
     def _hung(self, k) -> Pose:
         at, hinge = self._at(self.frames.bases[k]), self.tree.hinges[k]

@@ -125,8 +125,8 @@ def _common_rows(report, a, b):
         rows = np.arange(len(a.time))
         return rows, rows
     longest = max((abs(float(x.time[-1])) for x in (a, b) if len(x.time)), default=0.0)
-    near = np.abs(a.time[:, None] - b.time[None, :]) <= SAME_TIME * longest
-    rows = np.nonzero(near)
+    coincident = np.abs(a.time[:, None] - b.time[None, :]) <= SAME_TIME * longest
+    rows = np.nonzero(coincident)
     for one, other, found in ((a, b, rows[0]), (b, a, rows[1])):
         alone = np.setdiff1d(np.arange(len(one.time)), found)
         if alone.size:

@@ -135,14 +135,14 @@ def _result_of(name):
 
 def _files(path):
     """Pairs (name, path) of the files of a folder or of a pattern; hidden ones are left out."""
-    folder, pattern = (path, "**") if os.path.isdir(path) else _parted(path)
+    folder, pattern = (path, "**") if os.path.isdir(path) else _split(path)
     for found in glob.glob(pattern, root_dir=folder or None, recursive=True):
         whole = os.path.join(folder, found)
         if os.path.isfile(whole):
             yield PurePath(found).as_posix(), whole
 
 
-def _parted(pattern):
+def _split(pattern):
     """The folder before the first wildcard, and the rest."""
     parts = PurePath(pattern).parts
     first = next(k for k, part in enumerate(parts) if WILD.search(part))

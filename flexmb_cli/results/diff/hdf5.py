@@ -58,7 +58,7 @@ NOT_COMPARED = ("deck", "study")
 COMPARED_ATTRIBUTES = ("analysis", "status")
 # What the attribute Conventions begins with, and the dataset that has a number for every row.
 KIND_OF_FILE = {"flexmb-study": "the table of a study", "flexmb": "a result"}
-TOLD_BY = {"flexmb-study": "case", "flexmb": "time"}
+REPORTED_BY = {"flexmb-study": "case", "flexmb": "time"}
 
 
 def compare_hdf5(path_a: str, path_b: str, tolerances: Tolerances, same_attitude: bool = False) -> Report:
@@ -93,7 +93,7 @@ def _kind_of_file(path, file):
     with _understood_in(path):
         conventions = attribute(file, "Conventions")
     for begins, what in KIND_OF_FILE.items():
-        if conventions.startswith(begins) and TOLD_BY[begins] in file:
+        if conventions.startswith(begins) and REPORTED_BY[begins] in file:
             return what
     message = "this HDF5 file is no result of flexmb: it lacks the attribute Conventions of one, or its rows"
     raise TableError(path, [Fault("error", message, id="DIFF-005")])

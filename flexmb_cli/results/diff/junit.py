@@ -28,10 +28,10 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
 
 
 def _add_failure(case, pair):
-    told = _text(pair.sentence).rstrip("\n")
+    reported = _text(pair.sentence).rstrip("\n")
     what = "error" if pair.failure is not None else "failure"
-    last = told.splitlines()[0 if pair.failure is not None else -1] if told else ""
-    ElementTree.SubElement(case, what, {"message": last, "type": what}).text = told
+    last = reported.splitlines()[0 if pair.failure is not None else -1] if reported else ""
+    ElementTree.SubElement(case, what, {"message": last, "type": what}).text = reported
 
 
 def _text(text):

@@ -57,8 +57,8 @@ def _compare_info(report, a, b):
     for name in (*COMPARED_ATTRIBUTES, *WORDS_OF_RESULTS):
         first, second = (_text(fields.get(f"info/{name}", "")) for fields in (a, b))
         if first != second:
-            told = report.missing if name in COMPARED_ATTRIBUTES else report.words
-            told.append(f"{name}: {first!r} against {second!r}")
+            reported = report.missing if name in COMPARED_ATTRIBUTES else report.words
+            reported.append(f"{name}: {first!r} against {second!r}")
 
 
 def _text(value):

@@ -44,9 +44,9 @@ class FileTolerances:
             names = [name for name in tolerances.quantities if name not in self.general.used]
             patterns += [("quantities", name) for name in names]
         if patterns:
-            told = ", ".join(f'{table} "{pattern}"' for table, pattern in patterns)
+            reported = ", ".join(f'{table} "{pattern}"' for table, pattern in patterns)
             raise ToleranceError(
-                f"{self.path}: nothing that was compared has these names: {told}", id="DIFF-020"
+                f"{self.path}: nothing that was compared has these names: {reported}", id="DIFF-020"
             )
 
 

@@ -16,7 +16,7 @@ from ..quantities.readable import Readable, readable
 OF_ANY = ("point/position", "body/position", "driver/effort")
 ENERGIES = ("energy/kinetic", "energy/potential", "energy/strain", "energy/applied_work")
 TOTAL = "energy/total"
-# More curves than these in a panel cannot be told apart.
+# More curves than these in a panel cannot be distinguished.
 MOST_CURVES = 12
 # A coordinate that moves less than this part of the farthest moving one tells nothing.
 STILL = 1e-9

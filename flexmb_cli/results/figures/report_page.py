@@ -99,9 +99,9 @@ def _left_out(result):
 
 
 def _status(result):
-    told = shortfall(result)
-    if told:
-        return f'<p class="failed">{_shown(told)}</p>'
+    reported = shortfall(result)
+    if reported:
+        return f'<p class="failed">{_shown(reported)}</p>'
     time = result["time"][:]
     span = f", t = {time[0]:g} to {time[-1]:g} s" if len(time) else ""
     return f"<p>Complete: {len(time)} rows{span}.</p>"
@@ -133,7 +133,7 @@ def _run(result):
         (f"{kind}s", f"{len(result[kind + '/name'])}: " + ", ".join(texts(result[kind + "/name"])[:40]))
         for kind in ("body", "joint", "driver", "point", "coordinate") if f"{kind}/name" in result
     ]  # fmt: skip
-    return [(what.replace("bodys", "bodies"), told) for what, told in found if told]
+    return [(what.replace("bodys", "bodies"), reported) for what, reported in found if reported]
 
 
 def _deck(result):
@@ -156,10 +156,10 @@ def _echo(result):
     text = DeckText(name, _deck(result), digest)
     settings = settings_of(result)
     try:
-        told = echo(apply_settings(read_deck(text, dialect), settings))
+        reported = echo(apply_settings(read_deck(text, dialect), settings))
     except DeckError as failure:
         return f"<p>This deck cannot be read: {_shown(str(failure))}</p>"
-    return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(told))
+    return ECHO.format(AS_CHANGED if settings else AS_TYPED, _shown(reported))
 
 
 def _shown(text):
@@ -169,7 +169,8 @@ def _shown(text):
 
 def _table(pairs):
     cells = (
-        f'<tr><th>{_shown(what)}</th><td class="number">{_shown(told)}</td></tr>' for what, told in pairs
+        f'<tr><th>{_shown(what)}</th><td class="number">{_shown(reported)}</td></tr>'
+        for what, reported in pairs
     )
     return f"<table>{''.join(cells)}</table>"
 

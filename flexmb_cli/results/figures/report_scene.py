@@ -14,7 +14,7 @@ from .element_faces import face_edges, outer_faces, triangles
 from .scene import Scene, read_scene
 from .view import view_of
 
-# Okabe and Ito's colours, told apart by everyone.
+# Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
 GREY, TRACE = "#808080", "#B06060"
 MOST_FRAMES, FEWEST_FRAMES = 500, 20

@@ -37,8 +37,8 @@ def output_error(path: str, error: OSError) -> OutputError:
             id="RESULT-005",
         )
     if number in (errno.EMFILE, errno.ENFILE):
-        told = "too many files are open; `ulimit -n` tells how many may be"
-        return OutputError(f"{path}: cannot be written: {told}", ANALYSIS_FAILED, id="RESULT-006")
+        reported = "too many files are open; `ulimit -n` tells how many may be"
+        return OutputError(f"{path}: cannot be written: {reported}", ANALYSIS_FAILED, id="RESULT-006")
     reason = _reason(number, error)
     if number == errno.ENOENT and os.path.isdir(os.path.dirname(os.path.realpath(path))):
         reason = "its folder takes no new files"  # such as /proc

@@ -52,13 +52,13 @@ class GrowingFiles:
         """Note that the file at `path` has grown, and sync when it is time.  Raises OSError."""
         self.note(path)
         if time.monotonic() - self._last >= LONGEST_LOSS:
-            self.settle()
+            self.sync_all()
 
     def note(self, path: str) -> None:
-        """Have the file at `path` synced by the next `settle`."""
+        """Have the file at `path` synced by the next `sync_all`."""
         self._paths.add(path)
 
-    def settle(self) -> None:
+    def sync_all(self) -> None:
         """Sync all that has grown, and its folders.  Raises OSError."""
         paths, self._paths = self._paths, set()
         for path in paths:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-class ForgivingDisk(io.FileIO):
+class FullDiskGuard(io.FileIO):
     """The file below HDF5.  It remembers the first failure of the disk and pretends that all goes well.
 
     HDF5 itself must not meet a failing disk: it then crashes the process when its file is closed, when it

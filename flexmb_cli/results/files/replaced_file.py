@@ -37,7 +37,7 @@ class Replacement:
         if not self.direct:
             with located(self.path):
                 _refuse_place(self.path, self._target)
-                _remove_orphans(self._target)
+                _remove_leftovers(self._target)
                 self.temporary, self._hold = _reserve(self._target)
 
     def open(self, mode: str, **how):
@@ -288,14 +288,14 @@ def _give_up(path, held):
 
 
 def _stands(path):
-    """Return whether there is a file; anything but its absence is a failure of the disk, and told."""
+    """Return whether there is a file; anything but its absence is a failure of the disk, and reported."""
     with suppress(FileNotFoundError):
         os.lstat(path)
         return True
     return False
 
 
-def _remove_orphans(target):
+def _remove_leftovers(target):
     """Remove what killed runs left in the place of `target`: files that nobody holds any more."""
     folder = os.path.dirname(target)
     names = []

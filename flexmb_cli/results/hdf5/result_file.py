@@ -17,7 +17,7 @@ from ...deck.record import Deck
 from ...errors import OutputError
 from ...quick_dataclass import dataclass
 from ...solvers.as_printed.errors import AS_PRINTED, EMULATED
-from ..files.full_disk_guard import ForgivingDisk
+from ..files.full_disk_guard import FullDiskGuard
 from ..files.replaced_file import Replacement, located, put_in_place
 from .quick_writing import TEXT, append_rows, attach_scales, growing_dataset, set_texts
 
@@ -108,7 +108,7 @@ class ResultFile:
         self._file = None
         try:
             with located(self._place.path):
-                self._disk = ForgivingDisk(self._place.duplicate())
+                self._disk = FullDiskGuard(self._place.duplicate())
         except BaseException:
             self._place.discard()
             raise

@@ -22,7 +22,8 @@ FILTERS += (h5py.h5z.FILTER_SZIP, h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFF
 MOST_OBJECTS, DEEPEST = 100_000, 10
 # Errors of a stream or a file that is written while the result is open.
 _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
-# A file may declare this, and beyond it so many times its own size: compressed results are smaller than told.
+# A file may declare this, and beyond it so many times its own size: compressed results are smaller than
+# declared.
 FREE_BYTES, MOST_TIMES = 2**26, 100
 # Scales along one axis of a dataset: netCDF and flexmb attach one.
 MOST_SCALES = 64
@@ -67,7 +68,7 @@ def _look_through(file):
         """
         names.append(name)
         if link.type != h5py.h5l.TYPE_HARD:
-            return f"/{_told(name)} is a link to elsewhere, which is not followed"
+            return f"/{_reported(name)} is a link to elsewhere, which is not followed"
         if name.count(b"/") > DEEPEST:
             return f"it has groups in groups, more than {DEEPEST} deep"
         return f"it has more than {MOST_OBJECTS} datasets" if len(names) > MOST_OBJECTS else None
@@ -93,14 +94,14 @@ def _declared(name, item, most):
     if isinstance(item, h5py.Group):
         return 0
     if not isinstance(item, h5py.Dataset) or not _has_known_type(item):
-        raise Damaged(f"/{_told(name)} holds neither numbers nor text")
+        raise Damaged(f"/{_reported(name)} holds neither numbers nor text")
     if item.shape is None:
-        raise Damaged(f"/{_told(name)} is empty")
+        raise Damaged(f"/{_reported(name)} is empty")
     created = item.id.get_create_plist()
     if item.is_virtual or item.external:
-        raise Damaged(f"/{_told(name)} has its numbers in another file, which is not read")
+        raise Damaged(f"/{_reported(name)} has its numbers in another file, which is not read")
     if any(created.get_filter(k)[0] not in FILTERS for k in range(created.get_nfilters())):
-        raise Damaged(f"/{_told(name)} is packed by a filter that is not of HDF5 itself")
+        raise Damaged(f"/{_reported(name)} is packed by a filter that is not of HDF5 itself")
     places = max(_product(item.shape), _product(item.chunks or (0,)))
     size = places * item.dtype.itemsize
     if size > most or not is_variable_text(item):
@@ -108,7 +109,7 @@ def _declared(name, item, most):
     try:
         return max(size, bytes_of_texts(item, most))
     except (UnknownSize, OSError, zlib.error) as error:
-        raise Damaged(f"the texts of /{_told(name)} cannot be read: {error}") from error
+        raise Damaged(f"the texts of /{_reported(name)} cannot be read: {error}") from error
 
 
 def _has_known_type(dataset):
@@ -150,7 +151,7 @@ def scale_of(dataset: h5py.Dataset, axis: int) -> h5py.Dataset | None:
     listed = _references(dataset, axis)
     if listed is None or not len(listed[axis]):
         return None
-    where = f"the scale of axis {axis + 1} of {_told(dataset.name or 'a dataset')}"
+    where = f"the scale of axis {axis + 1} of {_reported(dataset.name or 'a dataset')}"
     try:
         scale = dataset.file[listed[axis][0]]
     except (ValueError, TypeError) as error:
@@ -172,7 +173,9 @@ def _references(dataset, axis):
     if found.shape != (dataset.ndim,) or kind is None or h5py.check_ref_dtype(kind) is not h5py.Reference:
         return None
     if h5py.h5ds.get_num_scales(dataset.id, axis) > MOST_SCALES:
-        raise Damaged(f"{_told(dataset.name or 'a dataset')} has more than {MOST_SCALES} scales for an axis")
+        raise Damaged(
+            f"{_reported(dataset.name or 'a dataset')} has more than {MOST_SCALES} scales for an axis"
+        )
     return dataset.attrs["DIMENSION_LIST"]
 
 
@@ -196,7 +199,7 @@ def _is_linked(dataset):
 def texts(dataset: h5py.Dataset) -> list[str]:
     """The texts of a list of names, as they can be shown."""
     if not isinstance(dataset, h5py.Dataset) or not is_text(dataset) or dataset.ndim != 1:
-        raise Damaged(f"{_told(dataset.name or 'a dataset')} is no list of names")
+        raise Damaged(f"{_reported(dataset.name or 'a dataset')} is no list of names")
     return [visible(text) for text in dataset.asstr(errors="replace")[:].tolist()]
 
 
@@ -223,7 +226,8 @@ def _text(owner, name):
 
 
 def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, int]) -> None:
-    """Raise `Damaged` where a dataset has another shape than told; what is not in the file is passed over.
+    """Raise `Damaged` where a dataset has another shape than declared; what is not in the file is passed
+    over.
 
     A digit is a length, a letter that of `sizes`, where letters that it lacks are put in as they are found.
     """
@@ -232,15 +236,15 @@ def check_shapes(result: h5py.File, shapes: Mapping[str, str], sizes: dict[str, 
             continue
         dataset = result[path]
         if not isinstance(dataset, h5py.Dataset) or dataset.ndim != len(letters):
-            raise Damaged(f"/{_told(path)} is no array of {len(letters)} axes")
+            raise Damaged(f"/{_reported(path)} is no array of {len(letters)} axes")
         if is_text(dataset) != path.endswith(("name", "message")):
-            raise Damaged(f"/{_told(path)} has numbers in place of text, or text in place of numbers")
+            raise Damaged(f"/{_reported(path)} has numbers in place of text, or text in place of numbers")
         for letter, length in zip(letters, dataset.shape, strict=True):
             wanted = int(letter) if letter.isdigit() else sizes.setdefault(letter, length)
             if length != wanted:
-                raise Damaged(f"/{_told(path)} has {length} places along an axis of {wanted}")
+                raise Damaged(f"/{_reported(path)} has {length} places along an axis of {wanted}")
 
 
-def _told(name):
+def _reported(name):
     name = name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else name
     return visible(name if len(name) < 100 else f"{name[:80]}…")

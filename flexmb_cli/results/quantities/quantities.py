@@ -1,9 +1,9 @@
 """The quantities of an HDF5 result by readable names: `body.3.z`, `reaction.4.force`, `coordinate.theta2`.
 
-A name is a row of words parted by points: what (`body`), which (its number or its name), the quantity, the
-component.  What a file holds is told by its datasets and their dimension scales, so that a new dataset has
-names without a change here.  A pattern may hold `*`, `?` and `[...]`, which do not reach across a point, and
-may end early: `body.1.velocity` is all three components.
+A name is a row of words separated by points: what (`body`), which (its number or its name), the quantity, the
+component.  What a file holds is reported by its datasets and their dimension scales, so that a new dataset
+has names without a change here.  A pattern may hold `*`, `?` and `[...]`, which do not reach across a point,
+and may end early: `body.1.velocity` is all three components.
 """
 
 import fnmatch

@@ -87,7 +87,9 @@ def list_text(quantities: Sequence[Quantity], style: str = "text") -> str:
     if style != "text":
         return _separated_lines([heads, *rows], style)
     widths = [max(len(row[k]) for row in rows) for k in (0, 1)]
-    return "".join(f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {told}\n" for name, unit, told in rows)
+    return "".join(
+        f"{name.ljust(widths[0])}  {unit.ljust(widths[1])}  {reported}\n" for name, unit, reported in rows
+    )
 
 
 def _block_length(result, columns):

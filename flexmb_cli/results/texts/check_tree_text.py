@@ -15,7 +15,7 @@ def check_tree_text(report) -> str:
         f"  coordinates {counts['coordinates']}: rotations {counts['rotations']}, "
         f"translations {counts['translations']}, elastic {counts['elastic']}; "
         f"prescribed {counts['prescribed']}",
-        f"  {_freedom(counts)}report times {counts['report_times']}",
+        f"  {_dof(counts)}report times {counts['report_times']}",
         *_elastic_lines(found.elastic),
         *_coordinate_lines(found.coordinates),
         *_closure_lines(found),
@@ -29,9 +29,9 @@ def _one_way(counts):
     return ", one-way: elastic motion does not act on rigid motion" if counts["one_way"] else ""
 
 
-def _freedom(counts):
-    freedom = counts.get("degrees_of_freedom")
-    return "" if freedom is None else f"degrees of freedom {freedom}, "
+def _dof(counts):
+    dof = counts.get("degrees_of_freedom")
+    return "" if dof is None else f"degrees of freedom {dof}, "
 
 
 def _elastic_lines(bodies):

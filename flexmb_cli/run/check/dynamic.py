@@ -30,7 +30,7 @@ def _check_forward(report, model, run):
 
     analysis = DrivenDynamics(model) if model.analysis == "inverse" else ForwardDynamics(model)
     arrays, speeds = analysis.arrays.kinematic, analysis.arrays.speeds
-    before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.turns)
+    before = gaps_of(_Gaps(analysis), analysis.arrays, arrays.q, analysis.arrays.angles)
     try:
         found = analysis.start()
     finally:
@@ -42,9 +42,9 @@ def _check_forward(report, model, run):
         "degrees_of_freedom": int(speeds - found.rank) + drivers,
     }
     report.time = model.mechanism.time.start
-    q = analysis.march.z[: arrays.q.size]
+    q = analysis.integration.z[: arrays.q.size]
     report.gaps = before_and_after(
-        before, gaps_of(_Gaps(analysis), analysis.arrays, q, analysis.arrays.turns)
+        before, gaps_of(_Gaps(analysis), analysis.arrays, q, analysis.arrays.angles)
     )
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]

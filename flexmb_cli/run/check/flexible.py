@@ -35,7 +35,7 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
         "degrees_of_freedom": int(found.coordinates - found.rank) + len(mechanism.motions),
         **report_times(mechanism.time),
     }
-    report.gaps = before_and_after(before, _gaps(analysis, analysis.march.z[: arrays.q.size]))
+    report.gaps = before_and_after(before, _gaps(analysis, analysis.integration.z[: arrays.q.size]))
     report.rank, report.smallest = int(found.rank), float(found.smallest)
     report.redundant = [[equation.name for equation in group] for group in found.redundant]
     report.free = [list(names) for names in found.free]
@@ -85,7 +85,7 @@ def _centre(body):
 def _gaps(analysis, q):
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}."""
     arrays, gaps = analysis.arrays, {}
-    scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.turns)
+    scaled = analysis.evaluator.residual(q, analysis.grid.start, arrays.angles)
     for equation, value in zip(arrays.equations, np.abs(scaled * arrays.row_scale), strict=True):
         key = equation.owner, equation.unit
         gaps[key] = max(gaps.get(key, 0.0), float(value))

@@ -29,9 +29,11 @@ def report_times(grid) -> dict:
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis, arrays, q, near) -> dict:
-    """Largest residual of each owner's equations, as {(owner, unit): m or 1}; near: the angles expected."""
-    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, near)
+def gaps_of(analysis, arrays, q, expected) -> dict:
+    """Largest residual of each owner's equations, as {(owner, unit): m or 1}; expected: the angles
+    expected.
+    """
+    scaled = analysis.evaluator.residual(q, analysis.mechanism.time.start, expected)
     gaps: dict = {}
     for equation, value in zip(arrays.equations, scaled * arrays.row_scale, strict=True):
         key = (equation.owner, equation.unit)

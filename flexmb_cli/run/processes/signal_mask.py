@@ -9,7 +9,7 @@ STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") 
 
 
 @contextmanager
-def stops_blocked() -> Iterator[None]:
+def signals_masked() -> Iterator[None]:
     """A process that is started in here has them waiting until it calls `unblock_stops`."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -28,6 +28,6 @@ def stops_blocked() -> Iterator[None]:
 
 
 def unblock_stops() -> None:
-    """Have this process told of signals again."""
+    """Have this process notified of signals again."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection
 from contextlib import suppress
 from multiprocessing import connection, get_context
 
-from .signal_mask import stops_blocked
+from .signal_mask import signals_masked
 
 
 class Worker:
@@ -26,11 +26,11 @@ class Worker:
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
-        with theirs, stops_blocked():
+        with theirs, signals_masked():
             self.process.start()
 
     def send(self, message) -> bool:
-        """Whether it was there to be told."""
+        """Whether it was there to be notified."""
         with suppress(OSError):
             self.line.send(message)
             return True
@@ -89,7 +89,7 @@ def portable(fault: BaseException) -> BaseException:
     place = "".join(traceback.format_exception(fault))
     with suppress(Exception):
         fault.add_note(place)
-        # Exceptions may be made otherwise than they are told: tried here, where it can be helped.
+        # Exceptions may be made with other arguments than they hold: tried here, where it can be helped.
         pickle.loads(pickle.dumps(fault))
         return fault
     return RuntimeError(place)

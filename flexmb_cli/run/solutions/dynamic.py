@@ -25,8 +25,10 @@ TOO_COARSE = (
 def solution(model: DynamicModel, run: Run) -> Solution:
     """Return the dynamics of `model`, ready to be solved."""
     if run.options.as_printed:
-        told = "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
-        raise ModelError([Fault("error", told, id="RUN-031")])
+        reported = (
+            "the program of 1996 knows no dynamics: leave out --as-printed, or the cards behind DYNAMICS"
+        )
+        raise ModelError([Fault("error", reported, id="RUN-031")])
     model = _as_asked(model, run.options)
     stepped = model.analysis == "forward" or bool(model.elements)
     analysis = (_stepped if stepped else _inverse)(model, run)
@@ -78,7 +80,7 @@ def _stepped(model, run):
     analysis = (ForwardDynamics if forward else DrivenDynamics)(model)
     if forward:
         set_tolerances(analysis, run.options, run.outcome)
-    tell_of_compiling(run.listener, analysis.stepper.entry)
+    tell_of_compiling(run.listener, analysis.integrator.entry)
     return analysis
 
 

@@ -65,5 +65,5 @@ def _digest(system):
 def _analysis(mechanism, run):
     analysis = FlexibleDynamics(mechanism)
     set_tolerances(analysis, run.options, run.outcome)
-    tell_of_compiling(run.listener, analysis.stepper.entry)
+    tell_of_compiling(run.listener, analysis.integrator.entry)
     return analysis

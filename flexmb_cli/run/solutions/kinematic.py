@@ -13,7 +13,7 @@ def solution(mechanism: Mechanism, run: Run) -> Solution:
     """Return the kinematics of `mechanism`, ready to be solved."""
     if run.options.as_printed:
         return _as_printed(mechanism, run)
-    tell_of_compiling(run.listener, "kinematics.continuation.march")
+    tell_of_compiling(run.listener, "kinematics.continuation.follow")
     analysis = KinematicAnalysis(mechanism, KinematicSettings(**run.options.solver))
     return _solution(mechanism, analysis, run, not analysis.one_block)
 

@@ -53,7 +53,7 @@ def absolute_analysis(tree: Tree, run: Run):
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
-    tell_of_compiling(run.listener, "integrators.constrained_dop853.march_rows")
+    tell_of_compiling(run.listener, "integrators.constrained_dop853.integrate_rows")
     return AbsoluteTree(tree)
 
 

@@ -11,7 +11,7 @@ from ..solutions.tree import absolute_analysis, kane_analysis, values_of
 from .difference import Difference, largest_difference
 
 FORMULATIONS = "Kane's equations and absolute coordinates"
-# Both march more closely than they are compared; deflections are small against a metre.
+# Both integrate more closely than they are compared; deflections are small against a metre.
 RTOL, ATOL = 1e-11, 1e-13
 
 ENERGIES = ("kinetic", "potential", "strain", "total")

@@ -29,8 +29,8 @@ class AsPrinted:
         block: int = BLOCK,
     ):
         if len(mechanism.bodies) > MOST_BODIES:
-            told = f"the program of 1996 holds {MOST_BODIES} bodies, the deck has {len(mechanism.bodies)}"
-            raise ModelError([Fault("error", f"{told}; run it without --as-printed", id="SOLVE-031")])
+            reported = f"the program of 1996 holds {MOST_BODIES} bodies, the deck has {len(mechanism.bodies)}"
+            raise ModelError([Fault("error", f"{reported}; run it without --as-printed", id="SOLVE-031")])
         self.mechanism, self.block = mechanism, block
         self.program = Program(mechanism, errors, settings)
         self.reference = Program(mechanism, frozenset())

@@ -142,7 +142,7 @@ def _two_rows(first: int, second: int, third: int) -> list[int]:
     return pair
 
 
-def _failure(t, told):
+def _failure(t, reported):
     return AnalysisError(
-        Fault("error", f"at t = {t:.6g} s the program of 1996 fails: {told}", id="SOLVE-033"), t
+        Fault("error", f"at t = {t:.6g} s the program of 1996 fails: {reported}", id="SOLVE-033"), t
     )

@@ -1,7 +1,7 @@
 """Equations of single coordinates: simplified, distance and ground constraints, drivers, normalisation.
 
 Liang Yong (1996), sections 4.2.7 and 4.2.8 and Appendix A, unit YOUNG_4.  No error of these shows in a
-listing.  The law of a driver is taken as C + B t + A t²/2, where the scan of the source reads A t/2.
+listing.  The function of a driver is taken as C + B t + A t²/2, where the scan of the source reads A t/2.
 """
 
 import math
@@ -47,17 +47,17 @@ def driven(mechanism: Mechanism, q: np.ndarray, qd: np.ndarray, t: float) -> lis
     """One equation of a translation, two of a rotation, (4.59) to (4.64)."""
     found = []
     for driver in mechanism.drivers:
-        law = driver.C + (driver.B + 0.5 * driver.A * t) * t
+        function = driver.C + (driver.B + 0.5 * driver.A * t) * t
         rate, second = driver.B + driver.A * t, driver.A
         first, k = 7 * driver.body, driver.direction
         if k <= 3:
-            found.append(Single({first + k - 1: 1.0}, q[driver.body, k - 1] - law, rate, second))
+            found.append(Single({first + k - 1: 1.0}, q[driver.body, k - 1] - function, rate, second))
             continue
         e0, ek = q[driver.body, 3], q[driver.body, k]
         e0d, ekd = qd[driver.body, 3], qd[driver.body, k]
         turning = 0.5 * (rate * e0d + second * e0), -0.5 * (rate * ekd + second * ek)
-        found.append(Single({first + k: 1.0}, ek - math.sin(0.5 * law), 0.5 * rate * e0, turning[0]))
-        found.append(Single({first + 3: 1.0}, e0 - math.cos(0.5 * law), -0.5 * rate * ek, turning[1]))
+        found.append(Single({first + k: 1.0}, ek - math.sin(0.5 * function), 0.5 * rate * e0, turning[0]))
+        found.append(Single({first + 3: 1.0}, e0 - math.cos(0.5 * function), -0.5 * rate * ek, turning[1]))
     return found
 
 

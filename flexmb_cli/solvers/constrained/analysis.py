@@ -5,16 +5,16 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ...errors import AnalysisError, Fault
-from ...kernels.constrained.angle_unwrapping import NEAR, NEW, OLD, fill_angles
+from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.system import NO_INERTIA
 from ...kernels.integrators import constrained_dop853
-from ...model.arrays.law_table import break_times
+from ...model.arrays.function_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
-from ..checkpoint import arrays_in, faults_told, fill_arrays, told
+from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported
 from ..singular.dynamic_singularities import (
     SINGULAR,
-    PassedPositions,
+    PassedDynamicSingularities,
     at_line,
     has_gained_rank,
     is_singular,
@@ -40,7 +40,7 @@ STIFF = "; try RAD5 or GALF, or a smaller one"
 
 
 class ConstrainedMotion:
-    """One run over the times of `grid`; `stepper`: one of `steppers`, by default the explicit one.
+    """One run over the times of `grid`; `integrator`: one of `integrators`, by default the explicit one.
 
     A dialect's subclass gives `assembled(t)`, `given_speeds(q)` with the `velocities` behind it,
     `springs` in line, and `block(report)`, the rows it yields.  `warnings` fills while the run goes on;
@@ -51,21 +51,21 @@ class ConstrainedMotion:
     springs = ()
     turns_in_body_axes = False
 
-    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, stepper=None):
+    def __init__(self, arrays: SystemArrays, grid: TimeGrid, tolerance: float, integrator=None):
         self.arrays = arrays
         self.grid = grid
-        self.stepper = stepper or ExplicitSteps()
+        self.integrator = integrator or ExplicitSteps()
         self.system = constrained_system(arrays)
         self.work = new_work(arrays)
         self.warnings: list[Fault] = []
         self.found: Mobility | None = None
-        self.row, self.resumed, self.passed = 0, False, None  # see `rows`
+        self.row, self.resumed, self.singularities = 0, False, None  # see `rows`
         self._first = np.zeros(0)  # coordinates at the start
         coordinates, n = arrays.coordinate_scale.size, arrays.speeds
-        self.march = self.stepper.new_march(self.work, arrays.turns.size)
-        self.march.units[:coordinates] = arrays.coordinate_scale
-        self.march.units[coordinates : coordinates + n] = arrays.speed_scale
-        self.clock = self.march.clock
+        self.integration = self.integrator.new_integration(self.work, arrays.angles.size)
+        self.integration.units[:coordinates] = arrays.coordinate_scale
+        self.integration.units[coordinates : coordinates + n] = arrays.speed_scale
+        self.clock = self.integration.clock
         self.clock["rtol"] = self.clock["atol"] = tolerance
 
     def usual_repetitions(self, q) -> int | None:
@@ -85,7 +85,7 @@ class ConstrainedMotion:
         """
         behind = float(self.clock["stop"][0]) if self.resumed else -np.inf
         if not self.resumed:
-            self.row, self.passed = 0, PassedPositions(self)
+            self.row, self.singularities = 0, PassedDynamicSingularities(self)
             self.start()
         self.resumed = False
         times = np.array([self.grid.time(k) for k in range(self.grid.rows)])
@@ -97,22 +97,24 @@ class ConstrainedMotion:
                 continue
             self.clock["stop"] = stop
             for report in self._reports(times[rows[rows >= self.row]]):
-                self.passed.look(report.times, report.states)
+                self.singularities.look(report.times, report.states)
                 self.row += report.times.size
                 yield self.block(report)
             # To the very breakpoint, where there need not be a row.
             for _ in self._reports(np.array([stop] if stop < end else [])):
                 pass
-        self.warnings += self.stepper.doubts(self.clock[0])
+        self.warnings += self.integrator.doubts(self.clock[0])
 
     @property
     def checkpoint(self) -> dict:
-        """Where to go on behind the rows that have been yielded: all that the march keeps, and its work."""
+        """Where to go on behind the rows that have been yielded: all that the integration keeps, and its
+        work.
+        """
         return {
             "row": np.array(self.row),
-            "warnings": told(self.warnings),
-            **arrays_in(march=self.march, work=self.work),
-            **self.passed.checkpoint,
+            "warnings": reported(self.warnings),
+            **arrays_in(integration=self.integration, work=self.work),
+            **self.singularities.checkpoint,
         }
 
     def restore(self, checkpoint: Mapping) -> None:
@@ -121,16 +123,20 @@ class ConstrainedMotion:
         The start is made anew: it decides which equations repeat others.
         """
         self.start()
-        self.row, self.resumed, self.passed = int(checkpoint["row"]), True, PassedPositions(self)
-        self.warnings[:] = faults_told(checkpoint["warnings"])
-        fill_arrays(checkpoint, march=self.march, work=self.work)
-        self.passed.restore(checkpoint)
+        self.row, self.resumed, self.singularities = (
+            int(checkpoint["row"]),
+            True,
+            PassedDynamicSingularities(self),
+        )
+        self.warnings[:] = faults_reported(checkpoint["warnings"])
+        fill_arrays(checkpoint, integration=self.integration, work=self.work)
+        self.singularities.restore(checkpoint)
 
     def _reports(self, times):
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
         while times.size:
             report = blank_report(self.arrays, times[:LARGEST_BLOCK])
-            answer = self._call(constrained_dop853.MARCH, report)
+            answer = self._call(constrained_dop853.INTEGRATION, report)
             filled = int(self.clock["row"][0])
             times = times[filled:]
             if filled:
@@ -142,7 +148,7 @@ class ConstrainedMotion:
 
     def _excuse_short_steps(self):
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
-        if is_singular(self, self.march.z[: self._first.size], self._first):
+        if is_singular(self, self.integration.z[: self._first.size], self._first):
             raise self._failure(constrained_dop853.STEP_VANISHED)
         self.clock["excused"] = 1
 
@@ -152,11 +158,11 @@ class ConstrainedMotion:
         What a table does between two steps of any length would be stepped over, and no method keeps its
         order across a bend.
         """
-        if not self.stepper.chosen:
+        if not self.integrator.chosen:
             return []
         start, found = self.grid.start, []
         apart = SAME * max(abs(start), abs(end))
-        for t in sorted({t for law in self._tables for t in law.tolist()}):
+        for t in sorted({t for function in self._tables for t in function.tolist()}):
             # A step between two numbers for one time would be shorter than any can be.
             if (found[-1] if found else start) + apart < t < end - apart:
                 found.append(t)
@@ -166,16 +172,17 @@ class ConstrainedMotion:
     def _tables(self) -> list[np.ndarray]:
         """The times of every table, s."""
         system = self.system
-        found = [break_times(law, system.knots) for law in system.laws]
+        found = [break_times(function, system.knots) for function in system.functions]
         return [times for times in found if times.size]
 
     def _warn_of_fine_tables(self):
         """Steps of given length end where they end, whatever a table does between."""
         apart = (float(np.diff(times).min()) for times in self._tables if times.size > 1)
         finest = min(apart, default=np.inf)
-        if not self.stepper.chosen and finest < self.stepper.length:
+        if not self.integrator.chosen and finest < self.integrator.length:
             message = (
-                f"a table has points {finest:.3g} s apart, and steps of {self.stepper.length:g} s may pass "
+                f"a table has points {finest:.3g} s apart, and steps of {self.integrator.length:g} s "
+                f"may pass "
                 "over them: take a step below that, or 0 for steps that end at them"
             )
             self.warnings.append(Fault("warning", message, id="SOLVE-003"))
@@ -185,14 +192,16 @@ class ConstrainedMotion:
 
         Returns what the equations leave free, and which of them repeat others; raises as `rows`.
         """
-        grid, march = self.grid, self.march
+        grid, integration = self.grid, self.integration
         q = self.assembled(grid.start)
-        march.turns[NEW] = march.turns[OLD] = march.turns[NEAR] = self.screw_angles(q)
-        self.work.turns[:] = march.turns[NEW]
+        integration.angles[NEW] = integration.angles[OLD] = integration.angles[EXPECTED] = self.screw_angles(
+            q
+        )
+        self.work.angles[:] = integration.angles[NEW]
         found = self.found = order_of_elimination(self, q, grid.start)
-        march.z[: q.size] = self._first = q
+        integration.z[: q.size] = self._first = q
         # Rates that contradict others are refused here: what is left does repeat others.
-        march.z[q.size : -1] = start_speeds(self, q, grid.start)
+        integration.z[q.size : -1] = start_speeds(self, q, grid.start)
         refuse_coinciding_ends(self.system, self.work, self.springs, grid.start)
         if found.redundant:
             self.warnings.append(_repetition(found, self.usual_repetitions(q)))
@@ -205,12 +214,14 @@ class ConstrainedMotion:
         return found
 
     def _call(self, task, report):
-        return self.stepper.march_rows(task, self.system, self.work, self.march, report, CALL_EVALUATIONS)
+        return self.integrator.integrate_rows(
+            task, self.system, self.work, self.integration, report, CALL_EVALUATIONS
+        )
 
     def screw_angles(self, q):
         """Angles that count turns at q, those nearest to the deck's estimates."""
-        angles = self.arrays.turns.copy()
-        fill_angles(self.system, self.work, q, self.arrays.turns, angles)
+        angles = self.arrays.angles.copy()
+        fill_angles(self.system, self.work, q, self.arrays.angles, angles)
         return angles
 
     def _failure(self, answer, due: float = np.inf) -> AnalysisError:
@@ -242,12 +253,12 @@ class ConstrainedMotion:
 
     def _weakest_at_row(self, norms):
         """The equations that are singular where a row could not be made; none where they are not."""
-        norms["condition"], owners = weakest_of_speeds(self, self.march.trial)
+        norms["condition"], owners = weakest_of_speeds(self, self.integration.trial)
         return owners if norms["condition"] > SINGULAR else []
 
     def _why_steps_fall(self, norms):
         """The reason in words, and the equations it lies in; the condition goes into `norms`."""
-        condition, owners = weakest_of_speeds(self, self.march.z)
+        condition, owners = weakest_of_speeds(self, self.integration.z)
         norms["condition"] = condition
         size = f"condition {condition:.0e}"
         if condition > SINGULAR:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import Fault, ModelError
-from ...kernels.constrained.body_vectors import ARM
+from ...kernels.constrained.body_vectors import BODY_VECTOR
 from ...model.arrays.records import LINE
 
 COINCIDING = 1e-9  # of the free length: what assembly leaves between points that joints bring together
@@ -17,7 +17,7 @@ def refuse_coinciding_ends(system, work, springs, t: float) -> None:
     loads = system.loads[system.loads["kind"] == LINE]
     faults = []
     for load, spring in zip(loads, springs, strict=True):
-        length = float(np.linalg.norm(work.spans[ARM, load["measure"], 0]))
+        length = float(np.linalg.norm(work.relative_vectors[BODY_VECTOR, load["primitive"], 0]))
         if load["stiffness"] * load["free_length"] and length <= COINCIDING * abs(load["free_length"]):
             faults.append(_fault(spring, load["free_length"], t))
     if faults:

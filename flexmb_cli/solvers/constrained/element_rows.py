@@ -51,7 +51,7 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
 
 
 def _in_order_of_deck(model, arrays, report):
-    """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow laws in their places."""
+    """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow functions in their places."""
     mechanism, elements = model.mechanism, model.elements
     own = len(arrays.kinematic.constraints)
     others = report.wrenches[:, own:]
@@ -61,6 +61,6 @@ def _in_order_of_deck(model, arrays, report):
     first += len(mechanism.simplified) + len(mechanism.distances)
     places += [(first + item.item, k) for k, item in enumerate(elements.driven)]
     for place, k in sorted(places):
-        # The body of a law's equation is its body J, that of a driver or support its body I.
+        # The body of a function's equation is its body J, that of a driver or support its body I.
         found = np.insert(found, place, others[:, k, ::-1], axis=1)
     return found

@@ -6,7 +6,7 @@ from ...kernels.constrained.report import Report
 from ...kernels.constrained.system import System
 from ...model.arrays.flexible import flexible_arrays
 from ...model.arrays.node_joints import TRANSLATIONS
-from ...model.arrays.records import LAW, law_record
+from ...model.arrays.records import FUNCTION, function_record
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.loads import InitialVelocity
@@ -15,7 +15,7 @@ from ..linearisation.terms import Terms
 from .analysis import ConstrainedMotion
 from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
-from .initial_gaps import parted_joints
+from .initial_gaps import gap_warnings
 from .integrators import METHODS
 from .rows import global_axes
 from .start_speeds import given_speeds
@@ -23,11 +23,11 @@ from .start_speeds import given_speeds
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
 
 
-def stepper_of(integrator: Integrator):
-    """The stepper that a deck asks for, and its tolerance."""
+def integrator_of(integrator: Integrator):
+    """The integrator that a deck asks for, and its tolerance."""
     method = METHODS[integrator.method]
-    stepper = method.make(integrator.parameter, integrator.step)
-    return stepper, TOLERANCE if method.by_radius else integrator.parameter
+    steps = method.make(integrator.parameter, integrator.step)
+    return steps, TOLERANCE if method.by_radius else integrator.parameter
 
 
 class FlexibleDynamics(ConstrainedMotion):
@@ -36,8 +36,8 @@ class FlexibleDynamics(ConstrainedMotion):
     turns_in_body_axes = True
 
     def __init__(self, mechanism: FlexibleMechanism):
-        stepper, tolerance = stepper_of(mechanism.integrator)
-        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, stepper)
+        steps, tolerance = integrator_of(mechanism.integrator)
+        super().__init__(flexible_arrays(mechanism), mechanism.time, tolerance, steps)
         self.mechanism = mechanism
         self.velocities, self.springs = tuple(_velocities(mechanism)), mechanism.springs
 
@@ -49,7 +49,7 @@ class FlexibleDynamics(ConstrainedMotion):
     def assembled(self, t: float) -> np.ndarray:
         """Coordinates near the deck's that meet all equations; raises AnalysisError."""
         q = assemble(self.evaluator, t)
-        self.warnings += parted_joints(self.mechanism, self.evaluator, q, t)
+        self.warnings += gap_warnings(self.mechanism, self.evaluator, q, t)
         return q
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
@@ -77,15 +77,17 @@ class FlexibleDynamics(ConstrainedMotion):
     def driven_system(self, k: int, additions, t: float) -> System:
         """Return the system with additions to the value, rate and second rate of motion k at t.
 
-        A polynomial takes the place of its law, which at t has the same value and rates.
+        A polynomial takes the place of its function, which at t has the same value and rates.
         """
-        value, rate, second = np.add(self.mechanism.motions[k].law.at(t), additions)
+        value, rate, second = np.add(self.mechanism.motions[k].function.at(t), additions)
         c = value - rate * t + 0.5 * second * t * t, rate - second * t, 0.5 * second, 0.0
         group = self.arrays.groups[len(self.mechanism.joints) + len(self.mechanism.pins) + k]
-        measures = self.system.measures.copy()
-        measures["law"][group["first_row"]] = self.system.laws.size
-        laws = np.append(self.system.laws, np.array([law_record(POLYNOMIAL, c)], dtype=LAW))
-        return self.system._replace(laws=laws, measures=measures)
+        primitives = self.system.primitives.copy()
+        primitives["function"][group["first_row"]] = self.system.functions.size
+        functions = np.append(
+            self.system.functions, np.array([function_record(POLYNOMIAL, c)], dtype=FUNCTION)
+        )
+        return self.system._replace(functions=functions, primitives=primitives)
 
     def block(self, report: Report) -> FlexibleRows:
         """The rows of a report in the terms of the model."""

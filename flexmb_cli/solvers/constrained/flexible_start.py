@@ -23,9 +23,9 @@ class PositionGaps:
     def __init__(self, arrays, system, work):
         self.arrays, self.system, self.work = arrays, system, work
 
-    def residual(self, q, t, near) -> np.ndarray:
-        """Scaled residual (m,) at q; near: the angles expected."""
-        evaluate_residual(self.system, self.work, q, t, near)
+    def residual(self, q, t, expected) -> np.ndarray:
+        """Scaled residual (m,) at q; expected: the angles expected."""
+        evaluate_residual(self.system, self.work, q, t, expected)
         return self.work.rows[PHI] / self.arrays.row_scale
 
     def jacobian(self, q) -> np.ndarray:
@@ -54,13 +54,13 @@ def assemble(gaps: PositionGaps, t: float) -> np.ndarray:
                 return start
             if left < least:
                 best, least = start, left
-    raise assembly_failure(gaps, gaps.residual(best, t, arrays.turns), t)
+    raise assembly_failure(gaps, gaps.residual(best, t, arrays.angles), t)
 
 
 def _search(gaps, q, t, columns):
     """Gauss-Newton with the shortest corrections in some of the columns; the position and its largest gap."""
     arrays = gaps.arrays
-    gap = gaps.residual(q, t, arrays.turns)
+    gap = gaps.residual(q, t, arrays.angles)
     for _ in range(MOST_STEPS):
         if not gap.size or np.max(np.abs(gap)) <= MET:
             break
@@ -80,7 +80,7 @@ def _shortened(gaps, q, t, step, size):
     for _ in range(10):
         trial = q.copy()
         move(arrays.bodies, trial, factor * step * arrays.speed_scale)
-        gap = gaps.residual(trial, t, arrays.turns)
+        gap = gaps.residual(trial, t, arrays.angles)
         if np.linalg.norm(gap) < size:
             return trial, gap
         factor *= 0.5

@@ -15,14 +15,14 @@ ROUND_OFF = 1e-7  # an angle below it is lost in its cosine
 PRESCRIBED = ("ANGL", "STRK")  # motions from the deck's positions, which may well begin elsewhere
 
 
-def parted_joints(mechanism: FlexibleMechanism, gaps: PositionGaps, q, t: float) -> list[Fault]:
+def gap_warnings(mechanism: FlexibleMechanism, gaps: PositionGaps, q, t: float) -> list[Fault]:
     """Warnings where assembly moved bodies far, or deformed them; q: coordinates that meet all equations."""
     return [*_apart(mechanism, gaps, q, t), *_deformed(mechanism, gaps.arrays, q)]
 
 
 def _apart(mechanism, gaps, q, t):
     arrays = gaps.arrays
-    scaled = gaps.residual(arrays.q, t, arrays.turns)
+    scaled = gaps.residual(arrays.q, t, arrays.angles)
     limits = np.array([_limit(mechanism, equation) for equation in arrays.equations])
     worst = worst_gaps(gaps, np.where(np.abs(scaled) * arrays.row_scale > limits, scaled, 0.0))
     if not worst:
@@ -36,7 +36,7 @@ def _apart(mechanism, gaps, q, t):
 
 
 def _limit(mechanism, equation):
-    """Residual from which a gap is told, m or 1; inf for motions that say where the mechanism begins."""
+    """Residual from which a gap is reported, m or 1; inf for motions that say where the mechanism begins."""
     if any(item.name == equation.owner and item.kind in PRESCRIBED for item in mechanism.motions):
         return math.inf
     return APART * (_size(mechanism) if equation.is_length else 1.0)

@@ -12,21 +12,21 @@ from ...errors import Fault
 class ExplicitSteps:
     """DOP853: steps chosen by the tolerance."""
 
-    entry = "integrators.constrained_dop853.march_rows"  # the kernel that is compiled
+    entry = "integrators.constrained_dop853.integrate_rows"  # the kernel that is compiled
     chosen = True  # whether the lengths of its steps are its own choice
 
     @property
-    def march_rows(self):
+    def integrate_rows(self):
         """The kernel."""
         from ...kernels.integrators import constrained_dop853
 
-        return constrained_dop853.march_rows
+        return constrained_dop853.integrate_rows
 
-    def new_march(self, work, turns: int):
-        """A march at time 0 with an empty state for a mechanism with this work and so many angles."""
+    def new_integration(self, work, angles: int):
+        """An integration at time 0 with an empty state for a mechanism with this work and so many angles."""
         from ...kernels.integrators import constrained_dop853
 
-        return constrained_dop853.new_march(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, turns)
+        return constrained_dop853.new_integration(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, angles)
 
     def doubts(self, clock) -> list[Fault]:
         """Return what is doubtful about the steps taken."""
@@ -39,30 +39,30 @@ class GeneralisedAlpha:
     `radius`: the spectral radius at infinity, 1 for no numerical damping, 0 for the most.
     """
 
-    entry = "integrators.generalised_alpha.march_rows"
+    entry = "integrators.generalised_alpha.integrate_rows"
 
     def __init__(self, radius: float = 0.9, length: float = 0.0):
         self.radius, self.length = radius, length
 
     @property
-    def march_rows(self):
+    def integrate_rows(self):
         """The kernel."""
         from ...kernels.integrators import generalised_alpha
 
-        return generalised_alpha.march_rows
+        return generalised_alpha.integrate_rows
 
     @property
     def chosen(self) -> bool:
         """Whether the lengths of its steps are its own choice."""
         return self.length == 0.0
 
-    def new_march(self, work, turns: int):
-        """A march at time 0 with an empty state; see `alpha_march.new_march`."""
+    def new_integration(self, work, angles: int):
+        """An integration at time 0 with an empty state; see `generalised_alpha.new_integration`."""
         from ...kernels.integrators import generalised_alpha
 
-        march = generalised_alpha.new_march(work, turns)
-        march.clock["rho"], march.clock["fixed"] = self.radius, self.length
-        return march
+        integration = generalised_alpha.new_integration(work, angles)
+        integration.clock["rho"], integration.clock["fixed"] = self.radius, self.length
+        return integration
 
     def doubts(self, clock) -> list[Fault]:
         """Return what is doubtful about the steps taken: some of given length had to be divided."""
@@ -78,21 +78,21 @@ class GeneralisedAlpha:
 class RadauSteps:
     """Radau IIA of order 5: steps chosen by the tolerance, however stiff modes, springs and dampers are."""
 
-    entry = "integrators.radau5.march_rows"
+    entry = "integrators.radau5.integrate_rows"
     chosen = True
 
     @property
-    def march_rows(self):
+    def integrate_rows(self):
         """The kernel."""
         from ...kernels.integrators import radau5
 
-        return radau5.march_rows
+        return radau5.integrate_rows
 
-    def new_march(self, work, turns: int):
-        """A march at time 0 with an empty state; see `radau_march.new_march`."""
+    def new_integration(self, work, angles: int):
+        """An integration at time 0 with an empty state; see `radau5.new_integration`."""
         from ...kernels.integrators import radau5
 
-        return radau5.new_march(work, turns)
+        return radau5.new_integration(work, angles)
 
     def doubts(self, clock) -> list[Fault]:
         """Return what is doubtful about the steps taken."""

@@ -25,31 +25,31 @@ def assembled(analysis, t: float) -> np.ndarray:
     widen gaps on their way to a position that closes.
     """
     arrays = analysis.arrays.kinematic
-    q, near = arrays.q.copy(), arrays.screw_angles
+    q, expected = arrays.q.copy(), arrays.screw_angles
     normalise(analysis.arrays.bodies, q)
     if not len(arrays.equations):
         return q
-    found, gap = assemble_by_search(analysis.evaluator, q, t, near)
+    found, gap = assemble_by_search(analysis.evaluator, q, t, expected)
     for start in (found, q):
-        closed = _by_newton(analysis, start.copy(), t, near)
+        closed = _by_newton(analysis, start.copy(), t, expected)
         if closed is not None:
             return closed
     raise assembly_failure(analysis.evaluator, gap, t)
 
 
-def _by_newton(analysis, q, t, near):
+def _by_newton(analysis, q, t, expected):
     """The position after whole Newton steps, the shortest ones, or None when they do not close all gaps."""
     bodies, evaluator = analysis.arrays.bodies, analysis.evaluator
     normalise(bodies, q)
     for _ in range(MOST_STEPS):
-        gap = evaluator.residual(q, t, near)
+        gap = evaluator.residual(q, t, expected)
         largest = np.max(np.abs(gap))
         if largest <= MET or not largest < HOPELESS:
             break
         evaluate_jacobian(analysis.system, analysis.work, q)
         step = np.linalg.lstsq(analysis.work.jacobian, gap, rcond=SINGULAR_VALUE)[0]
         move(bodies, q, -step * analysis.arrays.speed_scale)
-    return q if np.max(np.abs(evaluator.residual(q, t, near))) <= CLOSED else None
+    return q if np.max(np.abs(evaluator.residual(q, t, expected))) <= CLOSED else None
 
 
 def order_of_elimination(analysis, q, t: float) -> Mobility:
@@ -62,7 +62,7 @@ def order_of_elimination(analysis, q, t: float) -> Mobility:
     left, values, right = np.linalg.svd(work.jacobian)
     rank = int(np.sum(values > SINGULAR_VALUE * values[0])) if values.size else 0
     found = choose_order(work, rank)
-    if project_position(system, work, q, t, analysis.march.turns[2]) == NO_INERTIA:
+    if project_position(system, work, q, t, analysis.integration.angles[2]) == NO_INERTIA:
         raise inertia_failure(analysis, t)
     names = arrays.equations
     dependencies, _ = sparse_basis(left[:, rank:].T)

@@ -120,7 +120,7 @@ def _doubt_change(analysis, u, wanted, given):
 
 
 def _shown(analysis, u, item):
-    p = analysis.march.z[7 * item.body + 3 : 7 * item.body + 7]
+    p = analysis.integration.z[7 * item.body + 3 : 7 * item.body + 7]
     angular = u[3:] if analysis.turns_in_body_axes else global_axes(p, u[3:])
     return "velocity ({:.6g}, {:.6g}, {:.6g}) m/s, angular ({:.6g}, {:.6g}, {:.6g}) rad/s".format(
         *(u[:3] + 0.0), *(angular + 0.0)

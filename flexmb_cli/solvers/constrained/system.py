@@ -21,11 +21,11 @@ def constrained_system(arrays: SystemArrays) -> System:
         arrays.masses,
         arrays.flexible,
         arrays.modal,
-        arrays.arms,
+        arrays.body_vectors,
         arrays.shapes,
-        arrays.measures,
+        arrays.primitives,
         arrays.loads,
-        arrays.laws,
+        arrays.functions,
         arrays.knots,
         arrays.gravity,
         arrays.groups,
@@ -34,7 +34,7 @@ def constrained_system(arrays: SystemArrays) -> System:
 
 def new_work(arrays: SystemArrays) -> Work:
     """Work for the kernels."""
-    return make_work(constrained_system(arrays), arrays.turns.size)
+    return make_work(constrained_system(arrays), arrays.angles.size)
 
 
 def blank_report(arrays: SystemArrays, times) -> Report:
@@ -53,14 +53,14 @@ def blank_report(arrays: SystemArrays, times) -> Report:
 
 
 class AnyCountEvaluator(Evaluator):
-    """An evaluator for any number of equations: redundant ones, and freedoms left open.
+    """An evaluator for any number of equations: redundant ones, and degrees of freedom left open.
 
     Its system and work are those of constrained dynamics; |p| = 1 is not among its equations.
     """
 
-    def residual(self, q, t, near) -> np.ndarray:
-        """Scaled residual (equations,) at q; near (screws,) are the angles expected."""
+    def residual(self, q, t, expected) -> np.ndarray:
+        """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
         rotations, phi = self.work.rotations[A], self.work.rows[PHI]
         rotation_matrices(q, rotations)
-        equations.residual(self.system.constraints, q, t, near, rotations, phi)
+        equations.residual(self.system.constraints, q, t, expected, rotations, phi)
         return phi[: self.arrays.row_scale.size] / self.arrays.row_scale

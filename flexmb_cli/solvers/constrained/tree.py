@@ -8,7 +8,7 @@ import numpy as np
 
 from ...fe.lumped_body import floating_body, massless_body
 from ...kernels.constrained.report import Report
-from ...model.arrays.constraint_table import MeasureTable
+from ...model.arrays.constraint_table import PrimitiveTable
 from ...model.arrays.flexible import flexible_arrays, length_scale
 from ...model.arrays.system import SystemArrays
 from ...model.fe_model import Integrator
@@ -41,8 +41,8 @@ class AbsoluteTree(ConstrainedMotion):
         poses = first_poses(tree, self.frames)
         bodies = [floating_body(tree, k, poses[k]) for k in range(len(tree.bodies))]
         bodies += [
-            massless_body(rider, pose)
-            for rider, pose in zip(self.frames.riders, poses[len(bodies) :], strict=True)
+            massless_body(node_frame, pose)
+            for node_frame, pose in zip(self.frames.node_frames, poses[len(bodies) :], strict=True)
         ]
         arrays = absolute_arrays(tree, self.frames, tuple(bodies))
         super().__init__(arrays, tree.time, tree.integration.rtol)
@@ -72,7 +72,7 @@ def absolute_arrays(tree: Tree, frames: Frames, bodies: tuple) -> SystemArrays:
     """The equations of a tree between bodies with coordinates of their own."""
     integrator = Integrator("RK45", 0.0, tree.integration.rtol)
     free = FlexibleMechanism(bodies, tree.time, integrator, tree.gravity)
-    table = MeasureTable(bodies, length_scale(free))
+    table = PrimitiveTable(bodies, length_scale(free))
     add_hinges(table, tree, frames)
     add_prescribed(table, tree, frames)
     add_closures(table, tree)

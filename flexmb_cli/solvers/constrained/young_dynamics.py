@@ -26,11 +26,11 @@ class ForwardDynamics(ConstrainedMotion):
     """One run over the report times of a dynamic model."""
 
     def __init__(self, model: DynamicModel):
-        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _stepper(model))
+        super().__init__(dynamic_arrays(model), model.mechanism.time, model.tolerance, _integrator(model))
         self.model = model
         self.mechanism = model.mechanism
         self.velocities, self.springs = model.velocities, model.springs
-        bodies, units = len(model.mechanism.bodies), self.march.units
+        bodies, units = len(model.mechanism.bodies), self.integration.units
         for part in (units[: 7 * bodies].reshape(-1, 7), units[7 * bodies : 13 * bodies].reshape(-1, 6)):
             part[:, :3] = step_length_scale(model, self.arrays.kinematic.length)
 
@@ -94,7 +94,7 @@ def _point(body, place):
     return NodePoint("", body, np.array(place), np.zeros((3, 0)))
 
 
-def _stepper(model):
+def _integrator(model):
     if model.radau:
         return RadauSteps()
     steps = model.alpha_steps

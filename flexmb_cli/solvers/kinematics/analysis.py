@@ -8,8 +8,8 @@ from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
-from ..checkpoint import faults_told, told
-from ..singular.kinematic_singularities import Passages
+from ..checkpoint import faults_reported, reported
+from ..singular.kinematic_singularities import PassedKinematicSingularities
 from ..singular.lockup import singular_start, step_failure
 from ..singular.mobility import CLOSED, mobility, moves_freely
 from ..singular.row_at_bifurcation import row_across
@@ -44,7 +44,7 @@ class KinematicAnalysis:
         self.settings = settings or KinematicSettings()
         self.system = kinematic_system(self.arrays, self.settings)
         self.warnings: list[Fault] = []
-        self.passages = Passages(self)
+        self.singularities = PassedKinematicSingularities(self)
         self._sparse, self._left_out = None, ((), ())
         self.row = 0  # of the next block
         self._restart(self.arrays.q)
@@ -100,8 +100,8 @@ class KinematicAnalysis:
             "state": self.state,
             "motion": self.motion,
             "clock": self.clock,
-            "told": np.array(self.passages.told),
-            "warnings": told(self.warnings),
+            "reported": np.array(self.singularities.reported),
+            "warnings": reported(self.warnings),
         }
 
     def restore(self, checkpoint: Mapping) -> Rows:
@@ -114,26 +114,27 @@ class KinematicAnalysis:
         self.state, self.motion, self.clock = (
             np.array(checkpoint[name]) for name in ("state", "motion", "clock")
         )
-        self.passages.told = int(checkpoint["told"])
-        self.warnings[:] = faults_told(checkpoint["warnings"])
+        self.singularities.reported = int(checkpoint["reported"])
+        self.warnings[:] = faults_reported(checkpoint["warnings"])
         return first
 
     def _next_block(self, row) -> tuple[Rows | None, AnalysisError | None]:
-        """The next report rows, and why none follow; the last may stand at a crossing of two motions."""
+        """The next report rows, and why none follow; the last may stand at a bifurcation of two motions."""
         wanted = min(self._at_once(LARGEST_BLOCK), self.mechanism.time.rows - row)
-        memory = self.passages.memory()
+        memory = self.singularities.memory()
         block = self._block(row, row + wanted)
         reached = 0 if block is None else block.time.size
         count, across = reached, None
-        # A row so near to a crossing that its rates are round-off, and the one the march could not reach.
-        for k in (self.passages.first_without_rates(memory, block) if reached else 0, reached):
+        # A row so near to a bifurcation that its rates are round-off, and the one the continuation could not
+        # reach.
+        for k in (self.singularities.first_without_rates(memory, block) if reached else 0, reached):
             if k < wanted and across is None:
                 across = self._row_across(row + k, memory)
                 count = reached if across is None else k
         part = None
         if count:
             part = first_rows(block, count)
-            self.passages.look(memory, part)
+            self.singularities.look(memory, part)
             keeps_axis(self.mechanism, part)
         if across is None:
             short = count < wanted
@@ -144,7 +145,7 @@ class KinematicAnalysis:
             return part, failure
 
     def _row_across(self, row, memory) -> Rows | None:
-        """The report row, if it stands where two motions cross; else the march stays where it was."""
+        """The report row, if it stands where two motions cross; else the continuation stays where it was."""
         kept = self.state, self.motion, self.clock
         found = row_across(self, self.mechanism.time.time(row), memory)
         if found is None:
@@ -161,32 +162,32 @@ class KinematicAnalysis:
         return self._at_once(MOST_STEPS) + 1
 
     def marcher(self) -> Callable:
-        """The march of this mechanism, by dense or by sparse factors: see `kinematic_march.march`."""
+        """The continuation of this mechanism, by dense or by sparse factors: see `continuation.follow`."""
         if not self.evaluator.is_large:
-            return lambda *arguments: continuation.march(self.system, *arguments)
+            return lambda *arguments: continuation.follow(self.system, *arguments)
         if self._sparse is None:
-            from .sparse import SparseMarch
+            from .sparse import SparseContinuation
 
-            self._sparse = SparseMarch(self.evaluator, *self._left_out)
-        return self._sparse.march
+            self._sparse = SparseContinuation(self.evaluator, *self._left_out)
+        return self._sparse.follow
 
-    def carry(self, march, state, motion, clock, t: float, attempts: int | None = None) -> bool:
+    def carry(self, follow, state, motion, clock, t: float, attempts: int | None = None) -> bool:
         """Move state, motion and clock to the time t, or by so many attempts at a step; whether there."""
         out, audit = np.empty((1, *state.shape)), np.empty((1, 3))
         while clock[continuation.TIME] < t:
             clock[continuation.BUDGET] = attempts or self._budget
-            march(state, motion, clock, np.array([t]), out, audit)
+            follow(state, motion, clock, np.array([t]), out, audit)
             if attempts or clock[continuation.BUDGET] > 0.0:
                 break
         return clock[continuation.TIME] >= t
 
-    def _march(self, times, out, audit):
+    def _follow(self, times, out, audit):
         """Fill rows until all are reached or the way is barred; returns how many were."""
-        reached, march = 0, self.marcher()
+        reached, follow = 0, self.marcher()
         while reached < times.size:
             self.clock[continuation.BUDGET] = self._budget
             rest = slice(reached, None)
-            reached += march(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
+            reached += follow(self.state, self.motion, self.clock, times[rest], out[rest], audit[rest])
             if self.clock[continuation.BUDGET] > 0.0:
                 break
         return reached
@@ -196,7 +197,7 @@ class KinematicAnalysis:
         times = np.array([self.mechanism.time.time(k) for k in range(start, end)])
         out = np.zeros((times.size, 3, self.arrays.q.size))
         audit = np.zeros((times.size, 3))
-        reached = self._march(times, out, audit)
+        reached = self._follow(times, out, audit)
         if not reached:
             return None
         return rows_of(self.mechanism, times[:reached], out[:reached], audit[:reached])
@@ -204,18 +205,18 @@ class KinematicAnalysis:
     def _assemble_otherwise(self) -> Rows:
         """The first row where plain Newton fails: by search, and past equations that repeat others."""
         evaluator, t = self.evaluator, self.mechanism.time.time(0)
-        near = self.arrays.screw_angles
-        q, gap = assemble_by_search(evaluator, self.arrays.q, t, near)
+        expected = self.arrays.screw_angles
+        q, gap = assemble_by_search(evaluator, self.arrays.q, t, expected)
         if np.max(np.abs(gap)) > CLOSED:
             refuse_contradicted_drive(self.mechanism, self.settings)
             raise assembly_failure(evaluator, gap, t, self.settings.most_iterations)
         if q.size > self.settings.most_ranked:
             raise too_large_to_rank(q.size, self.settings.most_ranked, t)
-        found = mobility(evaluator, q, t, near)
+        found = mobility(evaluator, q, t, expected)
         for motion in found.motions:
-            if moves_freely(evaluator, q, t, near, motion):
+            if moves_freely(evaluator, q, t, expected, motion):
                 raise free_motion_error(evaluator, q, found, motion, t)
-        if not found.freedoms:
+        if not found.dofs:
             self._restart(q)
             first = self._block(0, 1)
             if first is None:
@@ -231,12 +232,12 @@ class KinematicAnalysis:
         full, t = self.system, self.mechanism.time.time(0)
         self.system = with_dependent_columns(full, found.pivots)
         self._sparse, self._left_out = None, (found.repeated, found.pivots)
-        self.passages = Passages(self, active=False)
+        self.singularities = PassedKinematicSingularities(self, active=False)
         self._restart(q)
-        first, start = self._block(0, 1), self.passages.memory()
+        first, start = self._block(0, 1), self.singularities.memory()
         later = t + ASIDE * self.mechanism.time.step
         arrived = first is not None and self.carry(self.marcher(), self.state, self.motion, self.clock, later)
-        if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).freedoms == 0:
+        if not arrived or mobility(self.evaluator, self.state[0], later, self.motion[:, 0]).dofs == 0:
             self.system = full
             raise singular_start(self, q, t)
         self.state, self.motion, self.clock = start

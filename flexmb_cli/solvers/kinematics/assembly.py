@@ -14,36 +14,36 @@ ENOUGH = KinematicSettings.most_iterations
 NEARLY_CLOSED = 1e-6  # a wider gap is real: shortest corrections would only spread it
 
 
-def assemble_by_search(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
+def assemble_by_search(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray, np.ndarray]:
     """A position that meets the equations as well as can be, and its scaled residual.
 
     Least squares from the estimates, then from estimates a little off: axes that are exactly
     perpendicular where they should be parallel give no direction to turn.
     """
-    best = _search(evaluator, q, t, near)
+    best = _search(evaluator, q, t, expected)
     for trial in range(1, 1 if evaluator.is_large else TRIALS):
         if np.max(np.abs(best[1])) <= CLOSED:
             break
         shift = np.random.default_rng(trial).uniform(-NUDGE, NUDGE, q.size) * evaluator.arrays.column_scale
-        other = _search(evaluator, q + shift, t, near)
+        other = _search(evaluator, q + shift, t, expected)
         if np.max(np.abs(other[1])) < 0.5 * np.max(np.abs(best[1])):
             best = other
     return best
 
 
-def _search(evaluator, q, t, near):
+def _search(evaluator, q, t, expected):
     """One search, polished by the shortest corrections, which also converge among redundant equations."""
-    q, gap = nearest_position(evaluator, q, t, near)
+    q, gap = nearest_position(evaluator, q, t, expected)
     scale = evaluator.arrays.column_scale
     for _ in range(20):
         if evaluator.is_large or not POLISHED < np.max(np.abs(gap)) < NEARLY_CLOSED:
             break
         better = q - scale * np.linalg.lstsq(evaluator.matrix(q), gap, rcond=1e-9)[0]
-        better_gap = evaluator.residual(better, t, near)
+        better_gap = evaluator.residual(better, t, expected)
         if not np.max(np.abs(better_gap)) < np.max(np.abs(gap)):
             break
         q, gap = better, better_gap
-    return q, evaluator.residual(q, t, near)
+    return q, evaluator.residual(q, t, expected)
 
 
 def assembly_failure(evaluator: Evaluator, gap, t, most_iterations: int = ENOUGH) -> AnalysisError:

@@ -27,7 +27,7 @@ def refuse_tilted_drive(mechanism: Mechanism, first: Rows) -> None:
     """Raise ModelError naming the driven bodies that the first row shows tilted."""
     faults = [
         Fault("error", _message(driver, off[0], tilted[0]), driver.place, driver.name, id="SOLVE-010")
-        for driver, off, tilted in _tilts(mechanism, first)
+        for driver, off, tilted in _axis_deviations(mechanism, first)
         if tilted[0].any()
     ]
     if faults:
@@ -44,11 +44,11 @@ def refuse_contradicted_drive(mechanism: Mechanism, settings) -> None:
         others = tuple(d for d in mechanism.drivers if d is not driver)
         arrays = kinematic_arrays(replace(mechanism, drivers=others))
         evaluator = Evaluator.of(arrays, kinematic_system(arrays, settings))
-        t, near = mechanism.time.start, arrays.screw_angles
-        q, gap = assemble_by_search(evaluator, arrays.q, t, near)
+        t, expected = mechanism.time.start, arrays.screw_angles
+        q, gap = assemble_by_search(evaluator, arrays.q, t, expected)
         if np.max(np.abs(gap)) > CLOSED or evaluator.is_large:
             continue
-        if not _can_turn(driver, q, mobility(evaluator, q, t, near).motions):
+        if not _can_turn(driver, q, mobility(evaluator, q, t, expected).motions):
             axis = "xyz"[driver.direction - 4]
             message = (
                 f"the joints do not let body {driver.body + 1} turn about the global {axis} axis, as this "
@@ -61,13 +61,13 @@ def _can_turn(driver, q, motions):
     k, axis = 7 * driver.body + 3, np.eye(3)[driver.direction - 4]
     p = q[k : k + 4]
     upright = np.linalg.norm(np.cross(p[1:], axis)) <= UPRIGHT
-    turns = [twice_g(p, motion[k : k + 4]) for motion in motions]
-    return upright and any(abs(omega @ axis) > UPRIGHT for omega in turns)
+    rates = [twice_g(p, motion[k : k + 4]) for motion in motions]
+    return upright and any(abs(omega @ axis) > UPRIGHT for omega in rates)
 
 
 def keeps_axis(mechanism: Mechanism, rows: Rows) -> Rows:
     """The rows, if no driven body tilts in them; raises AnalysisError at the first that does."""
-    for driver, off, tilted in _tilts(mechanism, rows):
+    for driver, off, tilted in _axis_deviations(mechanism, rows):
         if tilted.any():
             k = int(np.argmax(tilted.any(axis=1)))
             message = f"at t = {rows.time[k]:.6g} s {driver.name}: {_message(driver, off[k], tilted[k])}"
@@ -80,7 +80,7 @@ def _turning(mechanism):
     return [driver for driver in mechanism.drivers if driver.direction > 3]
 
 
-def _tilts(mechanism, rows):
+def _axis_deviations(mechanism, rows):
     """Every rotational driver, the parts of p, ṗ, p̈ of its body off the axis (T, 3), whether too large.
 
     The rates are compared with the fastest Euler parameter of the row: so far goes their round-off.

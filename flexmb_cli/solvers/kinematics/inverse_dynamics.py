@@ -64,8 +64,8 @@ class InverseDynamics:
         _fill_states(report, rows)
         if not self._ordered:
             self._choose_order(report)
-        near = np.zeros((rows.time.size, self.arrays.turns.size))
-        filled = observe_rows(self.system, self.work, near, report)
+        expected = np.zeros((rows.time.size, self.arrays.angles.size))
+        filled = observe_rows(self.system, self.work, expected, report)
         if filled < rows.time.size:
             raise undetermined(rows.time[filled])
         kept = {field.name: getattr(rows, field.name) for field in fields(Rows)}

@@ -35,9 +35,9 @@ class Evaluator:
         """An evaluator with its own work arrays."""
         return cls(arrays, system, light_work(arrays.q.size))
 
-    def residual(self, q, t, near) -> np.ndarray:
-        """Scaled residual (equations,) at q; near (screws,) are the angles expected."""
-        evaluate_position(self.system, self.work, q, t, near)
+    def residual(self, q, t, expected) -> np.ndarray:
+        """Scaled residual (equations,) at q; expected (screws,) are the angles expected."""
+        evaluate_position(self.system, self.work, q, t, expected)
         return self.work.vectors[0, : self.arrays.row_scale.size] / self.arrays.row_scale
 
     def rows(self, q) -> np.ndarray:

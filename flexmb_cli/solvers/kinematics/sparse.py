@@ -1,4 +1,4 @@
-"""The march of `kernels.kinematic_march` for mechanisms too large for dense factors.
+"""The continuation of `kernels.kinematics.continuation` for mechanisms too large for dense factors.
 
 The same predictor, Newton iteration and acceptance test; the linear algebra is SuperLU's (scipy) on a
 fixed pattern, with the fill-reducing order of the columns found once.
@@ -87,8 +87,8 @@ def odd(permutation) -> bool:
     return bool((permutation.size - cycles) % 2)
 
 
-class SparseMarch:
-    """Marches a large mechanism; `march` has the arguments and the result of the kernel of that name."""
+class SparseContinuation:
+    """Follows a large mechanism; `follow` has the arguments and the result of the kernel of that name."""
 
     def __init__(self, evaluator: Evaluator, repeated=(), dependent=()):
         self.evaluator = evaluator
@@ -96,11 +96,11 @@ class SparseMarch:
         self.system = evaluator.system
         self.factors = SparseFactors(evaluator, repeated, dependent)
 
-    def newton(self, q, t, near, limit, most):
+    def newton(self, q, t, expected, limit, most):
         """Improve q in place until only round-off is left; returns (code, iterations, sign)."""
         previous, sign = np.inf, 0
         for iteration in range(1, most + 1):
-            gap = self.evaluator.residual(q, t, near)
+            gap = self.evaluator.residual(q, t, expected)
             if not np.all(np.isfinite(gap)):
                 return STALLED, iteration, sign
             sign = self.factors.factorise(q)
@@ -112,7 +112,7 @@ class SparseMarch:
             q -= shrink * correction * self.arrays.column_scale
             reach = reach_of(self.system, q)
             if size <= LAST_CORRECTION * reach:
-                left = np.max(np.abs(self.evaluator.residual(q, t, near)))
+                left = np.max(np.abs(self.evaluator.residual(q, t, expected)))
                 return (CONVERGED if left <= ROUND_OFF * reach else STALLED), iteration, sign
             if iteration > 3 and shrink == 1.0 and size > previous:
                 return STALLED, iteration, sign
@@ -142,18 +142,18 @@ class SparseMarch:
         solution[:] = x * self.arrays.column_scale
         return np.max(np.abs(rest * self.arrays.row_scale))
 
-    def attempt(self, state, motion, t, t_new, limit, most, new, near):
+    def attempt(self, state, motion, t, t_new, limit, most, new, expected):
         """One step, as the kernel's `attempt`."""
         h = t_new - t
         dense.predict(state, h, new[0])
-        dense.screws_expected(motion, h, near)
-        code, iterations, sign = self.newton(new[0], t_new, near, limit, most)
+        dense.screws_expected(motion, h, expected)
+        code, iterations, sign = self.newton(new[0], t_new, expected, limit, most)
         if code != CONVERGED:
             return np.inf, 0.0, sign, iterations, np.inf
         gap = self.rates(new[0], t_new, new[1], new[2])
         return *dense.defect(self.system, state, new, h), sign, iterations, gap
 
-    def advance(self, state, motion, clock, target, new, near):
+    def advance(self, state, motion, clock, target, new, expected):
         """Carry `state` to `target`, as the kernel's `advance`."""
         assembling = clock[dense.STEP] == 0.0
         limit = dense.ASSEMBLY_LIMIT if assembling else dense.NO_LIMIT
@@ -165,13 +165,13 @@ class SparseMarch:
             clock[dense.BUDGET] -= 1.0
             t, t_new = clock[dense.TIME], dense.step_to(clock, target)
             off, moved, sign = np.inf, 0.0, 0
-            if not dense.turns_too_far(self.system.constraints, t, t_new):
+            if not dense.angle_too_far(self.system.constraints, t, t_new):
                 off, moved, sign, iterations, gap = self.attempt(
-                    state, motion, t, t_new, limit, most, new, near
+                    state, motion, t, t_new, limit, most, new, expected
                 )
                 clock[dense.SPENT] += iterations
             if dense.acceptable(clock, off, moved, sign):
-                dense.accept(self.system, self.evaluator.work, new, near, state, motion)
+                dense.accept(self.system, self.evaluator.work, new, expected, state, motion)
                 dense.after_success(clock, t_new, off, sign)
             else:
                 clock[dense.STEP] = 0.5 * (t_new - t)
@@ -179,11 +179,11 @@ class SparseMarch:
                     return False, gap
         return True, gap
 
-    def march(self, state, motion, clock, times, out, audit):
+    def follow(self, state, motion, clock, times, out, audit):
         """Fill report rows; returns the number of rows reached."""
-        new, near = np.empty_like(state), np.empty(len(motion))
+        new, expected = np.empty_like(state), np.empty(len(motion))
         for row, target in enumerate(times):
-            arrived, gap = self.advance(state, motion, clock, target, new, near)
+            arrived, gap = self.advance(state, motion, clock, target, new, expected)
             if not arrived:
                 return row
             out[row] = state

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.accelerations import accelerations, evaluate_jacobian
-from ...kernels.constrained.angle_unwrapping import NEAR
+from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.projection import project_position, project_speeds, rate_gap
 from ...kernels.constrained.speeds import move
 from ...kernels.constrained.system import GAMMA, NO_INERTIA, SOLVED
@@ -52,7 +52,7 @@ class ConstrainedLinearised(LinearisedMotion):
     def __init__(self, analysis: ConstrainedMotion, axes: str = OWN, state=None, free=None):
         self.analysis, self.axes = analysis, axes
         self.system = analysis.system
-        arrays, z = analysis.arrays, analysis.march.z
+        arrays, z = analysis.arrays, analysis.integration.z
         self.count = arrays.coordinate_scale.size
         here = z[: self.count].copy(), z[self.count : -1].copy(), float(analysis.clock["t"][0])
         self.q, self.u, self.t = state or here
@@ -76,7 +76,7 @@ class ConstrainedLinearised(LinearisedMotion):
         """Rate (f, n) of L at the position q moving with the speeds u."""
         size = np.max(np.abs(u) / self.scale, initial=0.0)
         if size == 0.0:
-            return np.zeros((self.freedoms, u.size))
+            return np.zeros((self.dofs, u.size))
         h = STEP / size
         return differentiated(lambda time: self._functionals(self.moved(q, time * u)), h)
 
@@ -118,9 +118,9 @@ class ConstrainedLinearised(LinearisedMotion):
 
     def companion(self, d) -> np.ndarray:
         """Return the change w (n,) of the speeds, L w = 0, that the displacement d asks for."""
-        return self.closing(self.variation(self.rate_gaps, d, np.zeros_like(d)))
+        return self.projected(self.variation(self.rate_gaps, d, np.zeros_like(d)))
 
-    def closing(self, gaps) -> np.ndarray:
+    def projected(self, gaps) -> np.ndarray:
         """Return x (n,) with J x = gaps (m,), scaled, and L x = 0."""
         x = self._inverse @ gaps * self.scale
         return x - self.Z @ (self.L @ x)
@@ -129,8 +129,8 @@ class ConstrainedLinearised(LinearisedMotion):
         """Return k(d): omega × the rotation of every body, in its axes."""
         out = np.zeros_like(d)
         bodies = 6 * self.analysis.arrays.bodies
-        turns = d[:bodies].reshape(-1, 6)[:, 3:]
-        out[:bodies].reshape(-1, 6)[:, 3:] = np.cross(self.u[:bodies].reshape(-1, 6)[:, 3:], turns)
+        angles = d[:bodies].reshape(-1, 6)[:, 3:]
+        out[:bodies].reshape(-1, 6)[:, 3:] = np.cross(self.u[:bodies].reshape(-1, 6)[:, 3:], angles)
         return out
 
     def acceleration_after(self, h, rate) -> np.ndarray:
@@ -149,14 +149,16 @@ class ConstrainedLinearised(LinearisedMotion):
     def _at(self, q, u, t):
         """The same coordinates near q and u, where they meet the constraints."""
         analysis = self.analysis
-        self.refuse(project_position(self.system, analysis.work, q, t, analysis.march.turns[NEAR]))
+        self.refuse(project_position(self.system, analysis.work, q, t, analysis.integration.angles[EXPECTED]))
         self.refuse(project_speeds(self.system, analysis.work, q, u, t)[0])
         return ConstrainedLinearised(analysis, self.axes, (q, u, t), self.free)
 
     def standing(self, y):
         """Return position and speeds displaced by y (scaled), with the independent coordinates at rest."""
         analysis, q = self.analysis, self.moved(self.q, self.Z @ (self.units * y))
-        self.refuse(project_position(self.system, analysis.work, q, self.t, analysis.march.turns[NEAR]))
+        self.refuse(
+            project_position(self.system, analysis.work, q, self.t, analysis.integration.angles[EXPECTED])
+        )
         u = np.zeros_like(self.u)
         self.refuse(project_speeds(self.system, analysis.work, q, u, self.t)[0])
         L = self._functionals(q)
@@ -170,7 +172,7 @@ class ConstrainedLinearised(LinearisedMotion):
 
     def stand_at(self, y) -> None:
         """Put the analysis to the position displaced by y (scaled), its independent coordinates at rest."""
-        z = self.analysis.march.z
+        z = self.analysis.integration.z
         z[: self.count], z[self.count : -1] = self.standing(y)
 
 
@@ -197,7 +199,7 @@ def modes(analysis, formulation=ConstrainedLinearised) -> Modes:
 
 def modes_of(motion: LinearisedMotion, A: np.ndarray, constant: bool) -> Modes:
     """Return the modes of A, and what neither oscillates nor is held."""
-    f = motion.freedoms
+    f = motion.dofs
     values, vectors = np.linalg.eig(A)
     order = np.lexsort((values.imag, np.round(np.abs(values), 9)))
     values, vectors = values[order], vectors[:, order]

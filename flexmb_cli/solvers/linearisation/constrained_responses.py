@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...kernels.constrained.angle_unwrapping import NEAR
+from ...kernels.constrained.angle_unwrapping import EXPECTED
 from ...kernels.constrained.elements import COLUMNS
 from ...kernels.constrained.report import observe_rows
 from ...kernels.constrained.system import NO_INERTIA, SOLVED, System
@@ -57,12 +57,12 @@ class ConstrainedResponses(Responses):
         motion, analysis = self.motion, self.analysis
         report = blank_report(analysis.arrays, np.array([motion.t]))
         report.states[0, :-1] = np.concatenate([motion.moved(motion.q, d), motion.u + w])
-        near = analysis.march.turns[NEAR][None].copy()
+        expected = analysis.integration.angles[EXPECTED][None].copy()
         system, work = model or motion.system, analysis.work
         # A kernel writes a row for every load, and a model may have one more.
         answers = np.zeros((len(system.loads), COLUMNS))
         work, report = work._replace(responses=answers), report._replace(responses=answers[None].copy())
-        filled = observe_rows(system, work, near, report)
+        filled = observe_rows(system, work, expected, report)
         motion.refuse(SOLVED if filled else NO_INERTIA)
         rows = analysis.block(report)
         return np.concatenate([report.rates[0], self._outputs(rows)])
@@ -114,12 +114,12 @@ class ConstrainedResponses(Responses):
         pose, first = self._poses(q)[point.body], self._first_mode(point.body)
         modes = slice(first, first + point.shape.shape[1])
         R = rotation_matrix(pose[3:])
-        arm = R @ (point.r0 + point.shape @ q[arrays.bodies :][modes])
+        body_vector = R @ (point.r0 + point.shape @ q[arrays.bodies :][modes])
         own = 6 * point.body
-        reach = arm if place is None else place - pose[:3]
+        reach = body_vector if place is None else place - pose[:3]
         block[:3, own : own + 3], block[3:, own + 3 : own + 6] = np.eye(3), R
         block[:3, own + 3 : own + 6], block[:3, modes] = -tilde(reach) @ R, R @ point.shape
-        return pose[:3] + arm, block
+        return pose[:3] + body_vector, block
 
     def _first_mode(self, body):
         """Number of the first modal speed of a body."""
@@ -155,11 +155,11 @@ class ConstrainedResponses(Responses):
         motion, still = self.motion, np.zeros(self.motion.scale.size)
         changes = [self._driven(k, order) for order in range(3)]
         asked = differentiated(lambda x: motion.rate_gaps(still, still, changes[1](x)), STEP)
-        d = motion.closing(asked)
+        d = motion.projected(asked)
         if np.max(np.abs(motion.rate_gaps(still, d) - motion.rate_gaps(still, still) + asked)) > ADMISSIBLE:
             return
         turned = differentiated(lambda x: motion.rate_gaps(x * d, still, changes[0](x)), STEP)
-        yield Input(Signal(name, unit), d, motion.closing(turned), changes[0])
+        yield Input(Signal(name, unit), d, motion.projected(turned), changes[0])
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
@@ -187,7 +187,7 @@ def _unit_loads(name, is_force, load):
 def _vector_load(load, axis):
     def records(amount):
         record = np.array([load])
-        record["law"], record["vector"] = -1, amount * np.eye(3)[axis]
+        record["function"], record["vector"] = -1, amount * np.eye(3)[axis]
         return record
 
     return records

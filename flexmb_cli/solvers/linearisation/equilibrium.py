@@ -8,10 +8,10 @@ SHORT_STENCIL = ((-1.0, -0.5), (1.0, 0.5))  # of second order, enough to find th
 MOST_ITERATIONS = 60
 LARGEST_MOVE = 0.2  # scaled length of one correction towards equilibrium
 NO_STIFFNESS = 1e-10  # of the largest eigenvalue
-SETTLED = 1e-9  # scaled correction that counts as none
+SMALLEST_CORRECTION = 1e-9  # scaled correction that counts as none
 
 
-def settle(analysis, linearised) -> None:
+def find_equilibrium(analysis, linearised) -> None:
     """Bring a started `analysis` into an equilibrium: the one it stands in, else one it can fall into.
 
     Drivers keep their speeds: on a turning frame this is the equilibrium relative to the frame.
@@ -19,14 +19,14 @@ def settle(analysis, linearised) -> None:
     `linearised`: the class of its `LinearisedMotion`.  Raises AnalysisError when none is found.
     """
     start = linearised(analysis)
-    start.stand_at(np.zeros(start.freedoms))
+    start.stand_at(np.zeros(start.dofs))
     for _ in range(MOST_ITERATIONS):
         motion = linearised(analysis)
-        accelerations = motion.standing_accelerations(np.zeros(motion.freedoms))
+        accelerations = motion.standing_accelerations(np.zeros(motion.dofs))
         step = _downhill(motion.standing_stiffness(SHORT_STENCIL), accelerations)
         size = np.max(np.abs(step), initial=0.0)
         motion.stand_at(step * min(1.0, LARGEST_MOVE / size) if size > 0.0 else step)
-        if size <= SETTLED:
+        if size <= SMALLEST_CORRECTION:
             return
     message = (
         f"no equilibrium was found in {MOST_ITERATIONS} iterations; begin nearer to it, or see "
@@ -45,5 +45,5 @@ def _downhill(stiffness, accelerations):
     divisors = np.where(values.real < 0.0, -values, values)
     held = np.abs(values) > least
     # A motion without stiffness nor force stays; one with a force goes as far as one correction may.
-    loose = np.where(np.abs(parts) > SETTLED * least, LARGEST_MOVE, 0.0) * np.sign(parts.real)
+    loose = np.where(np.abs(parts) > SMALLEST_CORRECTION * least, LARGEST_MOVE, 0.0) * np.sign(parts.real)
     return (vectors @ np.where(held, parts / np.where(held, divisors, 1.0), loose)).real

@@ -69,10 +69,10 @@ class JointCoordinates:
         return self.arrays.body_names[self.parents[k // 6]]
 
 
-def _carried(across, arm, R):
-    """Displacement at `arm` (3,) from the origin of a body, and its rotation, along axes: (6, 6)."""
+def _carried(across, body_vector, R):
+    """Displacement at `body_vector` (3,) from the origin of a body, and its rotation, along axes: (6, 6)."""
     block = np.zeros((6, 6))
-    block[:3, :3], block[:3, 3:], block[3:, 3:] = across, -across @ tilde(arm) @ R, across @ R
+    block[:3, :3], block[:3, 3:], block[3:, 3:] = across, -across @ tilde(body_vector) @ R, across @ R
     return block
 
 
@@ -113,8 +113,11 @@ def _weights_of_pairs(arrays):
         pair = (GROUND, i) if i == j else (min(i, j), max(i, j))
         weights[pair] = weights.get(pair, 0.0) + float(group["end_row"] - group["first_row"])
     for load in arrays.loads:
-        if load["measure"] >= 0:
-            arms = arrays.measures[load["measure"]]["ends"][0]
-            i, j = sorted(int(arrays.arms[arm]["body"]) if arm >= 0 else GROUND for arm in arms)
+        if load["primitive"] >= 0:
+            body_vectors = arrays.primitives[load["primitive"]]["ends"][0]
+            i, j = sorted(
+                int(arrays.body_vectors[body_vector]["body"]) if body_vector >= 0 else GROUND
+                for body_vector in body_vectors
+            )
             weights[i, j] = weights.get((i, j), 0.0) + SPRING_WEIGHT
     return weights

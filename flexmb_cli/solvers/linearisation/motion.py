@@ -50,7 +50,7 @@ class LinearisedMotion(ABC):
     rate: np.ndarray  # (n,) their rates
 
     @property
-    def freedoms(self) -> int:
+    def dofs(self) -> int:
         """Return f."""
         return self.free.size
 
@@ -115,7 +115,7 @@ class LinearisedMotion(ABC):
 
     def first_order(self) -> np.ndarray:
         """Return A (2 f, 2 f) of y and v in their units."""
-        f = self.freedoms
+        f = self.dofs
         A = np.zeros((2 * f, 2 * f))
         for k, (d, w) in enumerate(self.tangents()):
             A[:f, k] = (self.position_rates(d) + (self.L @ w if k >= f else 0.0)) / self.units
@@ -147,7 +147,7 @@ class LinearisedMotion(ABC):
 
     def _agrees(self, A, other, pace):
         """Return whether entries, row by row, and eigenvalues of two matrices are the same."""
-        f, change = self.freedoms, np.abs(other - A)
+        f, change = self.dofs, np.abs(other - A)
         for rows, columns, power in ((0, 0, 1), (1, 0, 2), (1, 1, 1)):
             block = slice(rows * f, (rows + 1) * f), slice(columns * f, (columns + 1) * f)
             size = np.max(np.abs(A[block]), axis=1, initial=pace**-power)
@@ -178,7 +178,7 @@ class LinearisedMotion(ABC):
 
     def _destination(self, A):
         """Return the displacements (f,) by the accelerations, and accelerations (f,) that nothing opposes."""
-        f = self.freedoms
+        f = self.dofs
         pushed = self.speed_rates(self.u, self.rate) / self.units
         # Accelerations of turning that cancel leave round-off.
         floor = ROUND_OFF * np.max(np.abs(self.u) / self.scale, initial=0.0) ** 2
@@ -197,8 +197,8 @@ class LinearisedMotion(ABC):
 
     def standing_stiffness(self, stencil) -> np.ndarray:
         """Return the derivative (f, f) of the accelerations of the coordinates held at rest."""
-        derivative = np.zeros((self.freedoms, self.freedoms))
-        for k, direction in enumerate(np.eye(self.freedoms)):
+        derivative = np.zeros((self.dofs, self.dofs))
+        for k, direction in enumerate(np.eye(self.dofs)):
             for place, weight in stencil:
                 derivative[:, k] += weight / STEP * self.standing_accelerations(place * STEP * direction)
         return derivative

@@ -99,7 +99,7 @@ def matrices(responses: Responses) -> list[np.ndarray]:
         for unit, (d, w) in zip(units, motion.tangents(), strict=True)
     ]
     inputs = [responses.column(one.d, one.w, _response(responses, one)) for one in responses.inputs]
-    n = 2 * motion.freedoms
+    n = 2 * motion.dofs
     A, C = (_columns([column[k] for column in state], rows) for k, rows in ((0, n), (1, p)))
     B, D = (_columns([column[k] for column in inputs], rows) for k, rows in ((0, n), (1, p)))
     return [A, B, C, D]

@@ -9,10 +9,10 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.tree.kane import SOLVED
 from ...kernels.tree.motion import derivative, normalise_attitudes, parts, turn_attitudes
-from ...kernels.tree.projection import measure
+from ...kernels.tree.projection import evaluate_gaps
 from ...model.arrays.tree_frames import rotation_matrix
 from ...model.tree import ROTATION
-from ..tree.analysis import TreeAnalysis, breakpoints, set_laws
+from ..tree.analysis import TreeAnalysis, breakpoints, set_functions
 from ..tree.assembly import assemble_tree
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
 from .motion import STEP, LinearisedMotion, differentiated
@@ -31,7 +31,7 @@ class TreeLinearised(LinearisedMotion):
         self.analysis, self.arrays, self.axes = analysis, analysis.arrays, axes
         self.z, self.t = state or (analysis.state.copy(), float(analysis.clock["t"][0]))
         if state is None:
-            set_laws_at(analysis, self.t)
+            set_functions_at(analysis, self.t)
         grid = analysis.tree.time
         self.scale, self.duration = _scales(analysis.tree), grid.end - grid.start
         self.prescribe(self.z, self.t)
@@ -84,7 +84,7 @@ class TreeLinearised(LinearisedMotion):
 
     def _measured(self, z):
         if self.arrays.closures.size:
-            measure(self.arrays, self.analysis.work, self.analysis.coordinates, z)
+            evaluate_gaps(self.arrays, self.analysis.work, self.analysis.coordinates, z)
         return self.arrays.closures
 
     def _independent(self, jacobian):
@@ -138,11 +138,11 @@ class TreeLinearised(LinearisedMotion):
         if not self.arrays.closures.size:
             return np.zeros_like(d)
         gaps = self.variation(lambda d, w: self.gap_rates(self.displaced(d), self.u + w), d, np.zeros_like(d))
-        return self.closing(-gaps)
+        return self.projected(-gaps)
 
-    def closing(self, gaps) -> np.ndarray:
+    def projected(self, gaps) -> np.ndarray:
         """Return x (NS,) with J x = gaps (R,), L x = 0."""
-        return _closing(self.Z, self._inverse, self.L, gaps)
+        return _projected(self.Z, self._inverse, self.L, gaps)
 
     def turned(self, d) -> np.ndarray:
         """Return k(d): - omega × the rotation of every hinge with three of them, in its parent's axes."""
@@ -188,7 +188,7 @@ class TreeLinearised(LinearisedMotion):
 
     def _correction(self, z, gaps):
         L = self._functionals(z)
-        return _closing(*self._basis(self._jacobian(z), L), L, -gaps)
+        return _projected(*self._basis(self._jacobian(z), L), L, -gaps)
 
     def standing(self, y) -> np.ndarray:
         """Return the state displaced by y (scaled), with the independent coordinates at rest."""
@@ -207,7 +207,7 @@ class TreeLinearised(LinearisedMotion):
         self.analysis.state[:] = self.standing(y)
 
 
-def _closing(Z, inverse, L, gaps):
+def _projected(Z, inverse, L, gaps):
     """x (NS,) with J x = gaps, L x = 0, for the generalised `inverse` of J."""
     x = inverse @ gaps
     return x - Z @ (L @ x)
@@ -226,7 +226,7 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
     """Bring a TreeAnalysis from its start to `time`, s, by its own method of integration."""
     begin = analysis.tree.time.start
     if time <= begin:
-        set_laws_at(analysis, begin)
+        set_functions_at(analysis, begin)
         assemble_tree(analysis)
         return
     for _ in analysis.rows():
@@ -237,11 +237,11 @@ def start_tree(analysis: TreeAnalysis, time: float) -> None:
         raise AnalysisError(Fault("error", message, id="SOLVE-018"), reached)
 
 
-def set_laws_at(analysis: TreeAnalysis, t: float) -> None:
+def set_functions_at(analysis: TreeAnalysis, t: float) -> None:
     """Write the pieces of all tables on which t lies, those behind it at a breakpoint, into the arrays."""
     grid = analysis.tree.time
     after = breakpoints(analysis.tree, t, max(grid.end, t))
-    set_laws(analysis.tree, analysis.arrays, t, after[0] if after else t + grid.step)
+    set_functions(analysis.tree, analysis.arrays, t, after[0] if after else t + grid.step)
 
 
 def _scales(tree) -> np.ndarray:

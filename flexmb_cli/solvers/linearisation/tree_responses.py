@@ -24,7 +24,7 @@ class TreeResponses(Responses):
         self._axes = self._point_axes()
         self.observed = self._observed()
         self.inputs = [
-            *self._law_inputs(),
+            *self._function_inputs(),
             *self._body_inputs(),
             *self._node_inputs(),
             *self._driver_inputs(),
@@ -75,7 +75,7 @@ class TreeResponses(Responses):
         P = np.eye(self.n)[rigid]
         return P, np.zeros_like(P)
 
-    def _law_inputs(self):
+    def _function_inputs(self):
         """Torques on bodies and motors."""
         still = np.zeros(self.n)
         for k, item in enumerate((*self.tree.torques, *self.tree.motors)):
@@ -85,7 +85,7 @@ class TreeResponses(Responses):
             else:
                 unit = "N m" if item.motion == ROTATION else "N"
                 signal = Signal(f"{body} {item.motion} {item.axis} motor", unit)
-            yield Input(signal, still, still, self._changed("laws", "c0", k), 1.0)
+            yield Input(signal, still, still, self._changed("functions", "c0", k), 1.0)
 
     def _body_inputs(self):
         """Constant forces and torques of bodies that have some, inertial axes."""
@@ -99,13 +99,16 @@ class TreeResponses(Responses):
     def _node_inputs(self):
         """Constant forces of nodes that have some, inertial axes."""
         still, coordinates = np.zeros(self.n), self.tree.coordinates
-        lumps = [("lumps", k, max(lump["coordinate"])) for k, lump in enumerate(self.arrays.lumps)]
+        nodal_masses = [
+            ("nodal_masses", k, max(nodal_mass["coordinate"]))
+            for k, nodal_mass in enumerate(self.arrays.nodal_masses)
+        ]
         frames = [
             ("frames", k, f["first_translation"])
             for k, f in enumerate(self.arrays.frames)
             if f["translations"]
         ]
-        for records, k, m in lumps + frames:
+        for records, k, m in nodal_masses + frames:
             node = coordinates[m]
             if node.motion != ELASTIC or not np.any(getattr(self.arrays, records)["force"][k]):
                 continue
@@ -129,7 +132,7 @@ class TreeResponses(Responses):
         """Inputs of a prescribed coordinate, its rate and its acceleration; none where loops forbid it."""
         motion, still, one = self.motion, np.zeros(self.n), np.eye(self.n)[m]
         gaps = motion.gap_rates(motion.z, one)
-        d = one + motion.closing(-gaps)
+        d = one + motion.projected(-gaps)
         if np.max(np.abs(motion.gap_rates(motion.z, d)), initial=0.0) > ADMISSIBLE:
             return
         name, unit = self.tree.coordinates[m].name, _unit(self.tree.coordinates[m])

@@ -183,7 +183,7 @@ def _drive(found, driver: Driver):
     first = len(found.linear)
     if driver.direction < 4:
         row = point(found.bodies, driver.body, (0,) * 3)[driver.direction - 1 : driver.direction]
-        found.add_linear(row, lambda t: law(driver, t))
+        found.add_linear(row, lambda t: driver_function(driver, t))
     else:
         for a in range(3):
             form = vector(found.bodies, driver.body, np.eye(3)[a])
@@ -192,7 +192,7 @@ def _drive(found, driver: Driver):
     found.driven.append(range(first, len(found.linear)))
 
 
-def law(driver: Driver, t: float) -> tuple[float, float, float]:
+def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:
     """Return coordinate, rate and acceleration of a driver."""
     return driver.C + driver.B * t + 0.5 * driver.A * t * t, driver.B + driver.A * t, driver.A
 
@@ -201,7 +201,7 @@ def _turning(driver, i, a):
     """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
 
     def function(t):
-        angle, rate, acceleration = law(driver, t)
+        angle, rate, acceleration = driver_function(driver, t)
         D, slope, bend = turned(driver.direction - 4, angle)
         return D[i, a], slope[i, a] * rate, slope[i, a] * acceleration + bend[i, a] * rate**2
 

@@ -7,15 +7,15 @@ from ...quick_dataclass import dataclass
 from ..kinematics.position import Evaluator
 from ..kinematics.rows import twice_g
 
-SHARE = 0.2  # of the largest part of a combination: what is told
-MOST_TOLD = 3
+SHARE = 0.2  # of the largest part of a combination: what is reported
+MOST_REPORTED = 3
 SWEEPS = 6  # of inverse iteration: each gains the distance to the next singular value, squared
 ROUND_OFF = 1e12  # larger conditions have no digit that is more than round-off
 TINY = 1e-14  # added to an exactly singular matrix, so that it has factors
 
 
 @dataclass(frozen=True)
-class Weakness:
+class Conditioning:
     """The smallest singular value of the scaled Jacobian at a position.
 
     `condition`: the largest over the smallest.  `motion` (coordinates,): the unit motion that the
@@ -27,16 +27,16 @@ class Weakness:
     combination: np.ndarray
 
 
-def weakness(evaluator: Evaluator, q, t, near) -> Weakness:
-    """The weakness at q, for any number of equations that equals that of the coordinates."""
-    evaluator.residual(q, t, near)
+def conditioning(evaluator: Evaluator, q, t, expected) -> Conditioning:
+    """The conditioning at q, for any number of equations that equals that of the coordinates."""
+    evaluator.residual(q, t, expected)
     return _of_sparse(evaluator.sparse_matrix(q)) if evaluator.is_large else _of_dense(evaluator.matrix(q))
 
 
 def _of_dense(matrix):
     left, values, right = np.linalg.svd(matrix)
     smallest = max(float(values[-1]), np.finfo(float).tiny)
-    return Weakness(float(values[0]) / smallest, right[-1], left[:, -1])
+    return Conditioning(float(values[0]) / smallest, right[-1], left[:, -1])
 
 
 def _of_sparse(matrix):
@@ -57,7 +57,7 @@ def _of_sparse(matrix):
         combination = factors.solve(motion, "T")
         size = np.linalg.norm(combination)
         combination /= size
-    return Weakness(_largest_value(matrix, start) * size, motion, combination)
+    return Conditioning(_largest_value(matrix, start) * size, motion, combination)
 
 
 def _largest_value(matrix, vector):
@@ -68,7 +68,7 @@ def _largest_value(matrix, vector):
     return float(np.linalg.norm(matrix @ vector))
 
 
-def weakest_owners(evaluator: Evaluator, weak: Weakness) -> list:
+def weakest_owners(evaluator: Evaluator, weak: Conditioning) -> list:
     """The equations with the largest shares of the combination, one an owner: joints if there are some."""
     size, owners = np.abs(weak.combination), {}
     for row in by_size(size):
@@ -79,10 +79,10 @@ def weakest_owners(evaluator: Evaluator, weak: Weakness) -> list:
             owners.setdefault(equation.owner, equation)
     joints = [one for one in owners.values() if "joint" in one.owner or "distance" in one.owner]
     # Shares that symmetry makes equal differ by round-off: the deck's order is the same everywhere.
-    return sorted((joints or list(owners.values()))[:MOST_TOLD], key=lambda one: one.place)
+    return sorted((joints or list(owners.values()))[:MOST_REPORTED], key=lambda one: one.place)
 
 
-def weakness_text(evaluator: Evaluator, q, weak: Weakness) -> str:
+def conditioning_text(evaluator: Evaluator, q, weak: Conditioning) -> str:
     """Joints with their lines, condition and the motion that is hardly determined, in words."""
     owners = [f"{one.owner} (line {one.place.line})" for one in weakest_owners(evaluator, weak)]
     joints = f" of {', '.join(owners)}" if owners else ""
@@ -94,7 +94,7 @@ def _motion(evaluator, q, motion):
     """The bodies that take the largest part in a motion, and how."""
     rates = (motion * evaluator.arrays.column_scale).reshape(-1, 7)
     size = np.linalg.norm(motion.reshape(-1, 7), axis=1)
-    moving = [k for k in by_size(size)[:MOST_TOLD] if size[k] > SHARE * size.max()]
+    moving = [k for k in by_size(size)[:MOST_REPORTED] if size[k] > SHARE * size.max()]
     return ", ".join(
         _of_body(evaluator.arrays.body_names[k], q[7 * k + 3 : 7 * k + 7], rates[k]) for k in moving
     )

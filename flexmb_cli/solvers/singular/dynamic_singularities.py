@@ -15,10 +15,10 @@ from .mobility import about
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
 CROSSED = 1e5  # condition
-NEAR = 100.0  # condition, as a multiple of that of the start
-SHARE = 0.2  # of the largest part of a combination: what is told
+NEARLY_SINGULAR = 100.0  # condition, as a multiple of that of the start
+SHARE = 0.2  # of the largest part of a combination: what is reported
 BESIDE = 1e-5  # of the length scale, rad
-MOST_TOLD = 6
+MOST_REPORTED = 6
 SOUGHT = 3  # rows between which a singular position is sought
 MOST_NOTES = 5
 LOOKS = 300  # rows of a run that are looked at
@@ -57,13 +57,13 @@ def is_singular(analysis, q, start) -> bool:
     """
     gaps = PositionGaps(analysis.arrays, analysis.system, new_work(analysis.arrays))
     here, usual = (_weakest(analysis, gaps.jacobian(place.copy()))[0] for place in (q, start))
-    return here > max(CROSSED, NEAR * usual)
+    return here > max(CROSSED, NEARLY_SINGULAR * usual)
 
 
 def has_gained_rank(analysis) -> bool:
     """Return whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
     evaluate_jacobian(
-        analysis.system, analysis.work, analysis.march.z[: analysis.arrays.coordinate_scale.size].copy()
+        analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
     )
     values, rank = np.linalg.svd(analysis.work.jacobian, compute_uv=False), int(analysis.work.rank[0])
     return len(values) > rank and values[rank] > values[0] / SINGULAR**2
@@ -76,7 +76,7 @@ def repeating_here_only(analysis) -> list:
     others, as in planar loops, it leaves their rank as it was to second order.
     """
     arrays, work = analysis.arrays, analysis.work
-    q, rank = analysis.march.z[: arrays.coordinate_scale.size].copy(), int(work.rank[0])
+    q, rank = analysis.integration.z[: arrays.coordinate_scale.size].copy(), int(work.rank[0])
     if not np.all(np.isfinite(q)) or not arrays.equations:
         return []
     evaluate_jacobian(analysis.system, work, q)
@@ -90,12 +90,12 @@ def repeating_here_only(analysis) -> list:
     return []
 
 
-class PassedPositions:
+class PassedDynamicSingularities:
     """Looks for singular positions between the report rows of a ConstrainedMotion; notes go to its warnings.
 
-    The march steps over them where the motion is smooth.  They show as minima of the last singular value
-    that counts, which are then sought between the rows, on the straight line of coordinates brought back to
-    the equations.
+    The integration steps over them where the motion is smooth.  They show as minima of the last singular
+    value that counts, which are then sought between the rows, on the straight line of coordinates brought
+    back to the equations.
     """
 
     def __init__(self, analysis):
@@ -105,7 +105,7 @@ class PassedPositions:
         work = len(arrays.equations) * arrays.speeds * min(len(arrays.equations), arrays.speeds)
         self.active = 0 < work <= MOST_WORK
         self.stride = max(1, analysis.grid.rows // LOOKS)
-        self.seen, self.row, self.told = [], 0, 0
+        self.seen, self.row, self.reported = [], 0, 0
         self.sorted: list[float] = []  # the values seen
 
     @property
@@ -113,7 +113,7 @@ class PassedPositions:
         """What was seen, as arrays: of old rows only the value is needed."""
         last = self.seen[-SOUGHT:]
         return {
-            "seen/counts": np.array([self.row, self.told]),
+            "seen/counts": np.array([self.row, self.reported]),
             "seen/values": np.array([value for _, _, value in self.seen]),
             "seen/times": np.array([t for t, _, _ in last]),
             "seen/positions": np.array([q for _, q, _ in last]),
@@ -121,7 +121,7 @@ class PassedPositions:
 
     def restore(self, checkpoint: Mapping) -> None:
         """Go on from what was seen up to a checkpoint."""
-        self.row, self.told = map(int, checkpoint["seen/counts"])
+        self.row, self.reported = map(int, checkpoint["seen/counts"])
         values, times = checkpoint["seen/values"].tolist(), checkpoint["seen/times"].tolist()
         old = len(values) - len(times)
         self.sorted = sorted(values)
@@ -132,7 +132,7 @@ class PassedPositions:
         """Look at report rows at `times`, in order, with coordinates first in `states`."""
         size = self.analysis.arrays.coordinate_scale.size
         for t, state in zip(times, states, strict=True):
-            if self.active and self.row % self.stride == 0 and self.told < MOST_NOTES:
+            if self.active and self.row % self.stride == 0 and self.reported < MOST_NOTES:
                 value = self._smallest(state[:size].copy())
                 self.seen.append((float(t), state[:size].copy(), value))
                 insort(self.sorted, value)
@@ -177,7 +177,7 @@ class PassedPositions:
         gaps, arrays = self.gaps, self.analysis.arrays
         t, q = first[0] + x * (last[0] - first[0]), (1.0 - x) * first[1] + x * last[1]
         for _ in range(8):
-            gap = gaps.residual(q, t, self.analysis.march.turns[0])
+            gap = gaps.residual(q, t, self.analysis.integration.angles[0])
             if np.max(np.abs(gap)) <= CLOSED:
                 return q, self._smallest(q)
             step = np.linalg.lstsq(gaps.jacobian(q), gap, rcond=1e-6)[0]
@@ -186,9 +186,9 @@ class PassedPositions:
 
     def _tell(self, t, q):
         condition, owners = _weakest(self.analysis, self.gaps.jacobian(q))
-        self.told += 1
+        self.reported += 1
         joints = ", ".join(f"{one.owner}{at_line(one)}" for one in owners)
-        last = "; later ones are not looked for" if self.told == MOST_NOTES else ""
+        last = "; later ones are not looked for" if self.reported == MOST_NOTES else ""
         size = f"{condition:.0e}" if condition < ROUND_OFF else f"above {ROUND_OFF:.0e}"
         message = (
             f"near t = {t:.4g} s the motion passes a singular position of {joints} (condition {size}), where "
@@ -201,7 +201,7 @@ def _owners(equations, size):
     """One equation of each owner with a large share, in the deck's order."""
     found = {}
     for row in by_size(size):
-        if size[row] < SHARE * size.max() or len(found) == MOST_TOLD:
+        if size[row] < SHARE * size.max() or len(found) == MOST_REPORTED:
             break
         found.setdefault(equations[row].owner, equations[row])
     joints = [one for one in found.values() if "joint" in one.owner or "hinge" in one.owner]

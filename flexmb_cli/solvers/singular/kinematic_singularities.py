@@ -1,6 +1,6 @@
-"""Singular positions that a kinematic march passes: found after it, and told as notes.
+"""Singular positions that a kinematic continuation passes: found after it, and reported as notes.
 
-The march goes through a position where two motions cross when the motion is smooth, and through the
+The continuation goes through a position where two motions cross when the motion is smooth, and through the
 narrow place beside one.  Both cost many short steps: rows that took many iterations, or at which the
 sign of det Φ_q has changed, are walked again step by step.
 """
@@ -8,20 +8,21 @@ sign of det Φ_q has changed, are walked again step by step.
 import numpy as np
 
 from ...kernels.kinematics.continuation import BUDGET, SIGN, TIME
-from .conditioning import weakest_owners, weakness, weakness_text
+from .conditioning import conditioning, conditioning_text, weakest_owners
 from .mobility import about
 
-# Iterations of a row that are many where others take few, and many anywhere.  A crossing takes ten or more.
+# Iterations of a row that are many where others take few, and many anywhere.  A bifurcation takes ten or
+# more.
 FEW, MANY = 8, 20
-# Condition, as a multiple of that where the block began: what is told, and what leaves accelerations without
-# most of their digits.  Badly scaled mechanisms have a large one everywhere.
-NEAR, BLIND = 100.0, 1e5
-MOST_TOLD = 5
+# Condition, as a multiple of that where the block began: what is reported, and what leaves accelerations
+# without most of their digits.  Badly scaled mechanisms have a large one everywhere.
+NEARLY_SINGULAR, BLIND = 100.0, 1e5
+MOST_REPORTED = 5
 MOST_TRIED = 16  # of the shortest steps, among which the worst place is
 
 
-class Passages:
-    """Watches the blocks of a KinematicAnalysis; notes go to its warnings, `MOST_TOLD` at most.
+class PassedKinematicSingularities:
+    """Watches the blocks of a KinematicAnalysis; notes go to its warnings, `MOST_REPORTED` at most.
 
     Not active, it looks for nothing: where equations repeat others, every position looks singular.
     """
@@ -29,16 +30,16 @@ class Passages:
     def __init__(self, analysis, active: bool = True):
         self.analysis = analysis
         self.active = active
-        self.told = 0
+        self.reported = 0
 
     def memory(self):
-        """Return where the march stands, to be walked again from."""
+        """Return where the continuation stands, to be walked again from."""
         analysis = self.analysis
         return analysis.state.copy(), analysis.motion.copy(), analysis.clock.copy()
 
     def look(self, memory, rows) -> None:
         """Look for singular positions on the way from `memory` through the report `rows`."""
-        if self.told >= MOST_TOLD or not self.active:
+        if self.reported >= MOST_REPORTED or not self.active:
             return
         changed = memory[2][SIGN] != self.analysis.clock[SIGN]
         for first, last in _busy_runs(rows.newton_iterations, changed):
@@ -51,24 +52,26 @@ class Passages:
         limit = BLIND * self._condition_of(memory) if len(busy) else np.inf
         for k in busy:
             q = np.concatenate([rows.position[k], rows.euler_parameters[k]], axis=1).ravel()
-            near = self.analysis.motion[:, 0]
-            if weakness(self.analysis.evaluator, q, float(rows.time[k]), near).condition > limit:
+            expected = self.analysis.motion[:, 0]
+            if conditioning(self.analysis.evaluator, q, float(rows.time[k]), expected).condition > limit:
                 return int(k)
         return rows.time.size
 
     def _condition_of(self, memory):
         state, motion, clock = memory
-        return weakness(self.analysis.evaluator, state[0], float(clock[TIME]), motion[:, 0]).condition
+        return conditioning(self.analysis.evaluator, state[0], float(clock[TIME]), motion[:, 0]).condition
 
     def _walk(self, memory, begin, end):
-        """Go from `memory` to `begin`, then step by step to `end`; tell crossings, else the worst place."""
-        analysis, march = self.analysis, self.analysis.marcher()
+        """Go from `memory` to `begin`, then step by step to `end`; report bifurcations, else the worst
+        place.
+        """
+        analysis, integration = self.analysis, self.analysis.marcher()
         state, motion, clock = (part.copy() for part in memory)
-        analysis.carry(march, state, motion, clock, begin)
+        analysis.carry(integration, state, motion, clock, begin)
         steps, crossed = [], False
-        while clock[TIME] < end and self.told < MOST_TOLD:
+        while clock[TIME] < end and self.reported < MOST_REPORTED:
             t, sign = clock[TIME], clock[SIGN]
-            analysis.carry(march, state, motion, clock, end, 1)
+            analysis.carry(integration, state, motion, clock, end, 1)
             if clock[TIME] > t:
                 here = state[0].copy(), float(clock[TIME]), motion[:, 0].copy()
                 steps.append((clock[TIME] - t, here))
@@ -83,21 +86,25 @@ class Passages:
             )
 
     def _tell_narrowest(self, memory, places):
-        conditions = [weakness(self.analysis.evaluator, *place).condition for place in places]
-        if conditions and max(conditions) >= NEAR * self._condition_of(memory):
+        conditions = [conditioning(self.analysis.evaluator, *place).condition for place in places]
+        if conditions and max(conditions) >= NEARLY_SINGULAR * self._condition_of(memory):
             self.tell(*places[int(np.argmax(conditions))], False)
 
-    def tell(self, q, t, near, crossing: bool) -> None:
-        """Note that the march passes q at the time t: a crossing of two motions, or a narrow place."""
-        if self.told >= MOST_TOLD:
+    def tell(self, q, t, expected, bifurcation: bool) -> None:
+        """Note that the continuation passes q at the time t: a bifurcation of two motions, or a narrow
+        place.
+        """
+        if self.reported >= MOST_REPORTED:
             return
         evaluator = self.analysis.evaluator
-        weak = weakness(evaluator, q, t, near)
-        self.told += 1
-        what = "a singular position" if crossing else "close to a singular position"
-        more = "; two motions cross there, and the smooth one is followed" if crossing else ""
-        last = "; later ones are not looked for" if self.told == MOST_TOLD else ""
-        message = f"at t = {t:.6g} s the motion passes {what}{weakness_text(evaluator, q, weak)}{more}{last}"
+        weak = conditioning(evaluator, q, t, expected)
+        self.reported += 1
+        what = "a singular position" if bifurcation else "close to a singular position"
+        more = "; two motions cross there, and the smooth one is followed" if bifurcation else ""
+        last = "; later ones are not looked for" if self.reported == MOST_REPORTED else ""
+        message = (
+            f"at t = {t:.6g} s the motion passes {what}{conditioning_text(evaluator, q, weak)}{more}{last}"
+        )
         self.analysis.warnings.append(about("note", message, *weakest_owners(evaluator, weak)))
 
 

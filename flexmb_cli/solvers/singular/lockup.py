@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...errors import AnalysisError
-from .conditioning import weakest_owners, weakness, weakness_text
+from .conditioning import conditioning, conditioning_text, weakest_owners
 from .mobility import CLOSED, about, gap_norms, nearest_position, worst_gaps
 
 ASIDE = 0.05  # of the length scale, and of Euler parameters
@@ -17,8 +17,8 @@ def step_failure(analysis, t: float) -> AnalysisError:
     motion is not determined.
     """
     evaluator, reached = analysis.evaluator, float(analysis.clock[0])
-    near = analysis.motion[:, 0]
-    gap = _least_gap(evaluator, analysis.state[0], t, near)
+    expected = analysis.motion[:, 0]
+    gap = _least_gap(evaluator, analysis.state[0], t, expected)
     worst = worst_gaps(evaluator, gap)
     if worst:
         left = "; ".join(one.text for one in worst)
@@ -32,32 +32,32 @@ def step_failure(analysis, t: float) -> AnalysisError:
     return _singular(analysis, reached, t)
 
 
-def _least_gap(evaluator, q, t, near):
+def _least_gap(evaluator, q, t, expected):
     """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
 
     From a dead centre the search does not leave the line of symmetry by itself.
     """
-    gap = nearest_position(evaluator, q, t, near)[1]
+    gap = nearest_position(evaluator, q, t, expected)[1]
     if np.max(np.abs(gap)) <= CLOSED:
         return gap
-    aside = ASIDE * weakness(evaluator, q, t, near).motion * evaluator.arrays.column_scale
-    others = [nearest_position(evaluator, q + side * aside, t, near)[1] for side in (1.0, -1.0)]
+    aside = ASIDE * conditioning(evaluator, q, t, expected).motion * evaluator.arrays.column_scale
+    others = [nearest_position(evaluator, q + side * aside, t, expected)[1] for side in (1.0, -1.0)]
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
 def _singular(analysis, reached, t):
     """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
-    evaluator, q, near = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
-    weak = weakness(evaluator, q, reached, near)
+    evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
+    weak = conditioning(evaluator, q, reached, expected)
     later = t + LATER * analysis.mechanism.time.step
-    worst = worst_gaps(evaluator, _least_gap(evaluator, q, later, near), 1)
+    worst = worst_gaps(evaluator, _least_gap(evaluator, q, later, expected), 1)
     if worst:
         end = f"a dead centre: at t = {later:.6g} s a gap remains, {worst[0].text}"
     else:
         end = "the motion can branch there, and no way of going on is smooth"
     message = (
         f"at t = {t:.6g} s the mechanism is at or next to a singular position"
-        f"{weakness_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
+        f"{conditioning_text(evaluator, q, weak)}; motion reached t = {reached:.6g} s; {end}"
     )
     norms = gap_norms(worst) | {"reached": reached, "condition": weak.condition}
     return AnalysisError(about("error", message, *weakest_owners(evaluator, weak)), t, norms)
@@ -66,9 +66,10 @@ def _singular(analysis, reached, t):
 def singular_start(analysis, q, t) -> AnalysisError:
     """The failure of an analysis whose first position q is a dead centre or a branching."""
     evaluator = analysis.evaluator
-    weak = weakness(evaluator, q, t, analysis.arrays.screw_angles)
+    weak = conditioning(evaluator, q, t, analysis.arrays.screw_angles)
     message = (
-        f"at t = {t:.6g} s the mechanism starts at a singular position{weakness_text(evaluator, q, weak)}: a "
+        f"at t = {t:.6g} s the mechanism starts at a singular position"
+        f"{conditioning_text(evaluator, q, weak)}: a "
         "dead centre, or a place where motions branch; begin a little earlier or later"
     )
     fault = about("error", message, *weakest_owners(evaluator, weak))

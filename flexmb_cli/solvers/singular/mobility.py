@@ -73,7 +73,7 @@ def gap_norms(worst: list[Gap]) -> dict:
     }
 
 
-def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.ndarray]:
+def nearest_position(evaluator: Evaluator, q, t, expected) -> tuple[np.ndarray, np.ndarray]:
     """The position with the least residual that a least-squares search from q finds, and its residual.
 
     What the deck prescribes (held and driven coordinates, |p| = 1) weighs so much more than the
@@ -83,7 +83,7 @@ def nearest_position(evaluator: Evaluator, q, t, near) -> tuple[np.ndarray, np.n
     weights = np.where(_of_joints(evaluator.arrays), 1.0, PRESCRIBED_WEIGHT)
 
     def residual(x):
-        return weights * evaluator.residual(x * scale, t, near)
+        return weights * evaluator.residual(x * scale, t, expected)
 
     if evaluator.is_large:
         x, weighted = _sparse_least_squares(evaluator, residual, weights, q / scale)
@@ -125,7 +125,7 @@ class Mobility:
 
     `redundant`: groups of equations, one group a dependency; any one of a group repeats the others.
     `free`: groups of coordinate names that can change together, largest share first.  `motions`:
-    the unit null vectors (freedoms, coordinates), scaled.  `pivots`: a coordinate for each of them
+    the unit null vectors (degrees of freedom, coordinates), scaled.  `pivots`: a coordinate for each of them
     that no other moves; `repeated`: a row for each group of `redundant` that no other has.
     """
 
@@ -140,14 +140,14 @@ class Mobility:
     repeated: tuple[int, ...] = ()
 
     @property
-    def freedoms(self) -> int:
+    def dofs(self) -> int:
         """Motions that the equations leave open at this position."""
         return self.coordinates - self.rank
 
 
-def mobility(evaluator: Evaluator, q, t, near) -> Mobility:
+def mobility(evaluator: Evaluator, q, t, expected) -> Mobility:
     """Rank analysis of the scaled Jacobian at an assembled position q, by singular values."""
-    evaluator.residual(q, t, near)
+    evaluator.residual(q, t, expected)
     left, values, right = np.linalg.svd(evaluator.matrix(q))
     rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
     arrays = evaluator.arrays
@@ -191,7 +191,7 @@ def involved(vector) -> list[int]:
     return [k for k in by_size(size) if size[k] > NAMED * size.max()]
 
 
-def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
+def moves_freely(evaluator: Evaluator, q, t, expected, motion) -> bool:
     """Return whether the mechanism can really move along a null vector, and not only to first order.
 
     A step along `motion` is brought back to the constraints by the shortest way; a stiff mechanism
@@ -200,7 +200,7 @@ def moves_freely(evaluator: Evaluator, q, t, near, motion) -> bool:
     scale = evaluator.arrays.column_scale
     moved = q + PROBE * motion * scale
     for _ in range(60):
-        gap = evaluator.residual(moved, t, near)
+        gap = evaluator.residual(moved, t, expected)
         if np.max(np.abs(gap)) <= 1e-13:
             break
         moved = moved - scale * np.linalg.lstsq(evaluator.matrix(moved), gap, rcond=RANK_TOLERANCE)[0]

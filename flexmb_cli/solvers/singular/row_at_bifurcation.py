@@ -13,7 +13,7 @@ from ..kinematics.rows import Rows
 from ..kinematics.system import rows_of
 
 WAY = 4e-3  # scaled way to each side: the error is of its sixth power, round-off grows with its inverse
-PART_AFTER = 0.83  # of the time before: halved steps must not hit the crossing itself
+PART_AFTER = 0.83  # of the time before: halved steps must not hit the bifurcation itself
 MOST_OF_STEP = 0.4  # of the time between rows
 ON_CURVE = 1e-9  # scaled residual of the polynomial; where the motion has a corner it is far off
 SHORT = 1e-6  # singular values, of the largest, along which nothing is corrected
@@ -28,20 +28,20 @@ def row_across(analysis, t: float, memory) -> Rows | None:
     if not before < t < after:
         return None
     analysis.state, analysis.motion, analysis.clock = (part.copy() for part in memory)
-    march, ends, signs = analysis.marcher(), [], []
+    integration, ends, signs = analysis.marcher(), [], []
     for time in (before, after):
-        if not analysis.carry(march, analysis.state, analysis.motion, analysis.clock, time):
+        if not analysis.carry(integration, analysis.state, analysis.motion, analysis.clock, time):
             return None
         ends.append(analysis.state.copy())
         signs.append(analysis.clock[SIGN])
     if signs[0] * signs[1] >= 0.0:
         return None
     row = _between(*ends, after - before, (t - before) / (after - before))
-    near = analysis.motion[:, 0] - (after - t) * analysis.motion[:, 1]
-    gap = _closed(analysis.evaluator, row, t, near)
+    expected = analysis.motion[:, 0] - (after - t) * analysis.motion[:, 1]
+    gap = _closed(analysis.evaluator, row, t, expected)
     if gap > ON_CURVE:
         return None
-    analysis.passages.tell(row[0], t, near, True)
+    analysis.singularities.tell(row[0], t, expected, True)
     audit = np.array([[gap, _rate_gap(analysis, row, t), analysis.clock[SPENT]]])
     analysis.clock[SPENT], analysis.clock[STEP] = 0.0, np.inf
     return rows_of(analysis.mechanism, np.array([t]), row[None], audit)
@@ -72,13 +72,13 @@ def _between(first, last, h, x):
     )
 
 
-def _closed(evaluator, row, t, near):
+def _closed(evaluator, row, t, expected):
     """Bring the position of `row` onto the equations where they are firm; returns the largest residual."""
-    gap = evaluator.residual(row[0], t, near)
+    gap = evaluator.residual(row[0], t, expected)
     if not evaluator.is_large and np.max(np.abs(gap)) <= ON_CURVE:
         change = np.linalg.lstsq(evaluator.matrix(row[0]), gap, rcond=SHORT)[0]
         row[0] -= change * evaluator.arrays.column_scale
-        gap = evaluator.residual(row[0], t, near)
+        gap = evaluator.residual(row[0], t, expected)
     return float(np.max(np.abs(gap)))
 
 

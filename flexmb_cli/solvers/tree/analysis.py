@@ -1,6 +1,6 @@
 """Dynamic analysis of a tree: report rows of its motion, block by block.
 
-Torque laws are linear between the breakpoints of their tables; the integration stops at each, so
+Torque functions are linear between the breakpoints of their tables; the integration stops at each, so
 that no step straddles a jump.
 """
 
@@ -35,9 +35,9 @@ class TreeAnalysis:
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.coordinates))
         start = initial_state(tree)
         self.coordinates["held"] = self.arrays.given
-        self.march = tree_dop853.new_march(start.size)
-        self.march.z[:] = start
-        self.clock = self.march.clock
+        self.integration = tree_dop853.new_integration(start.size)
+        self.integration.z[:] = start
+        self.clock = self.integration.clock
         self.clock["t"] = self.clock["step_start"] = tree.time.start
         self.clock["rtol"], self.clock["atol"] = tree.integration.rtol, tree.integration.atol
         self.row, self.attitude = 0, None
@@ -49,7 +49,7 @@ class TreeAnalysis:
     @property
     def state(self) -> np.ndarray:
         """State (n,) at the end of the last step: speeds, coordinates, Euler parameters, work."""
-        return self.march.z
+        return self.integration.z
 
     @property
     def checkpoint(self) -> dict:
@@ -62,13 +62,18 @@ class TreeAnalysis:
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
-        return {"row": self.row, "clock": clock, "state": self.march.old.copy(), "attitude": self.attitude}
+        return {
+            "row": self.row,
+            "clock": clock,
+            "state": self.integration.old.copy(),
+            "attitude": self.attitude,
+        }
 
     def restore(self, checkpoint: Mapping) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
         self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
-        self.clock[:], self.march.z[:] = checkpoint["clock"], checkpoint["state"]
+        self.clock[:], self.integration.z[:] = checkpoint["clock"], checkpoint["state"]
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -90,7 +95,7 @@ class TreeAnalysis:
             self._start_interval(stop)
             method = self.tree.integration.method
             if method == "dop853":
-                yield from self._marched_rows()
+                yield from self._integrated_rows()
             elif method == "sdirk4":
                 from .implicit import implicit_rows
 
@@ -100,8 +105,8 @@ class TreeAnalysis:
 
                 yield from library_rows(self, stop)
 
-    def _marched_rows(self):
-        """Report rows up to the next breakpoint by the compiled march."""
+    def _integrated_rows(self):
+        """Report rows up to the next breakpoint by the compiled integration."""
         status = tree_dop853.PAUSED
         while self.row < self.tree.time.rows and status != tree_dop853.AT_STOP:
             status, block = self._advance()
@@ -124,7 +129,7 @@ class TreeAnalysis:
         for time in times:
             report = self._blank_report(np.array([time]))
             self.clock["t"], self.state[:] = time, state_at(time)
-            self.call(tree_dop853.MARCH, report)
+            self.call(tree_dop853.INTEGRATION, report)
             reports.append(report)
         self.clock["t"], self.state[:] = t, state
         return self._rows_of(tree_dop853.Report(*map(np.concatenate, zip(*reports, strict=True))))
@@ -136,10 +141,12 @@ class TreeAnalysis:
         return block
 
     def call(self, task: int, report: tree_dop853.Report | None = None) -> int:
-        """Have the kernel do one of the tasks of `tree_march`; its answer."""
+        """Have the kernel do one of the tasks of `tree_dop853`; its answer."""
         report = report or self._blank_report(np.zeros(0))
         budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        return tree_dop853.call(task, budget, self.arrays, self.work, self.coordinates, self.march, report)
+        return tree_dop853.call(
+            task, budget, self.arrays, self.work, self.coordinates, self.integration, report
+        )
 
     def _blank_report(self, times):
         rows, n = times.size, len(self.coordinates)
@@ -153,7 +160,7 @@ class TreeAnalysis:
         )
 
     def _start_interval(self, stop):
-        set_laws(self.tree, self.arrays, float(self.clock["t"][0]), stop)
+        set_functions(self.tree, self.arrays, float(self.clock["t"][0]), stop)
         self.clock["stop"] = stop
         if self.resumed:
             task = tree_dop853.GO_ON
@@ -162,7 +169,7 @@ class TreeAnalysis:
             if self.row == 0:
                 assemble_tree(self)
         self.resumed = False
-        self.march.old[:] = self.march.z
+        self.integration.old[:] = self.integration.z
         if self.call(task) == tree_dop853.NO_INERTIA:
             raise self.failure()
         if self.repeated is None:
@@ -174,7 +181,7 @@ class TreeAnalysis:
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
         report = self._blank_report(np.array([grid.time(k) for k in range(self.row, last)]))
-        status = self.call(tree_dop853.MARCH, report)
+        status = self.call(tree_dop853.INTEGRATION, report)
         filled = int(self.clock["row"][0])
         if not filled:
             return status, None
@@ -201,25 +208,25 @@ def initial_state(tree: Tree) -> np.ndarray:
 
 
 def breakpoints(tree: Tree, start: float, end: float) -> list[float]:
-    """Times inside (start, end) at which a law of the tree jumps or bends."""
-    times = {t for item in (*tree.torques, *tree.motors) for t in item.law.times}
+    """Times inside (start, end) at which a function of the tree jumps or bends."""
+    times = {t for item in (*tree.torques, *tree.motors) for t in item.function.times}
     return sorted(t for t in times if start < t < end)
 
 
-def set_laws(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
-    """Write the values c0 + c1 t that the laws have between two breakpoints into the arrays."""
-    for record, item in zip(arrays.laws, (*tree.torques, *tree.motors), strict=True):
-        record["c0"], record["c1"] = _line(item.law, (begin + end) / 2)
+def set_functions(tree: Tree, arrays: TreeArrays, begin: float, end: float) -> None:
+    """Write the values c0 + c1 t that the functions have between two breakpoints into the arrays."""
+    for record, item in zip(arrays.functions, (*tree.torques, *tree.motors), strict=True):
+        record["c0"], record["c1"] = _line(item.function, (begin + end) / 2)
 
 
-def _line(law: Table, t: float) -> tuple[float, float]:
+def _line(function: Table, t: float) -> tuple[float, float]:
     """Value at time 0 and slope of the piece of a table on which t lies."""
-    after = int(np.searchsorted(law.times, t))
+    after = int(np.searchsorted(function.times, t))
     if after == 0:
-        return law.values[0], 0.0
-    if after == len(law.times):
-        return law.values[-1], 0.0
-    (ta, tb), (va, vb) = law.times[after - 1 : after + 1], law.values[after - 1 : after + 1]
+        return function.values[0], 0.0
+    if after == len(function.times):
+        return function.values[-1], 0.0
+    (ta, tb), (va, vb) = function.times[after - 1 : after + 1], function.values[after - 1 : after + 1]
     slope = (vb - va) / (tb - ta)
     return va - slope * ta, slope
 

@@ -1,4 +1,4 @@
-"""Report rows of a tree by the compiled implicit march, for stiff elastic modes."""
+"""Report rows of a tree by the compiled implicit integration, for stiff elastic modes."""
 
 from collections.abc import Iterator
 
@@ -11,20 +11,20 @@ CALL_WORK = 1_000_000  # places of the matrix; an interrupt waits for about a se
 
 
 def implicit_rows(analysis, stop: float) -> Iterator[TreeRows]:
-    """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose laws are set.
+    """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose functions are set.
 
     Raises AnalysisError as the other methods.
     """
-    clock, z = analysis.clock[0], analysis.march.z
+    clock, z = analysis.clock[0], analysis.integration.z
     n = len(analysis.coordinates)
     work = sdirk4.implicit_work(z.size, n, analysis.arrays.closures)
-    work.before[:] = analysis.march.slopes[0]
+    work.before[:] = analysis.integration.slopes[0]
     if analysis.due_times(clock["t"]):
         yield analysis.observe(lambda t: z.copy(), analysis.due_times(clock["t"]))
     budget = 1 + CALL_WORK // (1 + n * n)
     start, length = clock["step_start"].copy(), clock["step_length"].copy()
     while clock["t"] < stop:
-        answer = sdirk4.march_implicitly(
+        answer = sdirk4.integrate_implicitly(
             float(_next_time(analysis)),
             budget,
             analysis.arrays,

@@ -21,7 +21,7 @@ UNCOUNTED = 1e6  # tolerance of the applied work, whose error must not choose th
 
 
 def library_rows(analysis, stop: float) -> Iterator[TreeRows]:
-    """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose laws are set."""
+    """Report rows of a TreeAnalysis up to the breakpoint `stop`, whose functions are set."""
     settings, clock = analysis.tree.integration, analysis.clock[0]
     atol = np.full(analysis.state.size, settings.atol)
     atol[-1] = UNCOUNTED
@@ -60,7 +60,7 @@ def _slope(analysis, t, z):
     analysis.clock["t"], analysis.state[:] = t, z
     if analysis.call(tree_dop853.GO_ON) == tree_dop853.NO_INERTIA:
         raise analysis.failure()
-    return analysis.march.slopes[0].copy()
+    return analysis.integration.slopes[0].copy()
 
 
 def _step_failure(t, method):

@@ -36,6 +36,6 @@ def faults(text):
         return list(stopped.faults)
 
 
-def told(text):
+def reported(text):
     """The faults as "line:column: severity: sentence"."""
     return [f"{f.place.line}:{f.place.column}: {f.severity}: {f.sentence}" for f in faults(text)]

@@ -75,8 +75,8 @@ def test_the_pulse_of_desn_follows_its_height_and_length():
     """Section 4.3 of the thesis: 1 N m up to 0.05 s, then nothing, then -1 N m up to 0.15 s."""
     (torque,) = tree("shaft_beam_n2").torques
     assert (torque.body, torque.axis) == (0, 1)
-    assert torque.law.times == pytest.approx((0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.15))
-    assert torque.law.values == (1, 1, 0, 0, -1, -1, 0)
+    assert torque.function.times == pytest.approx((0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.15))
+    assert torque.function.values == (1, 1, 0, 0, -1, -1, 0)
 
 
 def test_gravity_one_way_and_closure_cards():
@@ -113,14 +113,24 @@ def test_springs_dampers_and_motors_sit_on_their_freedom():
     )
     assert (damper.body, damper.motion, damper.axis, damper.damping) == (0, ROTATION, 1, 0.2)
     constant, table = built.motors
-    assert (constant.body, constant.motion, constant.axis, constant.law.values) == (1, TRANSLATION, 2, (3.0,))
-    assert (table.body, table.law.times, table.law.values) == (0, (0.0, 2.0), (1.0, 4.0))
+    assert (constant.body, constant.motion, constant.axis, constant.function.values) == (
+        1,
+        TRANSLATION,
+        2,
+        (3.0,),
+    )
+    assert (table.body, table.function.times, table.function.values) == (0, (0.0, 2.0), (1.0, 4.0))
 
 
 def test_a_tabulated_torque_is_external():
     built = tree("sliding_mass", "TABL\n    1\n    2    1    2\n       0.0       1.0\n       1.0       2.0\n")
     (torque,) = built.torques
-    assert (torque.body, torque.axis, torque.law.times, torque.law.values) == (1, 1, (0.0, 1.0), (1.0, 2.0))
+    assert (torque.body, torque.axis, torque.function.times, torque.function.values) == (
+        1,
+        1,
+        (0.0, 1.0),
+        (1.0, 2.0),
+    )
 
 
 def test_a_prescribed_coordinate_starts_where_its_law_says():

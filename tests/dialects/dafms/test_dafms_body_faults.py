@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.dialects.dafms.dafms_decks import deck_text, told
+from tests.dialects.dafms.dafms_decks import deck_text, reported
 
 CASES = [
     pytest.param(
@@ -253,4 +253,4 @@ CASES = [
 
 @pytest.mark.parametrize(("text", "expected"), CASES)
 def test_bad_decks_are_told_exactly(text, expected):
-    assert told(text) == expected
+    assert reported(text) == expected

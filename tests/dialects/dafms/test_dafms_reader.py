@@ -8,7 +8,7 @@ from flexmb_cli.deck.fortran_card import fortran_format
 from flexmb_cli.dialects.dafms import system_cards
 from flexmb_cli.dialects.dafms.cards import EXTENSIONS, HISTORIC, KNOWN_WORDS
 from flexmb_cli.errors import DeckError, compiler_style
-from tests.dialects.dafms.dafms_decks import DECKS, build, deck_text, faults, read, told
+from tests.dialects.dafms.dafms_decks import DECKS, build, deck_text, faults, read, reported
 
 NAMES = sorted(path.stem for path in DECKS.glob("*.DAT"))
 
@@ -139,7 +139,7 @@ def test_faults_of_several_cards_are_told_together():
     text = deck_text(
         "two_link_n2", ("MASS\n    1       5.0", "MASS\n    1       5.O"), ("EULT\n    1", "EULT\n    3")
     )
-    assert [line.split(":")[0] for line in told(text)] == ["32", "47"]
+    assert [line.split(":")[0] for line in reported(text)] == ["32", "47"]
 
 
 @pytest.mark.parametrize("counts", ["99999    3", "99999    2"])

@@ -212,8 +212,8 @@ def test_a_node_that_turns_is_one_of_a_flexible_body():
 
 def test_points_of_a_table_come_in_the_order_of_time():
     dialogue = with_tables(FLEXIBLE, "1 1 3", "0.5 1", "0.5 2")
-    (told,) = dialogue.answer("0.4 3")
-    assert told.sentence.endswith("t must not be before that of the point above, 0.5; read 0.4")
+    (reported,) = dialogue.answer("0.4 3")
+    assert reported.sentence.endswith("t must not be before that of the point above, 0.5; read 0.4")
     assert dialogue.answer("0.6 3") == []
 
 

@@ -13,7 +13,7 @@ from flexmb_cli.model.flexible_mechanism import (
     PointPin,
 )
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.time_functions import MotionLaw
+from flexmb_cli.model.time_functions import MotionFunction
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.fe.supplied import body as reduced
 from tests.fe.trusses import truss_input
@@ -130,4 +130,4 @@ def pin(bodies, k, number, directions=(True, True, True)):
     return PointPin("pin 1", point, directions, np.array([0.3, -0.2, 0.5]))
 
 
-SINE = MotionLaw(3, (0.2, 0.5, 3.0, 0.4))
+SINE = MotionFunction(3, (0.2, 0.5, 3.0, 0.4))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.dialects.vsdf.vsdf_decks import RIGID, changed, supplied, told
+from tests.dialects.vsdf.vsdf_decks import RIGID, changed, reported, supplied
 
 READING = [
     (
@@ -400,14 +400,14 @@ FLEXIBLE_MODELS = [
 
 @pytest.mark.parametrize("text, wanted", [case[1:] for case in READING], ids=[case[0] for case in READING])
 def test_decks_that_cannot_be_read(text, wanted):
-    assert told(text) == wanted
+    assert reported(text) == wanted
 
 
 @pytest.mark.parametrize(
     "text, wanted", [case[1:] for case in RIGID_MODELS], ids=[case[0] for case in RIGID_MODELS]
 )
 def test_decks_of_rigid_bodies_that_describe_no_model(text, wanted):
-    assert told(text) == wanted
+    assert reported(text) == wanted
 
 
 @pytest.mark.parametrize(
@@ -416,11 +416,11 @@ def test_decks_of_rigid_bodies_that_describe_no_model(text, wanted):
 def test_decks_of_flexible_bodies_that_describe_no_model(text, wanted):
     from tests.dialects.vsdf.vsdf_decks import DECKS
 
-    assert told(text) == wanted(DECKS / "fe")
+    assert reported(text) == wanted(DECKS / "fe")
 
 
 def test_a_sound_deck_leaves_nothing_to_say():
-    assert told(RIGID) == []
+    assert reported(RIGID) == []
 
 
 def test_the_columns_of_a_card_are_drawn_above_it():
@@ -441,13 +441,13 @@ def test_the_columns_of_a_card_are_drawn_above_it():
 
 def test_a_step_that_rk45_does_not_use_is_told():
     text = changed(("       1.0      0.01\n", "       1.0      0.01      0.02\nINTG\n RK45    1.0E-9\n"))
-    assert told(text) == [
+    assert reported(text) == [
         "28:27: warning: TIME: RK45 chooses its steps by the tolerance; the step of 0.02 s is not used"
     ]
 
 
 def test_a_megabyte_of_faults_is_left_after_a_thousand():
     """Each unknown word is looked for among the known ones, and each fault is kept."""
-    faults = told("VSDF T\nBODY\n    1 RIGD\n" + "QQQQ\n" * 200_000)
+    faults = reported("VSDF T\nBODY\n    1 RIGD\n" + "QQQQ\n" * 200_000)
     assert 1000 < len(faults) < 1010
     assert "not read from here on" in faults[-1]

@@ -9,7 +9,7 @@ import pytest
 
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
-from tests.dialects.vsdf.vsdf_decks import build, changed, supplied, told
+from tests.dialects.vsdf.vsdf_decks import build, changed, reported, supplied
 
 pytestmark = pytest.mark.long_motion
 
@@ -69,7 +69,9 @@ def test_a_force_by_a_table_accelerates_by_its_straight_pieces():
     ("steps", "error"), [("RK45   1.0E-10", 1e-8), ("RAD5   1.0E-10", 1e-8), ("GALF", 5e-5)]
 )
 def test_no_method_steps_over_a_pulse_of_a_table(steps, error):
-    """4 N s within 2 ms at the mass of 2 kg, which rested: 2 m/s from then on, however steps grow behind it."""
+    """4 N s within 2 ms at the mass of 2 kg, which rested: 2 m/s from then on, however steps grow behind
+    it.
+    """
     cards = "".join(f"    1 {t:9.4f} {f:9.1f}\n" for t, f in ((0, 0), (0.7, 0), (0.701, 1000), (0.702, 0)))
     cards = f"TABL\n{cards}FORC\n    1    1       0.0       0.0       4.0    0    1\n"
     rows, _, _ = run(with_cards(cards).replace("RK45   1.0E-10", steps))
@@ -157,7 +159,9 @@ def test_a_node_set_is_the_mean_of_its_nodes():
 
 
 def test_all_modes_sag_as_the_matrices_say():
-    """No number of modes: all 144 that the clamp leaves, and each oscillates as (1 - cos ωt) about its sag."""
+    """No number of modes: all 144 that the clamp leaves, and each oscillates as (1 - cos ωt) about its
+    sag.
+    """
     text = supplied(
         "pendulum",
         *CLAMPED,
@@ -188,19 +192,19 @@ def test_attachment_modes_give_the_tip_its_static_sag():
 
 def test_a_table_with_a_fault_is_not_also_called_missing():
     cards = "TABL\n    1       0.0       0.0\nFORC\n    1    1       0.0       0.0       4.0    0    1\n"
-    assert told(with_cards(cards)) == ["17:5: error: table 1: a table needs two points at least"]
+    assert reported(with_cards(cards)) == ["17:5: error: table 1: a table needs two points at least"]
 
 
 def test_numbers_behind_a_keyword_are_refused_and_words_are_a_comment():
-    assert told(with_cards("GRAV  0.0,-9.81,0.0\n")) == [
+    assert reported(with_cards("GRAV  0.0,-9.81,0.0\n")) == [
         "16:7: error: GRAV: '0.0,-9.81,0.0' stands behind the keyword and is not read; data cards follow on lines of "
         "their own"
     ]
-    assert told(with_cards("GRAVITY in m/s^2\n       0.0     -9.81\n")) == []
+    assert reported(with_cards("GRAVITY in m/s^2\n       0.0     -9.81\n")) == []
 
 
 def test_a_word_of_a_data_card_in_the_first_column_is_told_to_move():
-    assert told(changed((" RK45   1.0E-10", "RK45   1.0E-10"), text=SLIDER)) == [
+    assert reported(changed((" RK45   1.0E-10", "RK45   1.0E-10"), text=SLIDER)) == [
         "19:1: error: there is no card 'RK45'; 'RK45' stands on a data card, behind a blank"
     ]
 

@@ -9,13 +9,13 @@ import pytest
 from flexmb_cli.model.fe_model import JointSpring
 from flexmb_cli.model.flexible_mechanism import FlexibleMechanism, FloatingBody, NodePoint, PointJoint
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.time_functions import Motion, MotionLaw
+from flexmb_cli.model.time_functions import Motion, MotionFunction
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.dialects.vsdf.mechanisms import DEFAULT, NO_SHAPE
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
-TURNS = MotionLaw(2, (9.0, 1.0, 0.0, 0.0))  # 9 rad/s within 1 s: 2.1 turns after 2 s
-SWING = MotionLaw(3, (0.0, 0.4, 3.0, 0.0))
+TURNS = MotionFunction(2, (9.0, 1.0, 0.0, 0.0))  # 9 rad/s within 1 s: 2.1 turns after 2 s
+SWING = MotionFunction(3, (0.0, 0.4, 3.0, 0.0))
 MASS, INERTIA = 2.0, 0.3  # kg, about the centre; a ball
 
 
@@ -36,7 +36,7 @@ def joint(kind, size=math.nan):
 
 def run(kind, *motions, size=math.nan, end=2.0, **parts):
     grid = TimeGrid(0.0, end, 0.1)
-    items = [Motion(f"motion {k}", what, 0, law) for k, (what, law) in enumerate(motions, start=1)]
+    items = [Motion(f"motion {k}", what, 0, function) for k, (what, function) in enumerate(motions, start=1)]
     mechanism = FlexibleMechanism(
         (ball(),), grid, DEFAULT, (0.0,) * 3, (joint(kind, size),), motions=tuple(items), **parts
     )
@@ -50,8 +50,8 @@ def assert_turned(rows, angles):
     np.testing.assert_allclose(rows.euler_parameters[:, 0] * same[:, None], p, atol=1e-9)
 
 
-def values(law, rows):
-    return np.array([law.at(t) for t in rows.time]).T
+def values(function, rows):
+    return np.array([function.at(t) for t in rows.time]).T
 
 
 @pytest.mark.parametrize("kind", ["revolute", "cylindrical", "screw"])
@@ -83,7 +83,7 @@ def test_a_prescribed_stroke_slides_along_the_axis(kind):
 
 
 def test_an_angle_begins_where_its_law_does():
-    rows = run("revolute", ("ANGL", MotionLaw(1, (7.0, 1.0, 0.0, 0.0))), end=0.5)
+    rows = run("revolute", ("ANGL", MotionFunction(1, (7.0, 1.0, 0.0, 0.0))), end=0.5)
     assert_turned(rows, 7.0 + rows.time)
 
 
@@ -104,15 +104,19 @@ def test_a_joint_spring_swings_as_one_freedom_does(kind, inertia):
 
 
 def test_rotations_of_a_body_are_prescribed_about_one_axis():
-    law = TURNS
+    function = TURNS
     for about, axis in zip("XYZ", np.eye(3), strict=True):
-        motions = [Motion(f"motion {w}", f"ROT{w}", 0, law if w == about else MotionLaw(1)) for w in "XYZ"]
-        held = [Motion(f"motion {w}", f"TRA{w}", 0, SWING if w == about else MotionLaw(1)) for w in "XYZ"]
+        motions = [
+            Motion(f"motion {w}", f"ROT{w}", 0, function if w == about else MotionFunction(1)) for w in "XYZ"
+        ]
+        held = [
+            Motion(f"motion {w}", f"TRA{w}", 0, SWING if w == about else MotionFunction(1)) for w in "XYZ"
+        ]
         mechanism = FlexibleMechanism(
             (ball(),), TimeGrid(0.0, 2.0, 0.1), DEFAULT, (0.0,) * 3, motions=(*motions, *held)
         )
         (rows,) = FlexibleDynamics(mechanism).rows()
-        _, rate, second = values(law, rows)
+        _, rate, second = values(function, rows)
         np.testing.assert_allclose(rows.angular_velocity[:, 0], rate[:, None] * axis, atol=1e-8)
         k = "XYZ".index(about)
         np.testing.assert_allclose(rows.driver_effort[:, k], INERTIA * second, atol=1e-7)

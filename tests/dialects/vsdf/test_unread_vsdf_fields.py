@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.dialects.vsdf.vsdf_decks import RIGID, changed, supplied, told
+from tests.dialects.vsdf.vsdf_decks import RIGID, changed, reported, supplied
 
 ELBOW = "    2 REVO    1    3    4    2    1    2\n"
 EMPTY = "leave the field empty"
@@ -236,7 +236,7 @@ CASES = [*UNREAD, *WITHOUT_EFFECT, *BESIDE_FIELDS]
 
 @pytest.mark.parametrize("text, wanted", [case[1:] for case in CASES], ids=[case[0] for case in CASES])
 def test_what_nothing_reads_is_told(text, wanted):
-    assert told(text) == wanted
+    assert reported(text) == wanted
 
 
 def test_a_written_zero_is_what_an_empty_field_means():
@@ -244,13 +244,13 @@ def test_a_written_zero_is_what_an_empty_field_means():
         ("    1 RIGD\n", "    1 RIGD    0    0    0    0\n"),
         (ELBOW, "    2 REVO    1    3    4    2    1    2    0    0       0.0\n"),
     )
-    assert told(text) == []
+    assert reported(text) == []
 
 
 def test_a_spring_within_a_flexible_body_is_a_spring():
     text = supplied("pendulum", ("GRAV\n", "SPRI\n    1    1    1    1   51      10.0\nGRAV\n"))
-    assert told(text) == []
+    assert reported(text) == []
 
 
 def test_all_cards_of_the_sound_deck_are_read():
-    assert told(RIGID) == []
+    assert reported(RIGID) == []

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.dialects.vsdf.vsdf_decks import build, changed, supplied, told
+from tests.dialects.vsdf.vsdf_decks import build, changed, reported, supplied
 
 POSE = "POSI\n    2       1.0\n"
 
@@ -58,7 +58,7 @@ def test_a_flexible_body_is_placed_by_nodes_of_its_mesh():
 def test_a_point_beside_its_node_is_warned_of():
     lines = "1,0.0,0.0,0.0", "3,0.6,0.0,0.0", "2,0.0,0.0,1.0"
     wanted = "node 3 is 0.5 m from node 1, and its point 0.6 m from the first one: the node lies 0.1 m beside"
-    assert any(wanted in fault and "warning" in fault for fault in told(placed(*lines)))
+    assert any(wanted in fault and "warning" in fault for fault in reported(placed(*lines)))
 
 
 FAULTS = {
@@ -71,11 +71,11 @@ FAULTS = {
 
 @pytest.mark.parametrize("lines", FAULTS)
 def test_what_does_not_place_a_body_is_told_at_its_card(lines):
-    assert any(FAULTS[lines] in fault for fault in told(placed(*lines)))
+    assert any(FAULTS[lines] in fault for fault in reported(placed(*lines)))
 
 
 def test_a_body_is_placed_once():
     text = changed((POSE, f"{POSE}PLAC\n    2,1,0.0,0.0,0.0\n"))
-    assert any("POSI is not read beside PLAC of body 2" in fault for fault in told(text))
+    assert any("POSI is not read beside PLAC of body 2" in fault for fault in reported(text))
     text = changed((POSE, "PLAC\n    7,1,0.0,0.0,0.0\n"))
-    assert any("body number 7 is outside 1..2" in fault for fault in told(text))
+    assert any("body number 7 is outside 1..2" in fault for fault in reported(text))

@@ -67,7 +67,7 @@ def build(text):
     return build_vsdf(read(text), DECKS)[0]
 
 
-def told(text):
+def reported(text):
     """All faults of reading and building, as "line:column: severity: sentence"."""
     try:
         deck = read(text)

@@ -169,11 +169,11 @@ def test_variants_of_one_deck_are_those_of_decks_with_the_numbers_typed_in():
 def outcome(deck):
     """What is built of a deck and the doubts, or the faults; without places, which a number set has not."""
     try:
-        built, told = build_young(deck)
+        built, reported = build_young(deck)
     except ModelError as failure:
-        built, told = None, failure.faults
+        built, reported = None, failure.faults
     parts = built and [
         [dataclasses.replace(part, place=None) for part in group]
         for group in (built.bodies, built.joints, built.drivers, built.grounds)
     ]
-    return parts, sorted((fault.severity, fault.subject, fault.message) for fault in told)
+    return parts, sorted((fault.severity, fault.subject, fault.message) for fault in reported)

@@ -48,10 +48,10 @@ MATRICES = {
 
 @pytest.mark.parametrize("case", MATRICES)
 def test_a_matrix_is_refused_in_words_and_without_memory(tmp_path, case):
-    form, text, told = MATRICES[case]
+    form, text, reported = MATRICES[case]
     (tmp_path / "x").write_text(text)
     tracemalloc.start()
-    with pytest.raises(FEFileFault, match=told):
+    with pytest.raises(FEFileFault, match=reported):
         read_matrix(tmp_path / "x", form, "K")
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
@@ -80,10 +80,10 @@ BOEING = {
 
 @pytest.mark.parametrize("case", BOEING)
 def test_a_harwell_boeing_heading_is_refused_in_words(tmp_path, case):
-    text, told = BOEING[case]
+    text, reported = BOEING[case]
     (tmp_path / "x").write_text(text + "             1\n" * 3)
     (tmp_path / "map").write_text(MAPPING)
-    with pytest.raises(FEFileFault, match=told):
+    with pytest.raises(FEFileFault, match=reported):
         read_matrix(tmp_path / "x", "HB", "K", tmp_path / "map", "ANS")
 
 

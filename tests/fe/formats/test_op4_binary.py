@@ -85,7 +85,7 @@ def test_every_layout_of_the_guide_is_read(tmp_path, order, word, kind, layout):
     np.testing.assert_array_equal(full(read_op4(tmp_path / "x.op4", "K")), wanted)
 
 
-def told(tmp_path, raw, letter="K"):
+def reported(tmp_path, raw, letter="K"):
     (tmp_path / "x.op4").write_bytes(raw)
     with pytest.raises(FEFileFault) as refused:
         read_op4(tmp_path / "x.op4", letter)
@@ -95,23 +95,23 @@ def told(tmp_path, raw, letter="K"):
 def test_a_file_cut_off_is_told_with_the_byte(tmp_path):
     """32 bytes of heading, 52 a column: the last column begins at 188, the closing record at 240."""
     whole = Writer().dense(K)
-    message = told(tmp_path, whole[:-30])
+    message = reported(tmp_path, whole[:-30])
     assert message == "x.op4: the record at byte 188 has no end where its length says; was the file cut off?"
-    message = told(tmp_path, whole[:240])
+    message = reported(tmp_path, whole[:240])
     assert message == "x.op4: matrix KAAX of 4 columns does not end; is the file cut off?"
 
 
 def test_another_binary_file_is_told_from_op4(tmp_path):
     """An OP2 begins with a record of one integer."""
-    message = told(tmp_path, Writer().record((3,)) + bytes(40))
+    message = reported(tmp_path, Writer().record((3,)) + bytes(40))
     assert message.startswith("x.op4 is a binary file, but no OP4: its first record is not of 24 or 48 bytes")
 
 
 def test_complex_and_oblong_matrices_are_refused(tmp_path):
-    assert told(tmp_path, Writer(kind=4).heading(4, 4)) == (
+    assert reported(tmp_path, Writer(kind=4).heading(4, 4)) == (
         "x.op4: matrix KAAX is complex; a real one wanted, type 1 or 2"
     )
-    assert told(tmp_path, Writer().heading(4, 3)) == (
+    assert reported(tmp_path, Writer().heading(4, 3)) == (
         "x.op4: matrix KAAX must be square; it has 3 rows, 4 columns"
     )
 
@@ -119,19 +119,19 @@ def test_complex_and_oblong_matrices_are_refused(tmp_path):
 def test_values_beyond_the_last_row_are_refused(tmp_path):
     writer = Writer()
     raw = writer.heading(2, 2) + writer.record((1, 2, 4), writer.values([1.0, 2.0])) + writer.end(2)
-    assert told(tmp_path, raw) == "x.op4, matrix KAAX: rows 2 to 3 of column 1 lie outside 1..2"
+    assert reported(tmp_path, raw) == "x.op4, matrix KAAX: rows 2 to 3 of column 1 lie outside 1..2"
 
 
 def test_counts_that_the_record_does_not_hold_are_refused(tmp_path):
     writer = Writer()
     raw = writer.heading(2, 2) + writer.record((1, 1, 6), writer.values([1.0, 2.0]))
-    assert told(tmp_path, raw) == "x.op4: matrix KAAX, column 1: 6 words are told and 4 are there"
+    assert reported(tmp_path, raw) == "x.op4: matrix KAAX, column 1: 6 words are told and 4 are there"
 
 
 def test_a_string_of_no_length_is_refused(tmp_path):
     writer = Writer()
     raw = writer.heading(2, 2) + writer.record((1, 0, 1), struct.pack("<i", 1 + 65536))
-    assert told(tmp_path, raw) == "x.op4: column 1 has a string of 0 words"
+    assert reported(tmp_path, raw) == "x.op4: column 1 has a string of 0 words"
 
 
 def test_bytes_that_are_damaged_at_random_never_end_in_a_traceback(tmp_path):

@@ -22,7 +22,7 @@ from flexmb_cli.kernels.linalg.rank_revealing_lu import cholesky_solve
 from flexmb_cli.model.fe_model import JointSpring
 from flexmb_cli.model.flexible_mechanism import PointSpring
 from tests.dialects.vsdf.mechanisms import analysis_of, joint, moved, node, random_state, sample
-from tests.kernels.constrained.test_measures import FIRST, H, forces_at
+from tests.kernels.constrained.test_constraint_primitives import FIRST, H, forces_at
 
 STEP = 0.02  # s
 # Eigenvalues of the inverse of Radau's weights: Hairer and Wanner II, section IV.8.
@@ -50,11 +50,11 @@ def stiff(tmp_path_factory):
 def relax(analysis, q):
     """Give every spring its length at q: the change of a force's direction then does not count."""
     system, work = analysis.system, analysis.work
-    work.turns[:] = analysis.screw_angles(q)
+    work.angles[:] = analysis.screw_angles(q)
     evaluate_jacobian(system, work, q)
     for load in system.loads:
         if load["kind"] == LINE:
-            load["free_length"] = np.linalg.norm(work.spans[0, load["measure"], 0])
+            load["free_length"] = np.linalg.norm(work.relative_vectors[0, load["primitive"], 0])
         else:
             load["free_length"] += _stretch(system, work, load)
 
@@ -109,24 +109,24 @@ def free_motions(analysis, q):
 def test_the_matrix_of_generalised_alpha_is_that_of_the_free_motions(stiff):
     analysis, q, M, D, K = stiff
     Z = free_motions(analysis, q)
-    march = generalised_alpha.new_march(analysis.work, len(analysis.work.turns))
-    assert _set_matrix(analysis.system, analysis.work, march, 0.3, 0.7) == SOLVED
+    integration = generalised_alpha.new_integration(analysis.work, len(analysis.work.angles))
+    assert _set_matrix(analysis.system, analysis.work, integration, 0.3, 0.7) == SOLVED
     b = np.arange(1.0, Z.shape[1] + 1)
     x = b.copy()
-    cholesky_solve(march.newton.reduced, len(b), x)
+    cholesky_solve(integration.newton.reduced, len(b), x)
     np.testing.assert_allclose(Z.T @ (M + 0.3 * K + 0.7 * D) @ Z @ x, b, rtol=1e-6)
 
 
 def test_the_matrices_of_radaus_method_are_those_of_the_eigenvalues_of_its_weights(stiff):
     analysis, q, M, D, K = stiff
     Z = free_motions(analysis, q)
-    march = radau5.new_march(analysis.work, len(analysis.work.turns))
-    renew_matrices(analysis.system, analysis.work, march.matrices)
-    assert prepare(march, Z.shape[1], STEP)
+    integration = radau5.new_integration(analysis.work, len(analysis.work.angles))
+    renew_matrices(analysis.system, analysis.work, integration.matrices)
+    assert prepare(integration, Z.shape[1], STEP)
     b = np.arange(1.0, Z.shape[1] + 1)
     x, y = b.copy(), b.astype(complex)
-    cholesky_solve(march.newton.reduced, len(b), x)
-    solve_symmetric(march.complex, len(b), y)
+    cholesky_solve(integration.newton.reduced, len(b), x)
+    solve_symmetric(integration.complex, len(b), y)
     matrix = lambda h: Z.T @ (M + h * D + h**2 * K) @ Z  # noqa: E731
     np.testing.assert_allclose(matrix(STEP / REAL) @ x, b, rtol=1e-6)
     # Which of the two conjugates is taken is a matter of choice.

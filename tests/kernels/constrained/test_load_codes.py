@@ -1,4 +1,4 @@
-"""The kernels' codes of loads and laws are those of the model."""
+"""The kernels' codes of loads and functions are those of the model."""
 
 from flexmb_cli.kernels.constrained import elements, forces
 from flexmb_cli.kernels.constrained import time_functions as of_kernels

@@ -55,32 +55,32 @@ def test_coordinate_accelerations_are_the_rates_of_coordinate_rates():
 
 
 @pytest.fixture
-def march(tmp_path):
-    """A march over a singular position: the last step took 0.2 s, the next one takes 0.3 s."""
-    found = radau5.new_march(analysis_of(sample(tmp_path)).work, 0)
+def integration(tmp_path):
+    """An integration over a singular position: the last step took 0.2 s, the next one takes 0.3 s."""
+    found = radau5.new_integration(analysis_of(sample(tmp_path)).work, 0)
     found.clock["step_length"] = LAST_STEP
     return found
 
 
-def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_stages(march):
+def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_stages(integration):
     """The cubic through the last step, expected, becomes the quartic that also goes through the end:
     accelerations along a quartic are met."""
-    coefficients = np.random.default_rng(4).uniform(-1, 1, (march.rates.shape[1], 5))
+    coefficients = np.random.default_rng(4).uniform(-1, 1, (integration.rates.shape[1], 5))
     at = lambda t: np.array([Polynomial(c)(t) for c in coefficients])  # noqa: E731
     nodes = LAST_STEP * np.array([0.0, *TIMES])
     cubic = np.polyfit(nodes, np.array([at(t) for t in nodes]), 3)
     new = LAST_STEP + STEP * TIMES
-    march.rates[START + 1 : START + 4] = [np.polyval(cubic, t) for t in new]
-    expected = march.rates[START + 3].copy()
-    march.rates[START + 3] = at(new[2])
-    _bend(march, expected, STEP)
-    np.testing.assert_allclose(march.rates[START + 1 : START + 4], [at(t) for t in new], atol=1e-11)
+    integration.rates[START + 1 : START + 4] = [np.polyval(cubic, t) for t in new]
+    expected = integration.rates[START + 3].copy()
+    integration.rates[START + 3] = at(new[2])
+    _bend(integration, expected, STEP)
+    np.testing.assert_allclose(integration.rates[START + 1 : START + 4], [at(t) for t in new], atol=1e-11)
 
 
-def test_the_power_of_a_singular_step_changes_evenly(march):
-    march.clock["power"] = 2.0
-    assert _spread_power(march, 5.0) == 3.0
-    np.testing.assert_allclose(march.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
+def test_the_power_of_a_singular_step_changes_evenly(integration):
+    integration.clock["power"] = 2.0
+    assert _spread_power(integration, 5.0) == 3.0
+    np.testing.assert_allclose(integration.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
 
 
 @pytest.mark.long_motion

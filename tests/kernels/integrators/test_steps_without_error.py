@@ -8,7 +8,7 @@ import pytest
 from flexmb_cli.model.fe_model import Integrator
 from flexmb_cli.model.flexible_mechanism import FlexibleMechanism
 from flexmb_cli.model.mechanism import TimeGrid
-from flexmb_cli.model.time_functions import Motion, MotionLaw
+from flexmb_cli.model.time_functions import Motion, MotionFunction
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from tests.dialects.vsdf.test_drivers import AXIS, INERTIA, ball, joint
 
@@ -21,12 +21,12 @@ RADAU, CHOSEN, LONG = (
 )
 
 
-def rows_of(method, end, omega=0.0, law=None):
-    """The ball, spinning freely about AXIS or turned about it by the law, rows every 0.05 s."""
+def rows_of(method, end, omega=0.0, function=None):
+    """The ball, spinning freely about AXIS or turned about it by the function, rows every 0.05 s."""
     spinning = replace(ball(), omega=omega * AXIS)
     joints, motions = (), ()
-    if law:
-        joints, motions = (joint("revolute"),), (Motion("motion 1", "ANGL", 0, law),)
+    if function:
+        joints, motions = (joint("revolute"),), (Motion("motion 1", "ANGL", 0, function),)
     grid = TimeGrid(0.0, end, 0.05)
     mechanism = FlexibleMechanism((spinning,), grid, method, (0.0,) * 3, joints, motions=motions)
     (rows,) = FlexibleDynamics(mechanism).rows()
@@ -52,7 +52,7 @@ def test_rows_of_a_free_steady_turn_are_exact_between_the_ends_of_steps(method):
 
 @pytest.mark.parametrize("method", [RADAU, CHOSEN], ids=["RAD5", "GALF"])
 def test_rows_of_a_driven_steady_turn_meet_the_constraints_to_round_off(method):
-    rows = rows_of(method, 1.5, law=MotionLaw(1, (0.0, SPEED, 0.0, 0.0)))
+    rows = rows_of(method, 1.5, function=MotionFunction(1, (0.0, SPEED, 0.0, 0.0)))
     assert_turns_steadily(rows)
     assert rows.constraint_residual.max() < 1e-14
 
@@ -60,7 +60,7 @@ def test_rows_of_a_driven_steady_turn_meet_the_constraints_to_round_off(method):
 @pytest.mark.long_motion
 def test_the_work_of_a_driver_is_the_change_of_energy():
     """½ J θ̇² for θ = 0.5 sin 60 t; positions and speeds are prescribed, and have no error of their own."""
-    rows = rows_of(RADAU, 0.2, law=MotionLaw(3, (0.0, 0.5, 60.0, 0.0)))
+    rows = rows_of(RADAU, 0.2, function=MotionFunction(3, (0.0, 0.5, 60.0, 0.0)))
     rate = 30.0 * np.cos(60.0 * rows.time)
     work = 0.5 * INERTIA * (rate**2 - rate[0] ** 2)
     np.testing.assert_allclose(rows.applied_work, work, rtol=0, atol=10.0 * TOLERANCE * np.ptp(work))

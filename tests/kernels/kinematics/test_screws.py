@@ -16,7 +16,7 @@ from tests.solvers.kinematics.solved import mechanism_of, solved
 P_I, P_J = np.array([0.3, -0.2, 0.5]), np.array([0.2, 0.4, -0.1])
 H_I = (2.0, 1.0, 0.7)
 START = 0.7  # turn of body 2 about z in its estimate, rad
-LAW = (-7.0, 0.3)  # turning rate and half of its growth: 40 rad back, then 800 rad forward in 60 s
+FUNCTION = (-7.0, 0.3)  # turning rate and half of its growth: 40 rad back, then 800 rad forward in 60 s
 
 
 def nut(pitch, slide, angle, driver, step, end=60.0, s_j=(0.0, 0.0, -3.0), start=START) -> Mechanism:
@@ -27,18 +27,18 @@ def nut(pitch, slide, angle, driver, step, end=60.0, s_j=(0.0, 0.0, -3.0), start
     r = P_I + slide * np.array(Z) - axes(p) @ P_J
     h_local = tuple(axes(p).T @ h_j)
     joint = Joint("screw", "screw 1", 0, 1, tuple(P_I), tuple(P_J), (0.0, 0.0, 2.0), s_j, H_I, h_local, pitch)
-    law = (start, *LAW[:1], 2.0 * LAW[1]) if driver == "turn" else (float(r[2]), -1.9, 0.22)
+    function = (start, *FUNCTION[:1], 2.0 * FUNCTION[1]) if driver == "turn" else (float(r[2]), -1.9, 0.22)
     return Mechanism(
         (GROUND, Body("body 2", tuple(map(float, r)), tuple(p))),
         TimeGrid(0.0, end, step),
         (joint,),
-        drivers=(Driver("driver 1", 1, 6 if driver == "turn" else 3, *law),),
+        drivers=(Driver("driver 1", 1, 6 if driver == "turn" else 3, *function),),
         grounds=(AT_REST,),
     )
 
 
 def turn(t):
-    return LAW[0] * t + LAW[1] * t * t
+    return FUNCTION[0] * t + FUNCTION[1] * t * t
 
 
 @pytest.mark.long_motion
@@ -48,9 +48,11 @@ def test_the_slide_follows_any_number_of_turns_either_way(pitch, step):
     rows = solved(nut(pitch, 0.4, -2.0, "turn", step))
     expected = rows.position[0, 1, 2] + pitch * turn(rows.time)
     assert np.max(np.abs(rows.position[:, 1, 2] - expected)) <= 1e-14 * (1.0 + 800.0 * abs(pitch))
-    expected = pitch * (LAW[0] + 2.0 * LAW[1] * rows.time)
+    expected = pitch * (FUNCTION[0] + 2.0 * FUNCTION[1] * rows.time)
     assert np.max(np.abs(rows.velocity[:, 1, 2] - expected)) <= 1e-12 * (1.0 + abs(pitch))
-    assert np.max(np.abs(rows.acceleration[:, 1, 2] - 2.0 * LAW[1] * pitch)) <= 1e-11 * (1.0 + abs(pitch))
+    assert np.max(np.abs(rows.acceleration[:, 1, 2] - 2.0 * FUNCTION[1] * pitch)) <= 1e-11 * (
+        1.0 + abs(pitch)
+    )
 
 
 @pytest.mark.long_motion

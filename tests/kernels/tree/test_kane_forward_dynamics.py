@@ -11,7 +11,7 @@ from flexmb_cli.kernels.tree.loads import coordinate_efforts
 from flexmb_cli.kernels.tree.work import tree_work
 from flexmb_cli.model.arrays.tree import initial_attitudes, tree_arrays
 from flexmb_cli.model.tree import ROTATION, BodyTorque, Motor, Prescribed, constant
-from flexmb_cli.solvers.tree.analysis import set_laws
+from flexmb_cli.solvers.tree.analysis import set_functions
 from tests.naive.particle_tree import equations
 from tests.naive.random_trees import random_tree
 
@@ -23,7 +23,7 @@ class Recursion:
 
     def __init__(self, tree):
         self.tree, self.arrays = tree, tree_arrays(tree)
-        set_laws(tree, self.arrays, 0.0, 1.0)
+        set_functions(tree, self.arrays, 0.0, 1.0)
         self.work, self.coordinates = tree_work(len(self.arrays.frames), len(tree.q))
         self.attitudes = initial_attitudes(tree)
         self.state = (0.0, tree.q, tree.y, self.attitudes)

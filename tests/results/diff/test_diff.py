@@ -403,9 +403,11 @@ def test_a_table_and_an_hdf5_result_cannot_be_compared(table, result, rows, swap
     assert caught.value.exit_code == 2
 
 
-@pytest.mark.parametrize("other, told", [("absent", "no such file"), (".", "directory|folder")])
-def test_beside_an_hdf5_result_too_a_file_that_cannot_be_opened_is_told(result, rows, tmp_path, other, told):
-    with pytest.raises(TableError, match=told) as caught:
+@pytest.mark.parametrize("other, reported", [("absent", "no such file"), (".", "directory|folder")])
+def test_beside_an_hdf5_result_too_a_file_that_cannot_be_opened_is_told(
+    result, rows, tmp_path, other, reported
+):
+    with pytest.raises(TableError, match=reported) as caught:
         compare(result("a.h5", rows(TIMES)), tmp_path / other)
     assert caught.value.name == str(tmp_path / other)
 
@@ -434,11 +436,11 @@ def test_a_damaged_hdf5_result_is_refused(result, rows):
 def test_the_report_is_plain_data_for_json(store, rows):
     base = rows(TIMES)
     report = compare(store("a", base), store("b", shifted(base, "velocity", np.nan)))
-    told = json.loads(json.dumps(report.as_dict(), allow_nan=False))
-    assert told["equal"] is False
-    assert told["kinds"]["velocity"]["differing"] == 1
-    assert told["worst"]["b"] == "nan"
-    assert told["worst"]["time"] == 2.0
+    reported = json.loads(json.dumps(report.as_dict(), allow_nan=False))
+    assert reported["equal"] is False
+    assert reported["kinds"]["velocity"]["differing"] == 1
+    assert reported["worst"]["b"] == "nan"
+    assert reported["worst"]["time"] == 2.0
 
 
 def test_the_summary_shows_every_kind_and_the_worst_place(table, rows):
@@ -500,8 +502,8 @@ def test_update_leaves_a_reference_that_agrees(table, rows, tmp_path):
 
 def test_update_makes_a_reference_that_is_not_there(store, rows, tmp_path):
     b = store("b", rows(TIMES))
-    told = json.loads(flexmb("new", b, "--update", "--json", cwd=tmp_path).stdout)
-    assert told["updated"] is True
+    reported = json.loads(flexmb("new", b, "--update", "--json", cwd=tmp_path).stdout)
+    assert reported["updated"] is True
     assert (tmp_path / "new").read_bytes() == b.read_bytes()
 
 

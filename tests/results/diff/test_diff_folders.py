@@ -128,9 +128,9 @@ def test_junit_has_a_test_for_every_file(folders, tmp_path):
     assert suite.attrib | {"name": ""} == {
         "name": "", "tests": "2", "failures": "2", "errors": "0", "skipped": "0",
     }  # fmt: skip
-    told = {case.get("name"): case.find("failure").get("message") for case in suite}
-    assert told["inner/two.h5"] == f"inner/two.h5: not in {folders[1]}"
-    assert "1 of " in told["one.h5"] and "numbers differ" in told["one.h5"]
+    reported = {case.get("name"): case.find("failure").get("message") for case in suite}
+    assert reported["inner/two.h5"] == f"inner/two.h5: not in {folders[1]}"
+    assert "1 of " in reported["one.h5"] and "numbers differ" in reported["one.h5"]
 
 
 def test_junit_of_two_files_that_agree_has_one_test_that_passed(folders, tmp_path):
@@ -196,18 +196,18 @@ def test_a_csv_table_with_a_selection_is_compared_in_its_own_columns(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("time [s],body.1.x [m]\n0,1\n0.1\n", "line 3 has 1 columns, the heading 2"),
         ("time [s],body.1.x [m]\n0,one\n", "line 2: could not convert string to float: 'one'"),
         ("time [s],body.1.x [m],body.1.x [m]\n0,1,1\n", "two columns have the same heading"),
     ],
 )
-def test_a_csv_table_that_cannot_be_read_is_refused_with_its_line(text, told, tmp_path):
+def test_a_csv_table_that_cannot_be_read_is_refused_with_its_line(text, reported, tmp_path):
     (tmp_path / "a.csv").write_text(text)
     done = compared(write_result(tmp_path / "a.h5", 3), tmp_path / "a.csv")
     assert (done.exit_code, done.stdout) == (2, "")
-    assert told in done.stderr
+    assert reported in done.stderr
 
 
 def test_names_in_headings_have_the_kinds_of_their_datasets(tmp_path):
@@ -256,7 +256,7 @@ def test_a_tolerance_of_a_quantity_holds_for_tables_and_exports_too(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("atol = -1", "atol = -1: write a number not below zero"),
         ("last_digit = 1.5", "last_digit = 1.5: write a whole number not below zero"),
@@ -269,10 +269,10 @@ def test_a_tolerance_of_a_quantity_holds_for_tables_and_exports_too(tmp_path):
         ("atol =", "is no TOML file"),
     ],
 )
-def test_a_tolerance_that_would_do_nothing_is_refused(text, told, folders, tmp_path):
+def test_a_tolerance_that_would_do_nothing_is_refused(text, reported, folders, tmp_path):
     done = compared(*folders, "--tolerances", tolerances(tmp_path, text))
     assert done.exception.exit_code == 2
-    assert told in str(done.exception)
+    assert reported in str(done.exception)
 
 
 def test_the_tolerances_shown_in_the_documentation_are_understood(folders, tmp_path):

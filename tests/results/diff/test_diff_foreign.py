@@ -108,10 +108,10 @@ def test_units_of_the_last_digit_are_refused_where_no_digit_is_printed(good):
 
 def test_a_fault_is_told_in_json(good, tmp_path):
     done = compared(good, tmp_path / "none", "--json")
-    told = json.loads(done.stdout)
-    assert (done.exit_code, told["exit_code"], told["status"]) == (2, 2, "bad input")
-    assert told["faults"][0]["file"] == str(tmp_path / "none")
-    assert told["faults"][0]["message"] == "no such file"
+    reported = json.loads(done.stdout)
+    assert (done.exit_code, reported["exit_code"], reported["status"]) == (2, 2, "bad input")
+    assert reported["faults"][0]["file"] == str(tmp_path / "none")
+    assert reported["faults"][0]["message"] == "no such file"
     # A fault that is no file's.
     done = compared(good, good, "--last-digit", "1", "--json")
     assert "printed digits" in json.loads(done.stdout)["faults"][0]["message"]
@@ -119,5 +119,5 @@ def test_a_fault_is_told_in_json(good, tmp_path):
 
 def test_a_new_reference_is_named_in_json(good, tmp_path):
     new = str(tmp_path / "new.h5")
-    told = json.loads(compared(new, good, "--update", "--json").stdout)
-    assert (told["a"], told["b"], told["updated"]) == (new, str(good), True)
+    reported = json.loads(compared(new, good, "--update", "--json").stdout)
+    assert (reported["a"], reported["b"], reported["updated"]) == (new, str(good), True)

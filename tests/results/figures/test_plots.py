@@ -127,9 +127,9 @@ def test_results_laid_over_each_other_keep_the_colours_of_their_quantities(bar):
             for label, file in (("a", one), ("b", other))
         ]
         (position, *_) = panels(sources)
-    told = [(curve.label, curve.quantity, curve.result) for curve in position.curves]
-    assert told[0] == ("a: x of point 1", 0, 0)
-    assert told[len(told) // 2] == ("b: x of point 1", 0, 1)
+    reported = [(curve.label, curve.quantity, curve.result) for curve in position.curves]
+    assert reported[0] == ("a: x of point 1", 0, 0)
+    assert reported[len(reported) // 2] == ("b: x of point 1", 0, 1)
 
 
 @pytest.mark.parametrize(("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
@@ -152,7 +152,7 @@ def test_the_title_is_the_decks_name_and_no_mathematics(draw, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["-o", "p.gif"], "written as .png, .svg or .pdf"),
         (["point.1.nothing", "-o", "p.png"], "no such quantity"),
@@ -163,12 +163,12 @@ def test_the_title_is_the_decks_name_and_no_mathematics(draw, tmp_path):
         (["point.1.x", "--x", "nothing", "-o", "p.png"], "r.h5: --x nothing: the result has"),
     ],
 )
-def test_what_cannot_be_drawn_is_said_and_leaves_no_file(draw, tmp_path, monkeypatch, arguments, told):
+def test_what_cannot_be_drawn_is_said_and_leaves_no_file(draw, tmp_path, monkeypatch, arguments, reported):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     done = draw(*arguments)
     assert done.exit_code != 0
-    assert told in done.output + str(done.exception)
+    assert reported in done.output + str(done.exception)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["r.h5"]
 
 

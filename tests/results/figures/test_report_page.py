@@ -160,7 +160,7 @@ def test_large_models_have_fewer_frames():
 
 
 @pytest.mark.parametrize(
-    ("times", "told"),
+    ("times", "reported"),
     [
         (1.19e-7 + 0.00357174 * np.arange(4), ["0", "0.00357", "0.00714", "0.01072"]),
         (0.1 * np.arange(4), ["0", "0.1", "0.2", "0.3"]),
@@ -169,8 +169,8 @@ def test_large_models_have_fewer_frames():
         ([0.123456789012], ["0.123456789"]),
     ],
 )
-def test_times_at_the_slider_have_the_digits_that_tell_frames_apart(times, told):
-    assert rounded(np.array(times)) == told
+def test_times_at_the_slider_have_the_digits_that_tell_frames_apart(times, reported):
+    assert rounded(np.array(times)) == reported
 
 
 def test_energies_that_stay_at_zero_are_not_drawn_but_named(tmp_path):

@@ -294,9 +294,9 @@ def test_a_disk_that_fails_to_sync_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "OUT1.dat"
     path.write_text("old")
     monkeypatch.setattr(os, "fsync", fails)
-    with pytest.raises(OutputError, match="the disk reports a failure") as told:
+    with pytest.raises(OutputError, match="the disk reports a failure") as reported:
         write_whole(path, b"new")
-    assert told.value.exit_code == 1
+    assert reported.value.exit_code == 1
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["OUT1.dat"]
 
@@ -319,9 +319,9 @@ def test_a_folder_that_the_disk_does_not_confirm_is_told(tmp_path, monkeypatch):
         fsync(number)
 
     monkeypatch.setattr(os, "fsync", fails_for_folders)
-    with pytest.raises(OutputError, match=r"OUT1\.dat: written, but the disk does not confirm") as told:
+    with pytest.raises(OutputError, match=r"OUT1\.dat: written, but the disk does not confirm") as reported:
         write_whole(tmp_path / "OUT1.dat", b"new")
-    assert told.value.exit_code == 1
+    assert reported.value.exit_code == 1
     assert (tmp_path / "OUT1.dat").read_bytes() == b"new"
 
 

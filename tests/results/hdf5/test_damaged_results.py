@@ -34,6 +34,6 @@ def test_a_short_series_is_told_with_its_file_and_nothing_is_written(short, comm
     with pytest.raises(SystemExit) as ended:
         main()
     assert ended.value.code == 2
-    told = "r.h5: error: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
-    assert told in capsys.readouterr().err
+    reported = "r.h5: error: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
+    assert reported in capsys.readouterr().err
     assert not list(short.parent.glob("made*"))

@@ -185,8 +185,8 @@ def test_the_same_run_gives_the_same_bytes_later_and_in_another_process(written,
         """
     )
     command = [sys.executable, "-c", again, str(Path(__file__).parents[3]), str(tmp_path / "other.h5")]
-    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert told.strip() == hashlib.sha256(first).hexdigest()
+    reported = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert reported.strip() == hashlib.sha256(first).hexdigest()
 
 
 @pytest.mark.parametrize(("count", "expected"), [(3, 3), (1, 1), (1024, 1024), (1_000_000, 1024)])
@@ -254,8 +254,8 @@ def test_a_disk_that_fills_up_ends_the_run_with_exit_code_1(tmp_path):
     )
     path = tmp_path / "OUT.h5"
     command = [sys.executable, "-c", script, str(Path(__file__).parents[3]), str(path)]
-    told = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert told.stdout == f"1 {path}: no space left for the result; free some and run again\n"
+    reported = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert reported.stdout == f"1 {path}: no space left for the result; free some and run again\n"
     assert os.listdir(tmp_path) == []
 
 

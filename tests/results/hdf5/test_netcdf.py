@@ -130,8 +130,8 @@ def test_an_earlier_table_of_a_study_is_read():
         ["diff", path, path],
     ):
         assert CliRunner().invoke(cli, arguments).exit_code == 0
-    told = CliRunner().invoke(cli, ["table", path, "driver.1.B"]).output.splitlines()
-    assert [line.split(",")[1] for line in told[1:3]] == ["100.0", "150.0"]
+    reported = CliRunner().invoke(cli, ["table", path, "driver.1.B"]).output.splitlines()
+    assert [line.split(",")[1] for line in reported[1:3]] == ["100.0", "150.0"]
 
 
 @pytest.mark.parametrize("name", ["fourbar_rigid", "slider_crank_flex"])

@@ -96,10 +96,10 @@ EVERYWHERE = {
 @pytest.mark.parametrize("case", EVERYWHERE)
 @pytest.mark.parametrize("command", ["table", "diff"])
 def test_a_file_that_no_run_leaves_is_refused_before_it_is_read(tmp_path, command, case):
-    damage, told = EVERYWHERE[case]
+    damage, reported = EVERYWHERE[case]
     code, message = said(tmp_path, command, damage)
     assert code == 2
-    assert told in message
+    assert reported in message
 
 
 def scale_removed(file):
@@ -128,10 +128,10 @@ FITTING = {
 
 @pytest.mark.parametrize("case", FITTING)
 def test_parts_that_do_not_fit_together_are_told(tmp_path, case):
-    command, damage, told = FITTING[case]
+    command, damage, reported = FITTING[case]
     code, message = said(tmp_path, command, damage)
     assert code == 2
-    assert told in message
+    assert reported in message
 
 
 @pytest.mark.parametrize("status", [7, [1.0, 2.0], b"\xff\xfe", h5py.Empty("f8")], ids=str)
@@ -173,10 +173,10 @@ def test_a_thousand_series_are_listed_in_seconds(tmp_path):
             series.dims[0].attach_scale(file["time"])
 
     start = time.process_time()
-    code, told = said(tmp_path, "table", damage)
+    code, reported = said(tmp_path, "table", damage)
     assert time.process_time() - start < 12
     assert code == 0
-    assert "body.1.x" in told
+    assert "body.1.x" in reported
 
 
 def test_a_name_beyond_the_names_of_its_group_is_told(tmp_path):
@@ -234,9 +234,9 @@ def test_numbers_of_a_kind_that_numpy_lacks_are_told(tmp_path):
         kind.set_ebias(99_999)
         h5py.h5d.create(file.id, b"more", kind, h5py.h5s.create_simple((2,)))
 
-    code, told = said(tmp_path, "table", damage)
+    code, reported = said(tmp_path, "table", damage)
     assert code == 2
-    assert "/more holds neither numbers nor text" in told
+    assert "/more holds neither numbers nor text" in reported
 
 
 @pytest.mark.parametrize("error", [ValueError, TypeError, SystemError, UnicodeError])
@@ -247,7 +247,7 @@ def test_what_h5py_raises_of_a_damaged_structure_is_told(tmp_path, monkeypatch, 
         raise error("quoted \x1b[2J")
 
     monkeypatch.setattr(stored_result, "fault_of_heaps", visit)
-    code, told = said(tmp_path, "table", lambda file: None)
+    code, reported = said(tmp_path, "table", lambda file: None)
     assert code == 2
-    assert "its structure cannot be read: quoted " in told
-    assert "\x1b" not in told
+    assert "its structure cannot be read: quoted " in reported
+    assert "\x1b" not in reported

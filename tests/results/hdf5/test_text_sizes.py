@@ -72,8 +72,8 @@ def test_no_command_reads_a_text_that_is_referred_to_60000_times(tmp_path, comma
     intact, result = (write_result(tmp_path / f"{name}.h5", 5) for name in ("intact", "r"))
     repeated(result, "body/name")
     words = [word.format(r=result, intact=intact, folder=tmp_path) for word in COMMANDS[command]]
-    code, told = said(words)
-    assert code == 2 and "it declares 6.29e+10 bytes of numbers and text in a file of" in told
+    code, reported = said(words)
+    assert code == 2 and "it declares 6.29e+10 bytes of numbers and text in a file of" in reported
 
 
 @pytest.mark.parametrize("plan", PLAN)
@@ -83,16 +83,16 @@ def test_it_is_noticed_however_the_references_are_stored(tmp_path, plan):
     with h5py.File(result) as file:
         assert file["more"].asstr()[COUNT - 1] == MEGABYTE  # the attack itself is sound
         assert bytes_of_texts(file["more"], 2**60) == COUNT * (2**20 + TEXT_COST)
-    code, told = said(["export", result, "--to", "mat", "-o", tmp_path / "x"])
-    assert code == 2 and "it declares" in told
+    code, reported = said(["export", result, "--to", "mat", "-o", tmp_path / "x"])
+    assert code == 2 and "it declares" in reported
 
 
 def test_texts_that_nobody_wrote_count_as_their_fill_value(tmp_path):
     result = write_result(tmp_path / "r.h5", 5)
     with h5py.File(result, "r+") as file:
         file.create_dataset("more", shape=(COUNT,), dtype=TEXT, chunks=(10,), fillvalue=MEGABYTE)
-    code, told = said(["export", result, "--to", "mat", "-o", tmp_path / "x"])
-    assert code == 2 and "it declares" in told
+    code, reported = said(["export", result, "--to", "mat", "-o", tmp_path / "x"])
+    assert code == 2 and "it declares" in reported
 
 
 def test_a_table_of_a_study_is_bounded_too(tmp_path):
@@ -102,8 +102,8 @@ def test_a_table_of_a_study_is_bounded_too(tmp_path):
         for name in ("case", "exit_code", "rows"):
             file[name] = np.arange(COUNT)
     repeated(result, "message")
-    code, told = said(["table", result, "message"])
-    assert code == 2 and "a damaged table: it declares" in told
+    code, reported = said(["table", result, "message"])
+    assert code == 2 and "a damaged table: it declares" in reported
 
 
 @pytest.mark.parametrize("plan", PLAN.values(), ids=PLAN)
@@ -137,8 +137,8 @@ def test_a_dataset_with_a_hundred_scales_along_an_axis_is_refused(tmp_path):
         many = np.empty(1, object)
         many[0] = np.array([file["time"].ref] * 100, h5py.ref_dtype)
         file["energy/total"].attrs.create("DIMENSION_LIST", many, dtype=h5py.vlen_dtype(h5py.ref_dtype))
-    code, told = said(["table", result, "--list"])
-    assert code == 2 and "has more than 64 scales for an axis" in told
+    code, reported = said(["table", result, "--list"])
+    assert code == 2 and "has more than 64 scales for an axis" in reported
 
 
 def peak_of(arguments):

@@ -200,8 +200,8 @@ def test_a_series_that_is_shorter_than_the_time_is_told(tmp_path):
     path = write_result(tmp_path / "r.h5", 40)
     with h5py.File(path, "a") as file:
         file["energy/total"].resize(7, axis=0)
-    told = "r.h5: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
-    with open_result(path) as file, pytest.raises(ResultError, match=told):
+    reported = "r.h5: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
+    with open_result(path) as file, pytest.raises(ResultError, match=reported):
         read(file, resolve(file, ["energy.total"]), slice(0, 5))
 
 
@@ -229,6 +229,6 @@ def test_times_that_do_not_ascend_are_told(tmp_path, monkeypatch, times):
     with h5py.File(path, "a") as file:
         for row, time in times.items():
             file["time"][row] = time
-    told = "r.h5: a damaged result: the times of its rows do not ascend, or are no numbers"
-    with pytest.raises(ResultError, match=told), open_result(path):
+    reported = "r.h5: a damaged result: the times of its rows do not ascend, or are no numbers"
+    with pytest.raises(ResultError, match=reported), open_result(path):
         pass

@@ -40,24 +40,24 @@ def printed(study, *arguments):
 
 
 def test_cases_are_rows_with_parameters_and_results_and_every_digit(study):
-    text, told = printed(study)
+    text, reported = printed(study)
     head, *lines = csv.reader(io.StringIO(text))
     assert head == ["case", "parameter.driver.1.B [rad/s]", "result.top [m]", "exit_code"]
     assert [line[0] for line in lines] == ["1", "2", "3"]
     assert [float(line[1]) for line in lines] == [row[4][0] for row in ROWS]
     assert [lines[0][2], lines[1][2], lines[2][2]] == [repr(1 / 3), "nan", "-4.0"]
     assert [line[3] for line in lines] == ["0", "1", "0"]
-    assert "note: series are shown where they are named: result.path" in told
-    assert "note: 1 of 3 cases failed; the column message says why" in told
+    assert "note: series are shown where they are named: result.path" in reported
+    assert "note: 1 of 3 cases failed; the column message says why" in reported
 
 
 def test_series_and_messages_are_printed_when_named(study):
-    text, told = printed(study, "path", "message")
+    text, reported = printed(study, "path", "message")
     head, *lines = csv.reader(io.StringIO(text))
     assert head == ["case", *(f"result.path.{row} [m]" for row in (1, 2, 3)), "message"]
     assert lines[1] == ["2", "nan", "nan", "nan", 'locks, "at once"']
     assert lines[2] == ["3", "4.0", "5.0", "6.0", ""]
-    assert told == ""
+    assert reported == ""
 
 
 @pytest.mark.parametrize("name", ["top", "result.top", "RESULT.TOP", "to?", "result.t*"])
@@ -84,15 +84,15 @@ def test_text_is_aligned_and_the_list_tells_units(study):
 
 
 @pytest.mark.parametrize(
-    "arguments, told",
+    "arguments, reported",
     [
         (["tip"], "tip: the study has no such parameter or result; near it are result.top; --list shows all"),
         (["--from", "1"], "is the table of a study, a row a case: it has no times for --from and --to"),
     ],
 )
-def test_what_the_study_does_not_have_is_refused(study, arguments, told):
+def test_what_the_study_does_not_have_is_refused(study, arguments, reported):
     done = CliRunner().invoke(table, [str(study), *arguments])
-    assert told in f"{done.exception} {done.output}"
+    assert reported in f"{done.exception} {done.output}"
 
 
 def test_a_column_that_was_cut_is_told(study):

@@ -17,7 +17,7 @@ from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body, joined
 from tests.solvers.constrained.test_forward_dynamics import G, double_pendulum, hinge
 
 
-def march(model, radius=0.9, step=0.0):
+def integration(model, radius=0.9, step=0.0):
     """All rows, and the analysis."""
     analysis = ForwardDynamics(replace(model, alpha_steps=AlphaSteps(step, radius)))
     return joined(list(analysis.rows())), analysis
@@ -65,7 +65,7 @@ def test_a_bar_swings_by_elliptic_functions_with_order_two():
     model = swinging_bar()
     errors = []
     for step in (0.02, 0.01, 0.005):
-        rows, _ = march(model, step=step)
+        rows, _ = integration(model, step=step)
         exact = angle_from_vertical(rows.time, math.sqrt(1.5 * G))
         errors.append(np.max(np.abs(bar_angles(rows) - exact)))
         assert rows.constraint_residual.max() < 1e-14
@@ -80,7 +80,7 @@ def test_a_bar_swings_by_elliptic_functions_with_order_two():
 def test_a_double_pendulum_comes_to_the_explicit_solution_with_order_two():
     model = double_pendulum(damping=3.0)
     exact = run(model)
-    found = [march(model, step=step)[0] for step in (0.01, 0.005, 0.0025)]
+    found = [integration(model, step=step)[0] for step in (0.01, 0.005, 0.0025)]
     for field in ("position", "velocity", "acceleration", "reaction_force", "applied_work"):
         gaps = [np.max(np.abs(getattr(rows, field) - getattr(exact, field))) for rows in found]
         assert gaps[0] / gaps[1] == pytest.approx(4.0, abs=0.5)
@@ -92,7 +92,7 @@ def test_chosen_steps_keep_the_tolerance():
     model = swinging_bar()
     steps, errors = [], []
     for tolerance in (1e-5, 1e-7):
-        rows, analysis = march(replace(model, tolerance=tolerance))
+        rows, analysis = integration(replace(model, tolerance=tolerance))
         errors.append(np.max(np.abs(bar_angles(rows) - angle_from_vertical(rows.time, math.sqrt(1.5 * G)))))
         steps.append(analysis.clock["steps"][0])
     assert steps[1] / steps[0] == pytest.approx(10.0, rel=0.25)
@@ -111,7 +111,7 @@ def hanging_mass(stiffness):
 @pytest.mark.long_motion
 def test_a_stiff_spring_does_not_shorten_the_steps():
     """k = 1e9 N/m, 1 kg: 3e4 rad/s, of which steps of 1 ms see nothing; the stretch is 3 m g / k at most."""
-    rows, analysis = march(hanging_mass(1e9), 0.6, 1e-3)
+    rows, analysis = integration(hanging_mass(1e9), 0.6, 1e-3)
     angle = angle_from_vertical(rows.time, math.sqrt(G))
     exact = np.stack([np.sin(angle), 0.0 * angle, -np.cos(angle)], axis=1)
     assert np.max(np.abs(rows.position[:, 1] - exact)) < 2e-5
@@ -123,7 +123,7 @@ def oscillator(radius, step):
     """1 kg on a spring of 1e4 N/m along x, 0.01 m from rest: 100 rad/s."""
     model = replace(hanging_mass(1e4), gravity=(0.0,) * 3)
     start = InitialVelocity("velocity 1", 1, (1.0, 0.0, 0.0), (0.0,) * 3)
-    rows, _ = march(timed(replace(model, velocities=(start,)), 50 * step, step), radius, step)
+    rows, _ = integration(timed(replace(model, velocities=(start,)), 50 * step, step), radius, step)
     return rows.total / rows.total[0]
 
 
@@ -139,17 +139,17 @@ def test_energy_leaves_only_where_the_spectral_radius_is_below_one():
 
 def test_rows_do_not_depend_on_blocks_and_calls(monkeypatch):
     model = timed(double_pendulum(), 0.5, 0.03)
-    whole, _ = march(model, step=0.02)
+    whole, _ = integration(model, step=0.02)
     monkeypatch.setattr(constrained_motion, "LARGEST_BLOCK", 2)
     monkeypatch.setattr(constrained_motion, "CALL_EVALUATIONS", 7)
-    pieces, _ = march(model, step=0.02)
+    pieces, _ = integration(model, step=0.02)
     for field in ("position", "velocity", "acceleration", "reaction_force", "total"):
         np.testing.assert_array_equal(getattr(pieces, field), getattr(whole, field))
 
 
 def test_rows_within_steps_meet_constraints_and_equations():
     model = timed(double_pendulum(), 0.3, 0.007)
-    rows, _ = march(model, step=0.01)
+    rows, _ = integration(model, step=0.01)
     exact = run(model)
     assert np.max(np.abs(rows.position - exact.position)) < 2e-3
     assert rows.constraint_residual.max() < 1e-14
@@ -170,9 +170,9 @@ def test_redundant_equations_do_not_hinder():
     start = InitialVelocity("velocity 1", 1, (0.0,) * 3, (0.0, 1.0, 0.0))
     mechanism = Mechanism(bodies, TimeGrid(0.0, 0.3, 0.1), joints, grounds=(AT_REST,))
     model = DynamicModel(mechanism, "forward", masses, velocities=(start,), gravity=(0.0, 0.0, -G))
-    rows, analysis = march(model, step=2e-3)
-    told = [(fault.severity, fault.message.split(":")[0]) for fault in analysis.warnings]
-    assert told == [("note", "planar mechanism of spatial joints")]
+    rows, analysis = integration(model, step=2e-3)
+    reported = [(fault.severity, fault.message.split(":")[0]) for fault in analysis.warnings]
+    assert reported == [("note", "planar mechanism of spatial joints")]
     exact = run(model)
     assert np.max(np.abs(rows.position - exact.position)) < 1e-4
     assert rows.constraint_residual.max() < 1e-14
@@ -181,5 +181,5 @@ def test_redundant_equations_do_not_hinder():
 
 def test_a_step_that_is_too_long_is_divided_and_told():
     """Bars that turn by a radian and more a step and change their rate within it."""
-    _, analysis = march(double_pendulum(), step=0.5)
+    _, analysis = integration(double_pendulum(), step=0.5)
     assert any("take a smaller step" in fault.message for fault in analysis.warnings)

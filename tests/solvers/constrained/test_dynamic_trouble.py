@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.dialects.vsdf.vsdf_decks import RIGID, changed
-from tests.solvers.kinematics.young_linkages import AT_REST, four_bar_bodies, outcome, told, turned, young
+from tests.solvers.kinematics.young_linkages import AT_REST, four_bar_bodies, outcome, reported, turned, young
 
 MASS = "MASS 2 1 0.5 0 0 0.01 0.1 0.1\n"
 REPEATED = "note: planar mechanism of spatial joints: 3 of "
@@ -18,7 +18,9 @@ SPINNING = "VELOCITY 2 0 0 0 0 0 2\n"
 
 
 def linkage(lengths, angle, cards, time=(0, 4, 0.1), drivers=()):
-    """A four-bar of four revolute joints, lines 6 to 9 (one more with a driver), crank, coupler, rocker of 1 kg."""
+    """A four-bar of four revolute joints, lines 6 to 9 (one more with a driver), crank, coupler, rocker of 1
+    kg.
+    """
     ground, crank, coupler, rocker = lengths
     ends = ((1, 2, 0, 0), (2, 3, crank, 0), (3, 4, coupler, 0), (1, 4, ground, -rocker))
     masses = "".join(
@@ -55,7 +57,7 @@ def test_a_parallelogram_that_passes_its_flat_positions_is_told(tmp_path):
         "1e+06), where it could branch; it goes on smoothly"
         for time in ("1.421", "2.992")
     ]
-    repeated, *others = told(found)
+    repeated, *others = reported(found)
     assert REPEATED in repeated
     assert others == notes
     with h5py.File(tmp_path / "OUT.h5") as result:
@@ -71,7 +73,7 @@ def test_a_driver_beyond_the_reach_stops_where_the_mechanism_locks(steps, tmp_pa
     found = outcome(tmp_path, deck)
     assert (found.exit_code, found.rows) == (1, 9)
     assert found.norms["reached"] == pytest.approx(0.865409, abs=1e-6)
-    line = told(found)[-1]
+    line = reported(found)[-1]
     assert line.startswith("IN.dat:7:1: error: at t = 0.865409 s the step length falls to ")
     assert " s: a singular position of revolute joint 1 (line 7), revolute joint 2 (line 8)" in line
     assert "), a dead centre or a branching, is reached; where the motion locks, free it or end" in line
@@ -98,13 +100,13 @@ def test_speeds_do_not_jump_where_the_motion_could_branch(coupler, rocker, toler
     steps = np.abs(np.diff(speed))
     assert np.all(steps <= 0.02 * 1.5 * np.maximum(np.abs(rate[1:]), np.abs(rate[:-1])) + 0.05)
     if found.exit_code:
-        assert "a dead centre or a branching, is reached" in told(found)[-1]
+        assert "a dead centre or a branching, is reached" in reported(found)[-1]
 
 
 def test_a_start_in_line_is_no_wrong_driver(tmp_path):
     found = outcome(tmp_path, linkage((4, 1, 4, 1), 0.0, SPINNING))
     assert (found.exit_code, found.rows) == (1, 1)
-    line = told(found)[-1]
+    line = reported(found)[-1]
     assert "equations that repeated others contradict them: revolute joint " in line
     assert line.endswith(
         "; they did so at the start only, which is a singular position (rods in line); begin elsewhere"
@@ -118,7 +120,7 @@ def test_a_start_in_line_is_no_fault_of_loads(length, tmp_path):
     found = outcome(tmp_path, linkage((4, 1, 4, 1), 0.0, f"{SPINNING}GALF {length} 0.9\n"))
     assert (found.exit_code, found.rows) == (1, 1)
     joints = ", ".join(f"revolute joint {k} (line {k + 5})" for k in range(1, 5))
-    line = told(found)[-1]
+    line = reported(found)[-1]
     assert line.startswith("IN.dat:6:1: error: at t = ")
     assert line.endswith(
         f" s: this is a singular position of {joints} (rods in line), where equations repeat others that they "
@@ -129,7 +131,7 @@ def test_a_start_in_line_is_no_fault_of_loads(length, tmp_path):
 def test_equations_that_repeat_others_everywhere_are_not_called_singular(tmp_path):
     spring = "SPRING 1 2 0 2 0 1 0 0 1e20 1 0\n"
     found = outcome(tmp_path, linkage((4, 1, 3.9, 1.2), 0.3, f"{spring}GALF 0 0.9\n"))
-    repeated, line = told(found)
+    repeated, line = reported(found)
     assert REPEATED in repeated
     assert "so a load, stiffness or speed is too great" in line
 
@@ -138,7 +140,7 @@ def test_equations_that_repeat_others_everywhere_are_not_called_singular(tmp_pat
 def test_forces_that_no_step_can_follow_are_told_from_singular_joints(steps, tmp_path):
     found = outcome(tmp_path, pendulum(MASS + "SPRING 1 2 0 2 0 1 0 0 1e20 1 0\n" + steps))
     assert found.exit_code == 1
-    (line,) = told(found)
+    (line,) = reported(found)
     assert line.startswith("IN.dat: error: at t = 0 s the step length falls to ")
     assert line.endswith(
         "e-23 s: the joints are far from singular (condition 5e+00), so a load, stiffness or speed is too great; "
@@ -155,7 +157,7 @@ def test_a_motion_without_inertia_is_refused_whatever_the_load(load, steps, tmp_
     """A point mass in the hinge's axis: nothing resists the turn."""
     found = outcome(tmp_path, pendulum("MASS 2 1 0 0 0 0 0 0\n" + load + steps))
     assert (found.exit_code, found.rows) == (1, 0)
-    assert told(found) == [
+    assert reported(found) == [
         "IN.dat: error: at t = 0 s body 2 can move without any mass or inertia resisting (smallest inertia 0); "
         "give masses and inertias to what can move"
     ]
@@ -165,7 +167,7 @@ def test_a_motion_without_inertia_is_refused_whatever_the_load(load, steps, tmp_
 def test_a_linkage_without_mass_is_refused_whatever_the_load(load, tmp_path):
     found = outcome(tmp_path, linkage((4, 1, 3.9, 1.2), 0.3, "MASSLESS" + load))
     assert found.exit_code == 1
-    assert told(found)[-1] == (
+    assert reported(found)[-1] == (
         "IN.dat: error: at t = 0 s body 2, body 3, body 4 can move without any mass or inertia resisting "
         "(smallest inertia 0); give masses and inertias to what can move"
     )
@@ -186,7 +188,7 @@ def test_a_linkage_without_mass_is_refused_whatever_the_load(load, tmp_path):
 )  # fmt: skip
 def test_numbers_of_no_body_and_beyond_all_bounds_are_told_at_their_place(cards, message, tmp_path):
     found = outcome(tmp_path, pendulum(cards))
-    assert told(found) == ["IN.dat:" + message]
+    assert reported(found) == ["IN.dat:" + message]
     assert found.exit_code == (0 if "warning" in message else 2)
 
 
@@ -194,12 +196,12 @@ def test_numbers_of_no_body_and_beyond_all_bounds_are_told_at_their_place(cards,
 def test_infinite_loads_are_no_numbers(value, tmp_path):
     found = outcome(tmp_path, pendulum(MASS + f"FORCE 2 1 0 0 {value} 0 0\n"))
     assert found.exit_code == 2
-    (message,) = told(found)
+    (message,) = reported(found)
     assert f"force 1: F.x must be a number; read '{value}': a finite number is needed" in message
 
 
 def test_a_run_of_ages_is_refused(tmp_path):
-    assert told(outcome(tmp_path, pendulum(MASS, (0, 1e12, 1e11)))) == [
+    assert reported(outcome(tmp_path, pendulum(MASS, (0, 1e12, 1e11)))) == [
         "IN.dat:6:1: error: time: the last time would be 1e+12 s; motions are integrated up to 1e+09 s (30 years)"
     ]
 
@@ -217,4 +219,4 @@ def test_a_run_of_ages_is_refused(tmp_path):
 def test_vsdf_numbers_of_no_body_are_told_at_their_place(change, message, tmp_path):
     found = outcome(tmp_path, changed(change, text=RIGID), "x.vsdf")
     assert found.exit_code == 2
-    assert [line for line in told(found) if "error" in line] == ["IN.dat:" + message]
+    assert [line for line in reported(found) if "error" in line] == ["IN.dat:" + message]

@@ -24,7 +24,7 @@ LINKS = "MASS 2 1.5 0.4 0 0 0.1 0.2 0.2\nMASS 3 0.8 0.3 0 0 0.05 0.1 0.1\nGRAVIT
 DRIVEN = LINKS + "SINE 1 0.2 0.7 2.0 0.5\nPOLYNOMIAL 2 0.1 8.0 -0.4 0.3\nANGLE 1 1\nANGLE 2 2\n"
 
 
-def laws(t):
+def functions(t):
     """The two angles of DRIVEN with their first two derivatives."""
     phase = 2.0 * t + 0.5
     one = 0.2 + 0.7 * np.sin(phase), 1.4 * np.cos(phase), -2.8 * np.sin(phase)
@@ -35,7 +35,7 @@ def laws(t):
 def efforts_of_two_links(t):
     """Lagrange's equations of the planar double pendulum with driven joints (Craig, Introduction to Robotics,
     third edition, section 6.7), here with distributed masses: l = 1 m, centres at 0.4 m and 0.3 m."""
-    (q1, w1, a1), (q2, w2, a2) = laws(t)
+    (q1, w1, a1), (q2, w2, a2) = functions(t)
     m1, m2, c1, c2, i1, i2, g = 1.5, 0.8, 0.4, 0.3, 0.2, 0.1, 9.81
     of_2 = i2 + m2 * c2**2
     coupling = m2 * c2 * np.cos(q2)
@@ -50,7 +50,7 @@ def efforts_of_two_links(t):
 def test_motors_of_a_serial_arm_bear_lagranges_efforts_over_many_turns():
     """The second angle turns 2.6 times round against a body that moves itself."""
     rows = rows_of(ARM, "0 2 0.1", DRIVEN, "inverse")
-    one, two = laws(rows.time)
+    one, two = functions(rows.time)
     assert rows.joint_coordinate == pytest.approx(np.column_stack([one[0], two[0]]), abs=1e-13)
     assert rows.joint_rate == pytest.approx(np.column_stack([one[1], two[1]]), abs=1e-12)
     assert rows.driver_effort == pytest.approx(np.column_stack(efforts_of_two_links(rows.time)), rel=1e-11)
@@ -125,9 +125,9 @@ def test_what_nothing_drives_is_refused_in_an_inverse_run():
 def test_the_effort_of_an_inverse_run_as_a_table_gives_the_motion_back(tmp_path: Path, monkeypatch):
     """`flexmb table --as-table` writes the torque of a motor; a forward run applies it."""
     monkeypatch.chdir(tmp_path)
-    law = "SINE 1 0 0.4 2 0\nANGLE 1 1\n"
+    function = "SINE 1 0 0.4 2 0\nANGLE 1 1\n"
     mass = "MASS 2 2 0.3 0 0 0.4 0.5 0.7\nGRAVITY 0 -9.81 0\n"
-    Path("inverse.dat").write_text(f"{ROTOR}0 1 0.005\nDYNAMICS inverse\n{mass}{law}END\n")
+    Path("inverse.dat").write_text(f"{ROTOR}0 1 0.005\nDYNAMICS inverse\n{mass}{function}END\n")
     run = CliRunner()
     assert run.invoke(cli, ["run", "-q", "inverse.dat"]).exit_code == 0
     cards = run.invoke(cli, ["table", "-q", "inverse.h5", "driver.1.effort", "--as-table", "4"]).stdout

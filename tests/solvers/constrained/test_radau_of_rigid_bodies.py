@@ -31,11 +31,11 @@ Z = (0.0, 0.0, 1.0)
 
 
 @pytest.fixture
-def march(monkeypatch):
+def integration(monkeypatch):
     """A run by Radau's method: all rows, and the analysis."""
 
     def rows_and_analysis(model, tolerance=1e-8):
-        monkeypatch.setattr(young_dynamics, "_stepper", lambda model: RadauSteps())
+        monkeypatch.setattr(young_dynamics, "_integrator", lambda model: RadauSteps())
         analysis = ForwardDynamics(replace(model, tolerance=tolerance))
         rows = joined(list(analysis.rows()))
         monkeypatch.undo()
@@ -45,11 +45,11 @@ def march(monkeypatch):
 
 
 @pytest.mark.long_motion
-def test_a_bar_swings_by_elliptic_functions_with_order_five(march):
+def test_a_bar_swings_by_elliptic_functions_with_order_five(integration):
     """rate² = m g l / J about the hinge = 3 g / (2 L)."""
     model, errors, steps = swinging_bar(), [], []
     for tolerance in (1e-5, 1e-7, 1e-9):
-        rows, analysis = march(model, tolerance)
+        rows, analysis = integration(model, tolerance)
         exact = angle_from_vertical(rows.time, math.sqrt(1.5 * G))
         errors.append(np.max(np.abs(bar_angles(rows) - exact)))
         steps.append(analysis.clock["steps"][0])
@@ -62,11 +62,11 @@ def test_a_bar_swings_by_elliptic_functions_with_order_five(march):
     assert np.all((order > 4.5) & (order < 7.5))
 
 
-def test_speeds_and_accelerations_of_rows_inside_steps_are_those_of_the_motion(march):
+def test_speeds_and_accelerations_of_rows_inside_steps_are_those_of_the_motion(integration):
     """Against DOP853 with 1e-12; rows every 7 ms fall anywhere in the steps."""
     model = timed(double_pendulum(), 0.3, 0.007)
     exact = run(replace(model, tolerance=1e-12))
-    rows, _ = march(model)
+    rows, _ = integration(model)
     for name in ("position", "velocity", "angular_velocity", "acceleration"):
         np.testing.assert_allclose(getattr(rows, name), getattr(exact, name), rtol=0, atol=1e-6, err_msg=name)
     assert rows.constraint_residual.max() < 1e-14
@@ -74,20 +74,20 @@ def test_speeds_and_accelerations_of_rows_inside_steps_are_those_of_the_motion(m
 
 
 @pytest.mark.long_motion
-def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(march, monkeypatch):
+def test_rows_do_not_depend_on_how_the_run_is_cut_into_calls(integration, monkeypatch):
     model = timed(double_pendulum(), 0.3, 0.007)
-    whole, _ = march(model)
+    whole, _ = integration(model)
     monkeypatch.setattr(constrained_motion, "CALL_EVALUATIONS", 7)
     monkeypatch.setattr(constrained_motion, "LARGEST_BLOCK", 3)
-    pieces, _ = march(model)
+    pieces, _ = integration(model)
     for name in ("position", "velocity", "acceleration", "reaction_force", "total"):
         assert np.array_equal(getattr(whole, name), getattr(pieces, name)), name
 
 
-def test_bricards_linkage_with_its_repeated_equation_comes_to_the_explicit_solution(march):
+def test_bricards_linkage_with_its_repeated_equation_comes_to_the_explicit_solution(integration):
     model = build_young_dynamics(read_deck(read_text(str(DECKS / "dynamics/IN-BRICARD.dat"))))[0]
     model = timed(model, 0.4, 0.1)
-    rows, analysis = march(model)
+    rows, analysis = integration(model)
     exact = run(replace(model, tolerance=1e-11))
     np.testing.assert_allclose(rows.position, exact.position, rtol=0, atol=1e-9)
     assert rows.constraint_residual.max() < 1e-14
@@ -96,8 +96,8 @@ def test_bricards_linkage_with_its_repeated_equation_comes_to_the_explicit_solut
 
 
 @pytest.mark.long_motion
-def test_the_squeezer_comes_to_its_published_angles(march):
-    rows, _ = march(squeezer.model(0.03, 0.015))
+def test_the_squeezer_comes_to_its_published_angles(integration):
+    rows, _ = integration(squeezer.model(0.03, 0.015))
     p = rows.euler_parameters[-1, 1:]
     found = 2.0 * np.arctan2(p[:, 3], p[:, 0])
     off = np.angle(np.exp(1j * (found - squeezer.absolute(squeezer.END))))
@@ -135,16 +135,16 @@ def locking_four_bar():
 
 
 @pytest.mark.long_motion
-def test_a_crank_driven_beyond_its_reach_stops_there_and_names_the_joints(march):
+def test_a_crank_driven_beyond_its_reach_stops_there_and_names_the_joints(integration):
     """cos φ = (4² + 2² - 3.7²) / (2 · 4 · 2) where coupler and rocker are in line."""
     with pytest.raises(AnalysisError, match=r"a singular position of [a-z]+ 1") as caught:
-        march(locking_four_bar())
+        integration(locking_four_bar())
     locked = math.acos((16.0 + 4.0 - 3.7**2) / 16.0) - 0.3
     assert caught.value.norms["reached"] == pytest.approx(locked, abs=1e-4)
 
 
-def test_a_motion_without_inertia_is_refused(march):
+def test_a_motion_without_inertia_is_refused(integration):
     model = swinging_bar()
     light = replace(model.masses[0], mass=0.0, inertia=(0.0,) * 6)
     with pytest.raises(AnalysisError, match="body 2 can move without any mass or inertia"):
-        march(replace(model, masses=(light,)))
+        integration(replace(model, masses=(light,)))

@@ -93,11 +93,11 @@ class Gaps:
         return q[:, direction] - np.sin(0.5 * value)
 
     def _driven(self, q, driver, t):
-        law = driver.C + driver.B * t + 0.5 * driver.A * t * t
+        function = driver.C + driver.B * t + 0.5 * driver.A * t * t
         if driver.direction <= 3:
-            return ((q[:, driver.direction - 1] - law) / self.length)[:, None]
-        wanted = [np.cos(0.5 * law)] + [0.0 * law] * 3
-        wanted[driver.direction - 3] = np.sin(0.5 * law)
+            return ((q[:, driver.direction - 1] - function) / self.length)[:, None]
+        wanted = [np.cos(0.5 * function)] + [0.0 * function] * 3
+        wanted[driver.direction - 3] = np.sin(0.5 * function)
         return q[:, 3:] - np.stack(wanted, -1)
 
     def _joint(self, joint: Joint, q):

@@ -59,7 +59,7 @@ class Motions:
     def vector(self):
         return unit(self.random.standard_normal(3)) * self.random.uniform(0.4, 1.5)
 
-    def law(self, start, largest):
+    def function(self, start, largest):
         """(C, B, A) and its values."""
         B, A = self.random.uniform(-1.0, 1.0, 2) * [largest, 0.3 * largest]
         return (float(start), float(B), float(A)), start + B * TIMES + 0.5 * A * TIMES**2
@@ -67,8 +67,8 @@ class Motions:
     def hold(self, direction, value):
         self.held.append(Simplified(f"simplified {len(self.held) + 1}", len(self.p), direction, float(value)))
 
-    def drive(self, direction, law):
-        self.drivers.append(Driver(f"driver {len(self.drivers) + 1}", len(self.p), direction, *law))
+    def drive(self, direction, function):
+        self.drivers.append(Driver(f"driver {len(self.drivers) + 1}", len(self.p), direction, *function))
 
     def join(self, kind, parent, P_i, P_j, **vectors):
         """A joint between the parent and the next body, either of them as its body i."""
@@ -111,8 +111,8 @@ def other(name):
 def crank(m: Motions, _parent):
     """Turned about a global axis through a fixed point."""
     k = int(m.random.integers(3))
-    law, angle = m.law(m.random.uniform(-4.0, 4.0), 3.0)
-    m.drive(4 + k, law)
+    function, angle = m.function(m.random.uniform(-4.0, 4.0), 3.0)
+    m.drive(4 + k, function)
     place = m.vector()
     for direction in range(3):
         m.hold(1 + direction, place[direction])
@@ -135,10 +135,10 @@ def carried_upright(m: Motions, parent):
 def carried_and_turned(m: Motions, parent):
     """A ball at the parent, turned about a global axis."""
     k = int(m.random.integers(3))
-    law, angle = m.law(m.random.uniform(-4.0, 4.0), 3.0)
+    function, angle = m.function(m.random.uniform(-4.0, 4.0), 3.0)
     P_i, P_j = m.vector(), m.vector()
     m.join("spherical", parent, P_i, P_j)
-    m.drive(4 + k, law)
+    m.drive(4 + k, function)
     for direction in {0, 1, 2} - {k}:
         m.hold(4 + direction, 0.0)
     p = turns(np.eye(3)[k], angle)
@@ -202,9 +202,9 @@ def slid(m: Motions, parent, p, s, P_i, P_j):
     if np.min(np.abs((A @ s)[:, k])) < 0.3:
         return None
     slide = m.random.uniform(-1.0, 1.0)
-    law, values = m.law(r[0, k] + slide * (A @ s)[0, k], 0.7)
+    function, values = m.function(r[0, k] + slide * (A @ s)[0, k], 0.7)
     delta = (values - r[:, k]) / (A @ s)[:, k]
-    return 1 + k, law, delta, r + delta[:, None] * (A @ s)
+    return 1 + k, function, delta, r + delta[:, None] * (A @ s)
 
 
 def pushed(m: Motions, parent):
@@ -216,10 +216,10 @@ def pushed(m: Motions, parent):
     found = slid(m, parent, p, s, P_i, P_j)
     if found is None or np.linalg.norm(np.cross(s, unit(h_i))) < 0.4:
         return False
-    direction, law, _, r = found
+    direction, function, _, r = found
     back = axes(relative).T
     m.join("translational", parent, P_i, P_j, s_i=1.3 * s, s_j=-back @ s, h_i=h_i, h_j=back @ h_j)
-    m.drive(direction, law)
+    m.drive(direction, function)
     return m.add(p, r)
 
 
@@ -234,9 +234,9 @@ def slid_and_hinged(m: Motions, parent):
     found = slid(m, parent, p, s, P_i, P_j)
     if found is None:
         return False
-    direction, law, _, r = found
+    direction, function, _, r = found
     m.join("cylindrical", parent, P_i, P_j, s_i=s, s_j=1.7 * axes(relative).T @ s)
-    m.drive(direction, law)
+    m.drive(direction, function)
     m.hold(held, value)
     return m.add(p, r)
 
@@ -250,12 +250,12 @@ def screwed(m: Motions, parent):
     found = slid(m, parent, products(m.p[parent], relative[None]), s, P_i, P_j)
     if found is None or min(across) < 0.3 or abs(found[2][0]) < 0.05:
         return False
-    direction, law, slide, r = found
+    direction, function, slide, r = found
     pitch = m.random.choice([-1.0, 1.0]) * m.random.uniform(0.1, 1.0)
     turn = np.sign(slide[0]) * (slide - slide[0]) / pitch
     back = axes(relative).T
     m.join("screw", parent, P_i, P_j, s_i=s, s_j=back @ s, h_i=h_i, h_j=back @ h_j, pitch=float(pitch))
-    m.drive(direction, law)
+    m.drive(direction, function)
     return m.add(products(products(m.p[parent], turns(s, turn)), relative[None]), r)
 
 

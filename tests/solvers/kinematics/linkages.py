@@ -58,9 +58,9 @@ class FourBar:
         angle = self.rocker_angle(crank_angle)
         return np.stack([self.ground + self.rocker * np.cos(angle), self.rocker * np.sin(angle)], -1)
 
-    def mechanism(self, law, time: TimeGrid) -> Mechanism:
+    def mechanism(self, function, time: TimeGrid) -> Mechanism:
         """Driven by law = (C, B, A); body 4, the rocker, has its origin at its moving end."""
-        C, B, A = law
+        C, B, A = function
         angle = C + B * time.start + 0.5 * A * time.start**2
         end = self.rocker_end(angle)
         rocker = float(self.rocker_angle(angle))
@@ -93,9 +93,9 @@ class SliderCrank:
         """x of the slider."""
         return self.crank * np.cos(angle) + np.sqrt(self.rod**2 - (self.crank * np.sin(angle)) ** 2)
 
-    def mechanism(self, law, time: TimeGrid, driven="crank", angle=None) -> Mechanism:
+    def mechanism(self, function, time: TimeGrid, driven="crank", angle=None) -> Mechanism:
         """Driven by law = (C, B, A): the crank about z, or the slider along x from crank angle `angle`."""
-        C, B, A = law
+        C, B, A = function
         angle = C + B * time.start + 0.5 * A * time.start**2 if angle is None else angle
         pin = self.crank * np.array([math.cos(angle), math.sin(angle)])
         slide = float(self.slide(angle))

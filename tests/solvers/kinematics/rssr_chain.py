@@ -17,7 +17,11 @@ from tests.solvers.kinematics.rssr import Rssr, carried
 
 X, Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-LAW = (0.0, -0.8, 0.4)  # angle of the first crank C + B t + A t²/2, rad: out to -0.8 rad at 2 s, and back
+FUNCTION = (
+    0.0,
+    -0.8,
+    0.4,
+)  # angle of the first crank C + B t + A t²/2, rad: out to -0.8 rad at 2 s, and back
 TIME = TimeGrid(0.0, 4.0, 0.25)
 
 
@@ -31,7 +35,7 @@ def stage(number: int) -> Rssr:
 
 def closed_form(stages: int, t) -> list[tuple]:
     """(crank, rocker) of every stage, each (angle, rate, second) of shape (T,), at times t."""
-    C, B, A = LAW
+    C, B, A = FUNCTION
     angle = C + B * t + 0.5 * A * t * t, B + A * t, A + 0.0 * t
     motions = []
     for number in range(stages):
@@ -74,7 +78,7 @@ def chain(stages: int, time: TimeGrid = TIME) -> Mechanism:
         time,
         tuple(joints),
         distances=tuple(distances),
-        drivers=(Driver("driver 1", 1, 4, *LAW),),
+        drivers=(Driver("driver 1", 1, 4, *FUNCTION),),
         grounds=(Ground("ground 1", 0, (0.0,) * 6),),
         points=tuple(points),
     )

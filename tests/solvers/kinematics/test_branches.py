@@ -1,4 +1,4 @@
-"""A mechanism is assembled on the branch that its estimates mean, and the march never leaves it.
+"""A mechanism is assembled on the branch that its estimates mean, and the integration never leaves it.
 
 Expected: closed forms of linkages.py; the four-bar of the YOUNG dissertation (1996), Appendix B.
 """

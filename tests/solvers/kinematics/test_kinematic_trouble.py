@@ -20,7 +20,7 @@ from flexmb_cli.errors import AnalysisError
 from flexmb_cli.solvers.kinematics import analysis, position
 from flexmb_cli.solvers.kinematics.analysis import KinematicAnalysis
 from flexmb_cli.solvers.kinematics.settings import KinematicSettings
-from tests.solvers.kinematics.young_linkages import four_bar, gear, outcome, slider_crank, told
+from tests.solvers.kinematics.young_linkages import four_bar, gear, outcome, reported, slider_crank
 
 ONE_RADIAN = math.cos(1.0) + math.sqrt(9.0 - math.sin(1.0) ** 2)
 BETWEEN = "spherical joint 1 (line 7), universal joint 1 (line 8)"
@@ -48,7 +48,7 @@ def factors(request, monkeypatch):
 def test_a_parallelogram_that_passes_its_flat_positions_goes_on_and_tells(dense, tmp_path):
     found = outcome(tmp_path, four_bar(4, 1, 4, 1, (0.3, 1, 0), (0, 6, 0.5)))
     assert found.exit_code == 0
-    for line, turn in zip(told(found), (math.pi, 2.0 * math.pi), strict=True):
+    for line, turn in zip(reported(found), (math.pi, 2.0 * math.pi), strict=True):
         text, time, condition = without_figures(line)
         assert text == (
             f"IN.dat:7:1: note: at t = # s the motion passes a singular position of {BETWEEN}, revolute joint 1 "
@@ -58,7 +58,7 @@ def test_a_parallelogram_that_passes_its_flat_positions_goes_on_and_tells(dense,
         assert time == pytest.approx(turn - 0.3, abs=1e-4)
         assert condition > 1e4
     with h5py.File(tmp_path / "IN.h5" if (tmp_path / "IN.h5").exists() else tmp_path / "OUT.h5") as result:
-        assert result.attrs["notes"] == "\n".join(line.partition(" note: ")[2] for line in told(found))
+        assert result.attrs["notes"] == "\n".join(line.partition(" note: ")[2] for line in reported(found))
         turn = 2.0 * np.arctan2(
             result["body/euler_parameters"][:, 3, 3], result["body/euler_parameters"][:, 3, 0]
         )
@@ -71,7 +71,7 @@ def test_a_report_row_in_line_is_the_limit_from_both_sides(dense, tmp_path):
     """Rows at 0, π/4, ... of a crank from π/2: the third one is at π, where Φ_q is singular."""
     found = outcome(tmp_path, four_bar(4, 1, 4, 1, (math.pi / 2, 1, 0), (0, 4, math.pi / 4)))
     assert found.exit_code == 0
-    assert told(found) == [
+    assert reported(found) == [
         f"IN.dat:7:1: note: at t = 1.5708 s the motion passes a singular position of {BETWEEN}, revolute "
         f"joint 1 (line 9) (condition above 1e+12; {TURNING}); {CROSS}"
     ]
@@ -89,7 +89,7 @@ def test_a_report_row_in_line_is_the_limit_from_both_sides(dense, tmp_path):
 @SMALL_AND_LARGE
 def test_a_gear_at_half_a_turn_has_its_row(dense, tmp_path):
     found = outcome(tmp_path, gear((0, 2 * math.pi, math.pi / 2)))
-    assert told(found) == [
+    assert reported(found) == [
         "IN.dat:8:1: note: at t = 3.14159 s the motion passes a singular position of distance constraint 1 "
         "(line 8) (condition above 1e+12; body 3 turning about (0, 0, 1) is least determined); " + CROSS
     ]
@@ -103,7 +103,7 @@ def test_a_narrow_place_is_told_with_its_condition(dense, tmp_path):
     """1e-6 m short of a parallelogram: no crossing, the rocker turns back."""
     found = outcome(tmp_path, four_bar(4, 1, 4.0000005, 1.000001, (0.3, 1, 0), (0, 6, 0.5)))
     assert found.exit_code == 0
-    for line, turn in zip(told(found), (math.pi, 2.0 * math.pi), strict=True):
+    for line, turn in zip(reported(found), (math.pi, 2.0 * math.pi), strict=True):
         text, time, condition = without_figures(line)
         assert text == (
             f"IN.dat:7:1: note: at t = # s the motion passes close to a singular position of {BETWEEN}, revolute "
@@ -119,7 +119,7 @@ def test_a_lock_is_told_with_the_gap_that_remains(dense, tmp_path):
     """The crank's end is 3.777 m from the rocker's pivot at 1 s, 0.077 m beyond coupler and rocker."""
     found = outcome(tmp_path, four_bar(4, 2, 1.5, 2.2, (0.3, 1, 0), (0, 2, 0.5)))
     assert (found.exit_code, found.rows, found.failed_at) == (1, 2, 1.0)
-    (line,) = told(found)
+    (line,) = reported(found)
     head, _, rest = line.partition("the worst ones: ")
     assert head.partition(" ")[2] == (
         "error: at t = 1 s the constraints cannot be met (motion reached t = 0.865409 s); what is left of "
@@ -139,7 +139,7 @@ def test_a_dead_centre_on_the_way_is_a_lock(dense, tmp_path):
     """At 0.5 s the slider is asked for 3.42 + 0.8 - 0.2 = 4.02 m, 0.02 m beyond, half in each joint."""
     found = outcome(tmp_path, slider_crank(1, 3, (3.42, 1.6, -1.6), (0, 2, 0.25), 1.0))
     assert (found.exit_code, found.rows) == (1, 2)
-    (line,) = told(found)
+    (line,) = reported(found)
     assert line.partition(" ")[2].startswith(
         "error: at t = 0.5 s the constraints cannot be met (motion reached t = 0.475596 s); what is left of "
     )
@@ -169,7 +169,7 @@ def test_a_start_at_a_singular_position_is_refused(dense, deck, joints, motion, 
     found = outcome(tmp_path, deck)
     assert (found.exit_code, found.rows) == (1, 0)
     line = 8 if "distance" in joints else 7
-    assert told(found) == [
+    assert reported(found) == [
         f"IN.dat:{line}:1: error: at t = 0 s the mechanism starts at a singular position of {joints} "
         f"(condition above 1e+12; {motion} turning about (0, 0, 1) is least determined): a dead centre, or a "
         "place where motions branch; begin a little earlier or later"
@@ -181,7 +181,7 @@ def test_a_singular_position_at_rest_is_no_failure(dense, tmp_path):
     """The same gear, not driven on: one equation repeats others for good, and nothing moves."""
     found = outcome(tmp_path, gear((0, 1, 0.5), math.pi, 0.0))
     assert (found.exit_code, found.rows) == (0, 3)
-    (line,) = told(found)
+    (line,) = reported(found)
     assert "warning: redundant equations, consistent with the others: one of" in line
 
 
@@ -206,5 +206,5 @@ def test_equations_too_many_for_singular_values_are_said_to_be(tmp_path):
 def test_a_slider_driven_to_its_dead_centre_and_no_further_stops_there(tmp_path):
     found = outcome(tmp_path, slider_crank(1, 3, (ONE_RADIAN, 4 - ONE_RADIAN, 0), (0, 2, 0.5), 1.0))
     assert found.exit_code == 1
-    assert "singular position of " + BETWEEN in told(found)[0]
+    assert "singular position of " + BETWEEN in reported(found)[0]
     assert found.failed_at in (1.0, 1.5)

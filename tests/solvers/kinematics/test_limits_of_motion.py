@@ -88,8 +88,8 @@ def test_a_slider_nearly_at_its_dead_centre_turns_back_with_its_crank(part, step
     linkage = SliderCrank(1.0, 3.0)
     start = float(linkage.slide(1.0))
     way = 4.0 * (4.0 - start) * part / 2.0
-    law = (start, way, -way)
-    rows = solved(linkage.mechanism(law, TimeGrid(0.0, 2.0, step), "slider", 1.0))
+    function = (start, way, -way)
+    rows = solved(linkage.mechanism(function, TimeGrid(0.0, 2.0, step), "slider", 1.0))
     x = start + way * rows.time - 0.5 * way * rows.time**2
     cosine = (x * x - 8.0) / (2.0 * x)
     e0, e3 = rows.euler_parameters[:, 1, 0], rows.euler_parameters[:, 1, 3]
@@ -132,9 +132,9 @@ def driven_about_z(joint):
 
 
 @pytest.mark.parametrize(
-    ("law", "unit"), [((0.0, 0.9, 0.0), "0.81 rad/s;"), ((0.0, 0.0, 0.9), "0.81 rad/s²;")]
+    ("function", "unit"), [((0.0, 0.9, 0.0), "0.81 rad/s;"), ((0.0, 0.0, 0.9), "0.81 rad/s²;")]
 )
-def test_a_driven_body_that_its_joint_begins_to_tilt_is_refused_at_its_only_row(law, unit):
+def test_a_driven_body_that_its_joint_begins_to_tilt_is_refused_at_its_only_row(function, unit):
     """The cross of a universal joint holds the body's axis w = (-1, 0.9, 0) square to the ground's z.
 
     At rest it is. Turned about x by a small θ, w leaves the plane by 0.9 θ, which only a turn about y by
@@ -146,7 +146,7 @@ def test_a_driven_body_that_its_joint_begins_to_tilt_is_refused_at_its_only_row(
         time=TimeGrid(0.0, 0.0, 1.0),
         bodies=(GROUND, turned_about_z("body 2", 0.0, 0.0, 0.0)),
         simplified=(Simplified("simplified 1", 1, 6, 0.0),),
-        drivers=(Driver("driver 1", 1, 4, *law),),
+        drivers=(Driver("driver 1", 1, 4, *function),),
     )
     rows, failure = until_failure(mechanism)
     assert rows is None

@@ -38,12 +38,12 @@ def four_bar_bodies(ground, crank, coupler, rocker, angle):
     return turned(0, 0, 0), turned(0, 0, angle), turned(x, y, along), turned(*end, direction)
 
 
-def four_bar(ground, crank, coupler, rocker, law, time):
+def four_bar(ground, crank, coupler, rocker, function, time):
     """Crank of body 2 driven by C + B t + A t²/2; spherical joint on line 7, universal 8, revolute 9."""
     return young(
-        four_bar_bodies(ground, crank, coupler, rocker, law[0]),
+        four_bar_bodies(ground, crank, coupler, rocker, function[0]),
         time,
-        drivers=[(2, 6, *law)],
+        drivers=[(2, 6, *function)],
         spherical=[(2, 3, crank, 0, 0, 0, 0, 0)],
         universal=[(3, 4, coupler, 0, 0, 0, 0, 0, coupler, 1, 0, 0, 0, 1)],
         revolute=[(1, 4, ground, 0, 0, -rocker, 0, 0, ground, 0, 1, -rocker, 0, 1)],
@@ -52,16 +52,16 @@ def four_bar(ground, crank, coupler, rocker, law, time):
     )
 
 
-def slider_crank(crank, rod, law, time, angle=None):
+def slider_crank(crank, rod, function, time, angle=None):
     """Crank driven about z; or the slider along x, where the first crank `angle` is given."""
-    first = law[0] if angle is None else angle
+    first = function[0] if angle is None else angle
     x, y = crank * math.cos(first), crank * math.sin(first)
     slide = x + math.sqrt(max(0.0, rod**2 - y**2))
     slides = range(2, 7)
     return young(
         (turned(0, 0, 0), turned(0, 0, first), turned(x, y, math.atan2(-y, slide - x)), turned(slide, 0, 0)),
         time,
-        drivers=[(2, 6, *law) if angle is None else (4, 1, *law)],
+        drivers=[(2, 6, *function) if angle is None else (4, 1, *function)],
         spherical=[(2, 3, crank, 0, 0, 0, 0, 0)],
         universal=[(3, 4, rod, 0, 0, 0, 0, 0, rod, 1, 0, 0, 0, 1)],
         simplified=(*HELD, *((4, direction, 0) for direction in slides)),
@@ -88,6 +88,6 @@ def outcome(folder, deck, name="IN.dat", **options):
     return run_deck(str(path), RunOptions(folder=str(folder), **options))
 
 
-def told(found):
+def reported(found):
     """What a user reads of a run, deck lines and carets left out."""
     return [compiler_style("IN.dat", [fault]) for fault in found.faults]

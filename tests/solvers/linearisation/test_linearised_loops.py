@@ -17,7 +17,7 @@ from flexmb_cli.dialects.dafms.build import build_dafms
 from flexmb_cli.dialects.recognise import read_deck
 from flexmb_cli.model.tree import ROTATION, Motor, constant
 from flexmb_cli.solvers.linearisation.constrained import linearised, modes_of
-from flexmb_cli.solvers.linearisation.equilibrium import settle
+from flexmb_cli.solvers.linearisation.equilibrium import find_equilibrium
 from flexmb_cli.solvers.linearisation.state_space import matrices
 from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
 from flexmb_cli.solvers.linearisation.tree_responses import TreeResponses
@@ -99,7 +99,7 @@ def test_a_moving_four_bar_is_linearised_on_its_loop():
 
 def test_a_four_bar_settles_at_its_lowest_position():
     found = analysis()
-    settle(found, TreeLinearised)
+    find_equilibrium(found, TreeLinearised)
     x = brentq(lambda value: slope_of(energies, value)[1], 0.8, 1.1)
     assert found.state[3 + 1] == pytest.approx(x, abs=1e-7)
     modes = modes_of(*linearised(found, TreeLinearised))

@@ -69,8 +69,10 @@ def test_an_elastic_pendulum_of_the_thesis_hangs_and_swings():
 def turning_cantilever(w):
     """The supplied cantilever, turning evenly from the start."""
     deck = (TOP / "decks/vsdf/spinup.vsdf").read_text()
-    law = f"ROTZ    1    1       0.0{w:10.7f}"
-    return deck.replace("ROTZ    1    2       6.0      15.0", law).replace(" fe/", f" {TOP}/decks/vsdf/fe/")
+    function = f"ROTZ    1    1       0.0{w:10.7f}"
+    return deck.replace("ROTZ    1    2       6.0      15.0", function).replace(
+        " fe/", f" {TOP}/decks/vsdf/fe/"
+    )
 
 
 def test_a_cantilever_that_turns_slowly_has_southwells_frequencies():

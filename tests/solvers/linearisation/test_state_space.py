@@ -171,12 +171,12 @@ def test_a_small_step_of_a_load_moves_a_run_as_the_state_space_tells():
     grown[:n, :n], grown[:n, n] = space.A, space.B[:, k]
     for row, t in enumerate(here.time):
         x = expm(grown * t)[:n, n] * 1e-3
-        told = (space.C @ x + space.D[:, k] * 1e-3)[[s.name.startswith("point 1") for s in space.outputs]]
+        reported = (space.C @ x + space.D[:, k] * 1e-3)[[s.name.startswith("point 1") for s in space.outputs]]
         turn = rotation(OMEGA * t)
         for part, name in enumerate(("point_position", "point_velocity", "point_acceleration")):
             change = (getattr(there, name) - getattr(here, name))[row, 0] @ turn
-            assert change == pytest.approx(told[3 * part : 3 * part + 3], abs=2e-8)
-    assert np.abs(told).max() > 1e-5
+            assert change == pytest.approx(reported[3 * part : 3 * part + 3], abs=2e-8)
+    assert np.abs(reported).max() > 1e-5
 
 
 def rotation(angle):
@@ -191,11 +191,11 @@ def test_the_state_space_goes_to_a_file_of_any_form(tmp_path):
     for file in files:
         done = modes(deck, "--out", file, "-q")
         assert done.returncode == 0, done.stderr
-    archive, told = np.load(files[0]), json.loads(files[2].read_text())
+    archive, reported = np.load(files[0]), json.loads(files[2].read_text())
     matlab = loadmat(files[1], simplify_cells=True)["state_space"]
     assert archive["A"] == pytest.approx(np.array([[0.0, 1.0], [-91.0, 0.0]]), abs=1e-7)
     for name in "ABCD":
-        assert archive[name].tolist() == told[name] == matlab[name].tolist()
+        assert archive[name].tolist() == reported[name] == matlab[name].tolist()
     assert list(archive["states"]) == ["body 3 displacement x", "body 3 displacement x rate"]
     assert list(matlab["input_units"]) == ["N", "N", "rad", "rad/s", "rad/s2"]
     assert archive["C"].shape == (len(archive["outputs"]), 2)

@@ -16,7 +16,7 @@ from flexmb_cli.model.tree import INERTIAL, ROTATION, TRANSLATION, Closure, Hing
 from flexmb_cli.model.tree import Body as Part
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from flexmb_cli.solvers.linearisation.constrained import ConstrainedLinearised, bring_to, linearised, modes
-from flexmb_cli.solvers.linearisation.equilibrium import settle
+from flexmb_cli.solvers.linearisation.equilibrium import find_equilibrium
 from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body
@@ -97,9 +97,9 @@ def test_a_mass_settles_where_centrifugal_force_and_springs_balance():
     """k (2 r - gap) = m Omega² r: the frame goes on turning while the mass stands in it."""
     analysis = ForwardDynamics(turntable(1, springs(X, 100.0, gap=0.05)))
     bring_to(analysis, 0.0)
-    settle(analysis, ConstrainedLinearised)
-    assert analysis.march.z[14] == pytest.approx(100.0 * 0.05 / (200.0 - MASS * OMEGA**2), rel=1e-9)
-    z = analysis.march.z[21:-1]
+    find_equilibrium(analysis, ConstrainedLinearised)
+    assert analysis.integration.z[14] == pytest.approx(100.0 * 0.05 / (200.0 - MASS * OMEGA**2), rel=1e-9)
+    z = analysis.integration.z[21:-1]
     assert z[6 + 5] == pytest.approx(OMEGA, rel=1e-12)
     assert modes(analysis).frequency[0] * math.tau == pytest.approx(math.sqrt(91.0), rel=1e-8)
 
@@ -250,7 +250,7 @@ def test_a_closed_loop_that_turns_settles_where_its_forces_balance():
     tree = replace(tree_table(True), springs=(Spring(1, TRANSLATION, 1, 200.0, rest=0.05),))
     analysis = TreeAnalysis(tree)
     start_tree(analysis, 0.0)
-    settle(analysis, TreeLinearised)
+    find_equilibrium(analysis, TreeLinearised)
     assert analysis.state[3 + 1] == pytest.approx(200.0 * 0.05 / (200.0 - MASS * OMEGA**2), rel=1e-9)
     assert analysis.state[0] == OMEGA
 

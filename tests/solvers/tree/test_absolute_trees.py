@@ -104,7 +104,7 @@ def test_motors_act_along_their_coordinates(seed):
     b, remainder, F = equations(tree, tree.q, tree.y, attitudes)
     index = {(c.body, c.motion, c.axis): m for m, c in enumerate(tree.coordinates)}
     for motor in motors:
-        F[index[motor.body, motor.motion, motor.axis]] += motor.law.values[0]
+        F[index[motor.body, motor.motion, motor.axis]] += motor.function.values[0]
     expected = np.linalg.solve(b, F - remainder)
     assert np.max(np.abs(rows.y_rate[0] - expected)) < 1e-11 * np.max(np.abs(expected))
 

@@ -82,7 +82,7 @@ def test_first_mode_of_a_cantilever_gains_1193_of_the_squared_spin():
 @pytest.mark.parametrize("eta", [1.0, 4.0, 8.0])
 @pytest.mark.parametrize("hub", [0.0, 1.0])
 def test_flapwise_frequency_is_that_of_the_differential_equation(eta, hub):
-    """40 lumps are good to 1e-3."""
+    """40 nodal masses are good to 1e-3."""
     found = squared_frequency(rotating(40, FLAPWISE, hub=hub * L), eta * UNIT)
     assert found / UNIT**2 == pytest.approx(ritz(eta, hub), rel=2e-3)
 

@@ -76,11 +76,11 @@ def test_energy_audit_counts_forces_dampers_motors_and_prescribed_motion():
     settings = replace(tree.integration, rtol=1e-11, atol=1e-11)
     hinged = [(k, h.rotations[0]) for k, h in enumerate(tree.hinges) if len(h.rotations) in (1, 2)]
     (driven, axis), (moved, other) = hinged[0], hinged[1]
-    law = Table((0.0, 0.3, 0.7, 0.7, 1.5), (0.0, 2.0, -1.0, 3.0, 0.5))
+    function = Table((0.0, 0.3, 0.7, 0.7, 1.5), (0.0, 2.0, -1.0, 3.0, 0.5))
     tree = replace(
         tree,
         integration=settings,
-        motors=(Motor(driven, ROTATION, axis, law),),
+        motors=(Motor(driven, ROTATION, axis, function),),
         prescribed=(Prescribed(moved, ROTATION, other, 0.1, 0.5, -0.4),),
     )
     rows = run(tree)

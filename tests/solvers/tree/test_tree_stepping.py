@@ -29,7 +29,7 @@ from tests.solvers.tree.tree_runs import deck_tree, joined, run
 pytestmark = pytest.mark.long_motion
 
 
-def wheel(law, end=1.0, step=0.1):
+def wheel(function, end=1.0, step=0.1):
     """A disc of 2 kg m² about axis 1 that nothing but a torque law moves."""
     body = Body("wheel", 1.0, np.diag([2.0, 1.0, 1.0]))
     return Tree(
@@ -39,7 +39,7 @@ def wheel(law, end=1.0, step=0.1):
         np.zeros(1),
         TimeGrid(0.0, end, step),
         gravity=(0.0, 0.0, 0.0),
-        torques=(BodyTorque(0, 1, law),),
+        torques=(BodyTorque(0, 1, function),),
     )
 
 

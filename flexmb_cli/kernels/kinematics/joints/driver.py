@@ -12,7 +12,7 @@ EQUATIONS = 1
 
 
 @kernel
-def law(c, t):
+def function(c, t):
     """f, df/dt and d²f/dt² at time t."""
     return c["C"] + (c["B"] + 0.5 * c["A"] * t) * t, c["B"] + c["A"] * t, c["A"]
 
@@ -20,7 +20,7 @@ def law(c, t):
 @kernel
 def residual(c, q, t, phi):
     """Fill phi[row], and phi[row+1] of a rotation."""
-    f = law(c, t)[0]
+    f = function(c, t)[0]
     row, k = c["first_row"], 7 * c["body_i"]
     if c["coordinate"] < 3:
         phi[row] = q[k + c["coordinate"]] - f
@@ -40,7 +40,7 @@ def jacobian(c, phi_q):
 @kernel
 def velocity(c, t, nu):
     """Fill the right-hand side of the velocity equations, (4.60) and (4.63)."""
-    f, rate, _ = law(c, t)
+    f, rate, _ = function(c, t)
     row = c["first_row"]
     if c["coordinate"] < 3:
         nu[row] = rate
@@ -52,7 +52,7 @@ def velocity(c, t, nu):
 @kernel
 def acceleration(c, t, gamma):
     """Fill the right-hand side of the acceleration equations, (4.61) and (4.64)."""
-    f, rate, second = law(c, t)
+    f, rate, second = function(c, t)
     row = c["first_row"]
     if c["coordinate"] < 3:
         gamma[row] = second

@@ -5,7 +5,7 @@ Young (1996), section 4.2.6, eqs (4.40)-(4.56), with other measures of slide and
 
 δ = σ û · d along the unit axis û of body i, σ = ±1 constant.  θ is the angle from h_i to h_j about
 û: with f and g = û × f the unit vectors across the axis fixed to body i, x = f · h_j and
-y = g · h_j, θ = atan2(y, x) plus the whole turns that bring it next to `near`, the angle expected.
+y = g · h_j, θ = atan2(y, x) plus the whole turns that bring it next to `expected`, the angle expected.
 """
 
 import math
@@ -29,10 +29,10 @@ TURN = 2.0 * math.pi
 
 
 @kernel
-def angle(c, A, near):
-    """θ in rad, the value nearest to `near`; any number of turns."""
+def angle(c, A, expected):
+    """θ in rad, the value nearest to `expected`; any number of turns."""
     theta = math.atan2(n1_residual(c, c["g_i"], c["h_j"], A), n1_residual(c, c["h_i"], c["h_j"], A))
-    return theta + TURN * math.floor((near - theta) / TURN + 0.5)
+    return theta + TURN * math.floor((expected - theta) / TURN + 0.5)
 
 
 @kernel
@@ -55,11 +55,11 @@ def _n1_rate(c, u_i, A, Ad):
 
 
 @kernel
-def residual(c, q, A, near, phi):
+def residual(c, q, A, expected, phi):
     """Fill phi[row:row+5]; the last row in m."""
     cylindrical.residual(c, q, A, phi)
     slide = c["sense"] * n2_residual(c, c["s_i"], q, A)
-    phi[c["first_row"] + 4] = slide - c["pitch"] * angle(c, A, near) - c["offset"]
+    phi[c["first_row"] + 4] = slide - c["pitch"] * angle(c, A, expected) - c["offset"]
 
 
 @kernel

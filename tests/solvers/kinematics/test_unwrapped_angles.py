@@ -23,18 +23,18 @@ from tests.solvers.kinematics.solved import rows_of_deck, solved
 CRANK_ROCKER = FourBar(4.0, 1.0, 3.5, 3.0)
 
 
-def angle_of(law, t):
-    C, B, A = law
+def angle_of(function, t):
+    C, B, A = function
     return C + B * t + 0.5 * A * t * t
 
 
 @pytest.mark.long_motion
-@pytest.mark.parametrize("law", [(0.3, 1.0, 0.0), (0.3, -2.0, 0.0), (0.0, 9.0, -3.0), (-0.7, 0.0, 1.7)])
+@pytest.mark.parametrize("function", [(0.3, 1.0, 0.0), (0.3, -2.0, 0.0), (0.0, 9.0, -3.0), (-0.7, 0.0, 1.7)])
 @pytest.mark.parametrize("step", [0.01, 0.5, 2.0 * np.pi, 11.0])
-def test_a_crank_rocker_follows_its_closed_form_at_any_step(law, step):
+def test_a_crank_rocker_follows_its_closed_form_at_any_step(function, step):
     """Steps of a hundredth of a turn, of exactly one turn and of many, with reversal at t = 3 s."""
-    rows = solved(CRANK_ROCKER.mechanism(law, TimeGrid(0.0, 22.0, step)))
-    expected = CRANK_ROCKER.rocker_end(angle_of(law, rows.time))
+    rows = solved(CRANK_ROCKER.mechanism(function, TimeGrid(0.0, 22.0, step)))
+    expected = CRANK_ROCKER.rocker_end(angle_of(function, rows.time))
     assert np.max(np.abs(rows.position[:, 3, :2] - expected)) <= 1e-13
 
 
@@ -118,7 +118,7 @@ def test_a_cardan_joint_turns_its_output_as_cardan_says(bend):
     Bent by up to 86 degrees, through a reversal of the input; tan(out) = tan(in) / cos(bend).
     """
     axis = np.array([np.cos(bend), np.sin(bend), 0.0])
-    law = (0.0, -2.0, 0.15)
+    function = (0.0, -2.0, 0.15)
     bodies = (GROUND, turned_about_z("body 2", 0.0, 0.0, 0.0), turned_about_z("body 3", 0.0, 0.0, bend))
     joints = (
         Joint("universal", "universal 1", 1, 2, (0.0,) * 3, (0.0,) * 3, (0.0, 1.0, 0.0), (0.0, 0.0, 2.0)),
@@ -127,11 +127,11 @@ def test_a_cardan_joint_turns_its_output_as_cardan_says(bend):
         ),
     )
     held = (Simplified("simplified 1", 1, 5, 0.0), Simplified("simplified 2", 1, 6, 0.0))
-    drivers = (Driver("driver 1", 1, 4, *law),)
+    drivers = (Driver("driver 1", 1, 4, *function),)
     rows = solved(
         Mechanism(bodies, TimeGrid(0.0, 20.0, 0.9), joints, held, drivers=drivers, grounds=(AT_REST,))
     )
-    phi = angle_of(law, rows.time)
+    phi = angle_of(function, rows.time)
     arm = np.stack([0.0 * phi, np.cos(phi), np.sin(phi)], -1)
     expected = np.cross(axis, arm)
     expected /= np.linalg.norm(expected, axis=1)[:, None]

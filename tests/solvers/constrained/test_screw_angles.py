@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from flexmb_cli.kernels.constrained.angle_unwrapping import _add_turns
+from flexmb_cli.kernels.constrained.angle_unwrapping import _add_angles
 from flexmb_cli.kernels.linalg.rotation import rotation_matrices
 from flexmb_cli.model.loads import DynamicModel
 from flexmb_cli.model.mechanism import Joint, Mechanism, TimeGrid
@@ -41,5 +41,5 @@ def test_a_screw_turns_by_what_the_second_body_turns_more_about_its_axis(seed):
     for k, w in enumerate(speeds):
         u[6 * k + 9 : 6 * k + 12] = attitudes[k].inv().apply(w)
     turns = np.array([0.5])
-    _add_turns(analysis.system, analysis.work, u, h, turns)
+    _add_angles(analysis.system, analysis.work, u, h, turns)
     assert turns == pytest.approx([0.5 + h * rate], rel=1e-13)

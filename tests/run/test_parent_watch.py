@@ -93,8 +93,10 @@ def test_a_killed_process_loses_its_own_deck_only_and_every_deck_has_its_record(
     short = [DECKS / "young" / name for name in ("IN1-1-1.dat", "IN1-2-1.dat", "IN4-BAR.dat")]
     decks = [str(path) for path in (short[0], long_deck(tmp_path), *short[1:])]
     process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path])
-    journal, last = tmp_path / "long.resume", tmp_path / "OUT4-BAR.h5"
-    wait_until(process, lambda: last.exists() and journal.exists() and journal.stat().st_size > 50_000)
+    resume_file, last = tmp_path / "long.resume", tmp_path / "OUT4-BAR.h5"
+    wait_until(
+        process, lambda: last.exists() and resume_file.exists() and resume_file.stat().st_size > 50_000
+    )
     for pid in workers_of(process):
         os.kill(pid, signal.SIGKILL)
     printed, said = process.communicate(timeout=60)
@@ -104,7 +106,7 @@ def test_a_killed_process_loses_its_own_deck_only_and_every_deck_has_its_record(
     )
     assert "killed from outside" in records[1]["faults"][0]["message"]
     assert process.returncode == 1 and "Traceback" not in said
-    assert journal.exists() and group_ends(process.pid)
+    assert resume_file.exists() and group_ends(process.pid)
 
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
@@ -222,9 +224,9 @@ def test_ctrl_c_at_a_terminal_reaches_every_process_and_ends_without_a_traceback
     """The terminal tells the whole group, the parent passes it on, and the user does it again."""
     decks = [str(long_deck(tmp_path)), str(DECKS / "young/IN4-BAR.dat"), str(DECKS / "young/IN1-1-1.dat")]
     process = started(["run", *decks, "-j", 2, "--json", "-o", tmp_path])
-    journal = tmp_path / "long.resume"
+    resume_file = tmp_path / "long.resume"
     if begun:
-        wait_until(process, lambda: journal.exists() and journal.stat().st_size > 200_000)
+        wait_until(process, lambda: resume_file.exists() and resume_file.stat().st_size > 200_000)
     else:
         wait_until(process, lambda: workers_of(process))
     for _ in range(3):

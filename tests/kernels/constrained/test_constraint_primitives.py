@@ -17,7 +17,7 @@ from flexmb_cli.kernels.constrained.system import FORCES, GAMMA
 from flexmb_cli.model import time_functions as motion_law
 from flexmb_cli.model.fe_model import BodyTorque, JointSpring
 from flexmb_cli.model.flexible_mechanism import PointForce, PointSpring
-from flexmb_cli.model.time_functions import Motion, MotionLaw, table_law
+from flexmb_cli.model.time_functions import Motion, MotionFunction, table_function
 from tests.dialects.vsdf.mechanisms import (
     KINDS,
     SINE,
@@ -41,7 +41,7 @@ SECOND = {-2: -1 / 12, -1: 4 / 3, 0: -5 / 2, 1: 4 / 3, 2: -1 / 12}
 
 def residual(analysis, q, t=0.7):
     """Φ (m,) in m and rad."""
-    near = analysis.arrays.turns
+    near = analysis.arrays.angles
     return analysis.evaluator.residual(q, t, near) * analysis.arrays.row_scale
 
 
@@ -56,7 +56,7 @@ def along(analysis, q, u, weights, power, moves_time=False):
 def assert_rows_and_right_sides(analysis, moves_time=False):
     q, u = random_state(analysis)
     residual(analysis, q)
-    analysis.arrays.turns[:] = analysis.screw_angles(q)
+    analysis.arrays.angles[:] = analysis.screw_angles(q)
     evaluate_jacobian(analysis.system, analysis.work, q)
     J = analysis.work.jacobian * analysis.arrays.row_scale[:, None] / analysis.arrays.speed_scale
     nu = np.zeros(len(J))
@@ -78,22 +78,24 @@ def test_joints_have_the_derivatives_of_their_equations(tmp_path, kind, pair):
     assert_rows_and_right_sides(analysis_of(with_joint(tmp_path, kind, *pair)))
 
 
-@pytest.mark.parametrize("law", [SINE, MotionLaw(1, (0.3, 0.2, -0.4, 0.1)), MotionLaw(2, (2.0, 3.0, 0, 0))])
+@pytest.mark.parametrize(
+    "function", [SINE, MotionFunction(1, (0.3, 0.2, -0.4, 0.1)), MotionFunction(2, (2.0, 3.0, 0, 0))]
+)
 @pytest.mark.parametrize(
     ("kind", "target", "of_joint"),
     [(k, 2, None) for k in ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")]
     + [("ANGL", 0, k) for k in ("revolute", "cylindrical", "screw")]
     + [("STRK", 0, k) for k in ("translational", "cylindrical", "screw")],
 )
-def test_motions_have_the_derivatives_of_their_equations(tmp_path, kind, target, of_joint, law):
+def test_motions_have_the_derivatives_of_their_equations(tmp_path, kind, target, of_joint, function):
     mechanism = with_joint(tmp_path, of_joint or "spherical", 0, 2)
-    mechanism = replace(mechanism, motions=(Motion("motion 1", kind, target, law),))
+    mechanism = replace(mechanism, motions=(Motion("motion 1", kind, target, function),))
     assert_rows_and_right_sides(analysis_of(mechanism), moves_time=True)
 
 
 def test_held_turns_and_pins_have_the_derivatives_of_their_equations(tmp_path):
     mechanism = sample(tmp_path)
-    still = MotionLaw(1)
+    still = MotionFunction(1)
     motions = [Motion(f"motion {k}", f"ROT{k}", 2, SINE if k == "Y" else still) for k in "XYZ"]
     mechanism = replace(mechanism, motions=tuple(motions), pins=(pin(mechanism.bodies, 0, 14),))
     assert_rows_and_right_sides(analysis_of(mechanism), moves_time=True)
@@ -129,7 +131,7 @@ def test_forces_are_those_of_their_energy(tmp_path):
     analysis = analysis_of(replace(mechanism, joints=joints, springs=springs, joint_springs=turned))
     q, _ = random_state(analysis)
     arrays = analysis.arrays
-    analysis.work.turns[:] = analysis.screw_angles(q)
+    analysis.work.angles[:] = analysis.screw_angles(q)
     rest = np.zeros(arrays.speeds)
     forces = forces_at(analysis, q, rest)
     for k in range(arrays.speeds):
@@ -159,10 +161,10 @@ def forces_at(analysis, q, u, t=0.7):
 def test_forces_do_the_work_of_their_points(tmp_path):
     """The generalized forces times the speeds are force times velocity and torque times angular velocity."""
     mechanism = sample(tmp_path)
-    bodies, law = mechanism.bodies, table_law((0.0, 1.0, 2.0), (1.0, 3.0, -1.0))
+    bodies, function = mechanism.bodies, table_function((0.0, 1.0, 2.0), (1.0, 3.0, -1.0))
     F, T = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.7, -0.4])
     forces = (
-        PointForce("force 1", node(bodies, 0, 13), tuple(F), False, law),
+        PointForce("force 1", node(bodies, 0, 13), tuple(F), False, function),
         PointForce("force 2", node(bodies, 2, 17), tuple(F), True),
     )
     torques = (BodyTorque("torque 1", 1, tuple(T), False), BodyTorque("torque 2", 1, tuple(T), True))
@@ -174,7 +176,7 @@ def test_forces_do_the_work_of_their_points(tmp_path):
     outputs = replace(mechanism, outputs=(forces[0].point, forces[1].point))
     velocities = [slope_of_point(outputs, arrays, q, u, k) for k in range(2)]
     A = [np.array(loaded.work.rotations[0, k]) for k in range(3)]
-    power = law.at(0.7)[0] * F @ velocities[0] + (A[2] @ F) @ velocities[1]
+    power = function.at(0.7)[0] * F @ velocities[0] + (A[2] @ F) @ velocities[1]
     w = u[9:12]
     power += T @ (A[1] @ w) + T @ w
     assert added @ u == pytest.approx(power, rel=1e-9)
@@ -195,21 +197,21 @@ def slope_of_point(mechanism, arrays, q, u, k):
 
 
 @pytest.mark.parametrize(
-    "law",
+    "function",
     [
-        MotionLaw(1, (0.3, 0.2, -0.4, 0.1)),
-        MotionLaw(2, (6.0, 1.5, 0.0, 0.0)),
+        MotionFunction(1, (0.3, 0.2, -0.4, 0.1)),
+        MotionFunction(2, (6.0, 1.5, 0.0, 0.0)),
         SINE,
-        table_law((0.0, 0.3, 0.9, 1.4), (0.5, -1.0, 2.0, 0.3)),
-        table_law((0.0, 0.3, 0.9, 1.4), (0.5, -1.0, 2.0, 0.3)).of_factor,
+        table_function((0.0, 0.3, 0.9, 1.4), (0.5, -1.0, 2.0, 0.3)),
+        table_function((0.0, 0.3, 0.9, 1.4), (0.5, -1.0, 2.0, 0.3)).of_factor,
     ],
 )
-def test_kernels_and_model_have_the_same_laws(tmp_path, law):
-    mechanism = replace(sample(tmp_path), motions=(Motion("motion 1", "TRAX", 0, law),))
+def test_kernels_and_model_have_the_same_laws(tmp_path, function):
+    mechanism = replace(sample(tmp_path), motions=(Motion("motion 1", "TRAX", 0, function),))
     system = analysis_of(mechanism).system
     for t in (-0.2, 0.0, 0.1, 0.3, 0.75, 1.4, 1.6, 2.5):
-        found = time_functions.law_values(system.laws, system.knots, 0, t)
-        assert found == pytest.approx(law.at(t), rel=1e-12, abs=1e-12)
+        found = time_functions.function_values(system.functions, system.knots, 0, t)
+        assert found == pytest.approx(function.at(t), rel=1e-12, abs=1e-12)
 
 
 def test_kernels_and_model_call_the_kinds_of_laws_by_the_same_codes():

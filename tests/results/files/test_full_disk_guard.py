@@ -10,7 +10,7 @@ import h5py
 import pytest
 
 from flexmb_cli.errors import OutputError
-from flexmb_cli.results.files.full_disk_guard import ForgivingDisk
+from flexmb_cli.results.files.full_disk_guard import FullDiskGuard
 from flexmb_cli.results.hdf5.result_file import printable_name
 from flexmb_cli.run.deck import run_deck
 from flexmb_cli.run.outcome import RunOptions
@@ -69,11 +69,11 @@ def test_a_disk_that_is_full_at_any_byte_of_a_study_leaves_the_old_table(tmp_pat
 
 
 def test_what_hdf5_makes_of_a_refused_write_is_blamed_on_the_disk(tmp_path):
-    with ForgivingDisk(tmp_path / "x") as disk:
+    with FullDiskGuard(tmp_path / "x") as disk:
         disk.failure = OSError("full")
         with pytest.raises(OSError, match="full"), disk.blamed():
             raise RuntimeError("bad heap index")
-    with ForgivingDisk(tmp_path / "x") as disk, pytest.raises(RuntimeError), disk.blamed():
+    with FullDiskGuard(tmp_path / "x") as disk, pytest.raises(RuntimeError), disk.blamed():
         raise RuntimeError("a fault of its own")
 
 
@@ -95,7 +95,7 @@ def test_names_that_are_text_stay_as_they_are():
 @unix
 def test_what_the_disk_refused_is_read_back(tmp_path):
     """HDF5 crashed the process over bytes of its own that it did not find again."""
-    with limited(10), ForgivingDisk(tmp_path / "x") as disk:
+    with limited(10), FullDiskGuard(tmp_path / "x") as disk:
         assert disk.write(b"0123456") == 7
         assert disk.write(b"789abcdef") == 9
         disk.seek(12)
@@ -111,7 +111,7 @@ def test_what_the_disk_refused_is_read_back(tmp_path):
 @unix
 def test_a_disk_that_neither_finds_nor_reads_a_place_is_remembered(tmp_path):
     """A failing lseek below HDF5 ended the process by SIGSEGV.  A pipe in the file's place has no places."""
-    with ForgivingDisk(tmp_path / "x") as disk:
+    with FullDiskGuard(tmp_path / "x") as disk:
         disk.write(b"0123456")
         receiver, sender = os.pipe()
         os.dup2(sender, disk.fileno())

@@ -28,9 +28,9 @@ def test_a_joint_that_is_metres_apart_is_told_before_it_is_closed():
 
 def test_axes_that_are_askew_are_told():
     """Turned by 2 atan 0.1 about x, the axis of body 2 is off that of body 1 by its sine, 0.198."""
-    (told,) = warnings(changed((POSI, POSI + "EULP\n    2  1.0       0.1\n")))
-    assert "is open at joint 2 (axes parallel, 2nd, line 26): 2.0e-01; " in told
-    assert "body 2 is moved by 0 m and turned by 0.199 rad" in told
+    (reported,) = warnings(changed((POSI, POSI + "EULP\n    2  1.0       0.1\n")))
+    assert "is open at joint 2 (axes parallel, 2nd, line 26): 2.0e-01; " in reported
+    assert "body 2 is moved by 0 m and turned by 0.199 rad" in reported
 
 
 @pytest.mark.parametrize(
@@ -45,15 +45,15 @@ def test_what_is_near_or_meant_is_not_told(change):
 def test_a_motion_of_a_coordinate_that_begins_elsewhere_is_told():
     text = supplied("pendulum", ("JOIN\n    1 REVO    0    0    0    1    1    5\n",
                                  "MOTN\n    1 TRAX    1    1       0.2\n"))  # fmt: skip
-    (told,) = warnings(text)
-    assert "is open at motion 1 " in told
-    assert "body 1 is moved by 0.2 m and turned by 0 rad" in told
+    (reported,) = warnings(text)
+    assert "is open at motion 1 " in reported
+    assert "body 1 is moved by 0.2 m and turned by 0 rad" in reported
 
 
 def test_a_body_that_is_bent_to_meet_its_pins_is_told():
     """The rod's nodes 1 and 3 stay, node 5 is pinned a millimetre off."""
     text = supplied("pendulum_pinned", ("    1    5  111", "    1    5  111       0.0       0.0     0.016"))
-    (bent,) = [told for told in warnings(text) if "is bent by up to" in told]
+    (bent,) = [reported for reported in warnings(text) if "is bent by up to" in reported]
     assert bent.startswith("3: body 1: ")
 
 

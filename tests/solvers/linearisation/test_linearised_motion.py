@@ -12,7 +12,7 @@ from flexmb_cli.model.tree import INERTIAL, Hinge, Tree
 from flexmb_cli.model.tree import Body as Part
 from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 from flexmb_cli.solvers.linearisation.constrained import ConstrainedLinearised, bring_to, modes
-from flexmb_cli.solvers.linearisation.equilibrium import settle
+from flexmb_cli.solvers.linearisation.equilibrium import find_equilibrium
 from flexmb_cli.solvers.linearisation.tree import TreeLinearised, start_tree
 from flexmb_cli.solvers.tree.analysis import TreeAnalysis
 from tests.solvers.constrained.dynamic_runs import AT_REST, GROUND, body
@@ -75,15 +75,15 @@ def test_a_damped_oscillator_has_its_textbook_frequency_and_damping_ratio():
 
 def test_a_weight_settles_where_its_spring_carries_it():
     analysis = started(replace(oscillator(), gravity=(0.0, 0.0, -G)))
-    settle(analysis, ConstrainedLinearised)
-    assert analysis.march.z[9] == pytest.approx(1.0 - 2.0 * G / 80.0, rel=1e-10)
+    find_equilibrium(analysis, ConstrainedLinearised)
+    assert analysis.integration.z[9] == pytest.approx(1.0 - 2.0 * G / 80.0, rel=1e-10)
 
 
 def test_a_pendulum_let_go_at_an_angle_settles_hanging():
     half = 0.5 * (math.pi / 2 - 1.0)
     analysis = started(pendulum((math.cos(half), 0.0, math.sin(half), 0.0)))
-    settle(analysis, ConstrainedLinearised)
-    assert analysis.march.z[10:14] == pytest.approx(DOWN, abs=1e-9)
+    find_equilibrium(analysis, ConstrainedLinearised)
+    assert analysis.integration.z[10:14] == pytest.approx(DOWN, abs=1e-9)
 
 
 def test_a_double_pendulum_has_the_two_frequencies_of_its_normal_modes():
@@ -149,12 +149,12 @@ def test_a_pendulum_let_go_above_the_horizontal_falls_and_one_that_stands_stays(
     """Newton's method alone would go to the nearest position without force, which is the upper one."""
     half = 0.5 * (math.pi / 2 - 2.6)
     analysis = started(pendulum((math.cos(half), 0.0, math.sin(half), 0.0)))
-    settle(analysis, ConstrainedLinearised)
+    find_equilibrium(analysis, ConstrainedLinearised)
     assert modes(analysis).growing.size == 0
     up = (DOWN[0], 0.0, -DOWN[2], 0.0)
     analysis = started(pendulum(up))
-    settle(analysis, ConstrainedLinearised)
-    assert analysis.march.z[10:14] == pytest.approx(up, abs=1e-12)
+    find_equilibrium(analysis, ConstrainedLinearised)
+    assert analysis.integration.z[10:14] == pytest.approx(up, abs=1e-12)
 
 
 def test_an_overdamped_oscillator_only_fades():
@@ -170,7 +170,7 @@ def test_a_linear_system_keeps_its_frequency_while_it_moves():
     analysis = ForwardDynamics(replace(oscillator(), gravity=(0.0, 0.0, -G)))
     bring_to(analysis, 0.3)
     assert analysis.clock["t"][0] == pytest.approx(0.3, rel=1e-12)
-    assert abs(analysis.march.z[9] - 1.0) > 0.05
+    assert abs(analysis.integration.z[9] - 1.0) > 0.05
     natural = math.sqrt(40.0)
     assert modes(analysis).frequency == pytest.approx(
         [natural * math.sqrt(1.0 - (1.0 / natural) ** 2) / (2.0 * math.pi)], rel=1e-7

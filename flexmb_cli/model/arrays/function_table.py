@@ -1,0 +1,71 @@
+"""Functions of time as the records and knots that kernels read."""
+
+import numpy as np
+
+from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction
+from .records import FUNCTION, function_record
+
+OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
+
+
+class FunctionTable:
+    """Collects functions and their knots."""
+
+    def __init__(self):
+        self.functions: list[np.ndarray] = []
+        self.knots: list[np.ndarray] = [np.zeros((0, 3))]
+
+    def function(self, function: MotionFunction, of_time: bool = True) -> int:
+        """Number of a function; one that is not `of_time` has a coordinate or its rate as argument."""
+        if function.kind in (TABLE, HELD_TABLE):
+            return self.of_knots(
+                function.kind, np.column_stack([function.times, function.values, function.curvature])
+            )
+        if function.kind == PIECEWISE:
+            return self._pieces(function.pieces, of_time)
+        if function.kind == COMPOUND:
+            return self._compound(function.terms, of_time)
+        return self._add(function_record(function.kind, function.c))
+
+    def of_knots(self, kind: int, knots: np.ndarray, c=(0.0, 0.0, 0.0, 0.0)) -> int:
+        """Number of a function of `kind` with rows (k, 3) of knots."""
+        first = sum(map(len, self.knots))
+        self.knots.append(knots)
+        return self._add(function_record(kind, c, first=first, last=first + len(knots) - 1))
+
+    def _add(self, record):
+        self.functions.append(record)
+        return len(self.functions) - 1
+
+    def _pieces(self, pieces, of_time):
+        count = max(len(piece) - 1 for piece in pieces)
+        rows = -(-(count + 1) // 3)
+        knots = np.zeros((len(pieces), 3 * rows))
+        for k, piece in enumerate(pieces):
+            knots[k, : len(piece)] = piece
+        c = (len(pieces), count, rows, 0.0 if of_time else OF_A_COORDINATE)
+        return self.of_knots(PIECEWISE, knots.reshape(-1, 3), c)
+
+    def _compound(self, terms, of_time):
+        rows = [
+            (k, self.function(function, of_time), 0.0)
+            for k, factors in enumerate(terms)
+            for function in factors
+        ]
+        return self.of_knots(COMPOUND, np.array(rows))
+
+    def function_arrays(self) -> dict[str, np.ndarray]:
+        """The FUNCTION records and knots (k, 3)."""
+        return {
+            "functions": np.array(self.functions, dtype=FUNCTION).reshape(-1),
+            "knots": np.concatenate(self.knots),
+        }
+
+
+def break_times(function: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """Times at which a FUNCTION record changes its formula, s; none where its argument is no time."""
+    if function["kind"] in (TABLE, HELD_TABLE):
+        return knots[function["first"] : function["last"] + 1, 0]
+    if function["kind"] == PIECEWISE and function["c"][3] != OF_A_COORDINATE:
+        return knots[function["first"] : function["last"] + 1 : int(function["c"][2]), 0][1:]
+    return np.zeros(0)
