@@ -207,6 +207,8 @@ def _excerpt(line, before):
 
 def visible(text: str) -> str:
     """`text` with marks for what cannot be printed: data may hold anything, and no terminal shall obey it."""
+    # The ideographic space is a blank to the readers of decks, and no damage.
+    text = text.replace("\u3000", "  ")
     return "".join(char if char.isprintable() or char == "\t" else "�" for char in text)
 
 

@@ -69,6 +69,26 @@ class Group(click.Group):
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 
+    def parse_args(self, ctx, args):
+        """Read the options before the command; those of commands belong behind it."""
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as fault:
+            name = next((word for word in args if word in COMMANDS), "")
+            options = {option for each in self.commands[name].params for option in each.opts} if name else ()
+            if fault.option_name in options:
+                message = (
+                    f"{fault.option_name} belongs behind the command: flexmb {name} {fault.option_name} ..."
+                )
+                raise click.UsageError(message, ctx) from None
+            raise
+
+    def resolve_command(self, ctx, args):
+        """Return the command that the arguments name; a deck in its place is a slip."""
+        if args[0] not in self.commands and os.path.exists(args[0]):
+            raise click.UsageError(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx)
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx, formatter):
         """Write the names with their help."""
         with formatter.section("Commands"):

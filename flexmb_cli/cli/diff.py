@@ -1,6 +1,7 @@
 """`flexmb diff`: compare results."""
 
 import json
+import os
 import sys
 
 import click
@@ -59,6 +60,8 @@ def diff(a, b, update, junit, as_json, quiet, **options):
     many = is_many(a), is_many(b)
     if any(many) and not all(many):
         single, other = (a, b) if many[1] else (b, a)
+        if single != "-" and not os.path.exists(single):
+            raise click.UsageError(f"{single}: no such file or folder")
         raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
     tolerances = _tolerances(options)
     if all(many):

@@ -39,7 +39,7 @@ def examples(names, output_dir, force, quiet):
         return
     for name in names:
         if name not in decks:
-            raise click.UsageError(f"there is no example {name!r}; `flexmb examples` lists them")
+            raise click.UsageError(f"there is no example {name!r}; {_similar(name, decks)}")
     for name in names:
         copied = _copy(decks[name], output_dir, force)
         if not quiet:
@@ -57,6 +57,17 @@ def supplied() -> dict[str, Path]:
     found = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
     stems = [path.stem for path in found]
     return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
+
+
+def _similar(name: str, decks: dict[str, Path]) -> str:
+    """Return the examples whose names are like `name`, or how to list them."""
+    from difflib import get_close_matches
+
+    by_letters = {known.lower(): known for known in decks}
+    close = [known for known in by_letters if known.startswith(name.lower())][:5]
+    close = close or get_close_matches(name.lower(), by_letters)
+    names = ", ".join(by_letters[known] for known in close)
+    return f"is one of these meant: {names}?" if names else "`flexmb examples` lists them"
 
 
 def _list(decks):

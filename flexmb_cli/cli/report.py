@@ -43,7 +43,11 @@ def report(result, output, quiet):
     if lacking and not quiet:
         tell(f"{result}: note: {lacking}")
     if not quiet:
-        tell(f"{result} → {reported(output)}, {len(page) / 1e6:.1f} MB")
+        tell(f"{result} → {reported(output)}, {_size(len(page))}")
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
 
 
 def _result_page(path):

@@ -80,7 +80,7 @@ def run(decks, changes, echo, as_json, quiet, verbose, jobs, **options):
     for outcome in _all_outcomes(decks, choices, jobs, quiet, verbose):
         if outcome.echo:
             show(outcome.echo, err=True)
-        _report_outcome(outcome, quiet, verbose)
+        _report_outcome(outcome, choices, quiet, verbose)
         if as_json:
             click.echo(json.dumps(outcome.as_dict()))
         codes.append(outcome.exit_code)
@@ -195,12 +195,12 @@ def _dialect(deck, options):
         return options.dialect
 
 
-def _report_outcome(outcome, quiet, verbose):
+def _report_outcome(outcome, options, quiet, verbose):
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
     elif outcome.exit_code == DONE and not quiet:
-        tell(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or 'no file'}")
+        tell(f"{outcome.deck}: {_rows(outcome)} → {', '.join(outcome.files) or _no_file(options)}")
     elif (outcome.exit_code in (ANALYSIS_FAILED, INTERNAL_FAULT) or outcome.files) and not quiet:
         tell(f"{outcome.deck}: {_kept(outcome)}")
     if outcome.errors and not quiet:
@@ -209,6 +209,10 @@ def _report_outcome(outcome, quiet, verbose):
         click.echo(estimate_text(outcome.errors), err=True)
     if verbose and not quiet and outcome.statistics:
         click.echo(f"  {outcome.statistics}", err=True)
+
+
+def _no_file(options):
+    return "standard output" if options.out == "-" else "no file"
 
 
 def _rows(outcome):

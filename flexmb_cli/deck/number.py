@@ -18,6 +18,7 @@ _HINTS = (
     (re.compile(r"\}"), "a comment ends here that was not opened"),
     (re.compile(r"[−–—]"), "is the minus sign a dash? write '-'"),
     (re.compile(r"^[+-]?[0-9]*,[0-9]+$"), "decimal comma? write a point"),
+    (re.compile(r"[^\x00-\x7f]"), "write plain ASCII characters, not full-width or typographic ones"),
     (re.compile(r"[0-9],|,[0-9]"), "numbers are separated by blanks, not by commas"),
     (re.compile(r"^[+-]?0[xXbB]|[0-9]_"), "write it in plain decimal digits"),
     (re.compile(r"^[+-]?(nan|inf|infinity)$", re.IGNORECASE), "a finite number is needed"),

@@ -27,7 +27,7 @@ def read_text(path: str | Path, what: str = "deck") -> DeckText:
 
 def decode(name: str, raw: bytes, what: str = "deck") -> DeckText:
     """The text of `raw`: UTF-8 with or without byte order mark, else Latin-1 with a warning."""
-    _refuse_nul(raw, what)
+    _refuse_other_kind(raw, what)
     digest = hashlib.sha256(raw).hexdigest()
     try:
         return DeckText(name, raw.decode("utf-8-sig"), digest)
@@ -47,7 +47,7 @@ def _file_bytes(path: Path, what: str) -> bytes:
         with path.open("rb") as stream:
             return _first_bytes(stream, what)
     except FileNotFoundError:
-        raise _unreadable("no such file") from None
+        raise _unreadable(f"no such file{_meant_instead(path)}") from None
     except PermissionError:
         raise _unreadable("permission denied") from None
     except (OSError, ValueError) as fault:
@@ -65,6 +65,25 @@ def _first_bytes(stream, what: str) -> bytes:
 def _reason(fault: Exception) -> str:
     number = getattr(fault, "errno", None)
     return os.strerror(number) if number else "the name is not a file name"
+
+
+def _meant_instead(path: Path) -> str:
+    """Return what else may be meant by a name that no file has."""
+    if "=" in path.name:
+        return f"; is it a number to change, --set {path}?"
+    # difflib is imported for this message only.
+    from .other_files import similar_name
+
+    other = similar_name(path)
+    return f"; is {path.with_name(other)} meant?" if other else ""
+
+
+def _refuse_other_kind(raw: bytes, what: str) -> None:
+    from .other_files import kind_of_file
+
+    if kind := kind_of_file(raw):
+        raise DeckError([Fault("error", f"this is no {what} but {kind}", id="DECK-015")])
+    _refuse_nul(raw, what)
 
 
 def _refuse_nul(raw: bytes, what: str) -> None:

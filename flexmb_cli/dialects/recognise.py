@@ -7,7 +7,7 @@ from itertools import islice
 
 from ..collector import without_collector
 from ..deck.record import Deck, DeckText
-from ..deck.words import words
+from ..deck.words import UNCLOSED, Word, words
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
 from . import DIALECTS
@@ -54,8 +54,27 @@ def recognise(lines: Sequence[str]) -> str:
     first = next(words(lines), None)
     if first is None:
         raise DeckError([Fault("error", f"the deck is empty; {_beginnings()}", id="DECK-012")])
-    message = f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
+    message = _meant_instead(first, lines) or f"no dialect begins like this; {_beginnings()}; {CHOOSES}"
     raise DeckError([Fault("error", message, first.place, id="DECK-013")])
+
+
+def _meant_instead(first: Word, lines: Sequence[str]) -> str:
+    """Return what a file seems to be that begins like no deck; empty where nothing is known."""
+    if first.text == UNCLOSED:
+        return "a comment is opened here and never closed with }"
+    if any("\uff01" <= letter <= "\uff5e" for letter in first.text):
+        return "these are full-width characters; type the deck in plain ASCII ones"
+    printed = next((d.title for d in every_dialect() if _is_listing(d, lines)), "")
+    return (
+        f"this is a table that a {printed} run printed; give the deck it was computed from" if printed else ""
+    )
+
+
+def _is_listing(dialect: Dialect, lines: Sequence[str]) -> bool:
+    try:
+        return any(dialect.listings("", "\n".join(lines), dialect.listing_readers))
+    except DeckError:
+        return True
 
 
 def _beginnings():

@@ -39,8 +39,10 @@ class SettableDeck:
         """Return what to say of a name that the deck lacks."""
         from difflib import get_close_matches
 
-        names = (known for known, _ in self.deck.numbers())
-        close = get_close_matches(name, [*islice(names, _COMPARED)], n=_NEAREST, cutoff=0.0)
+        # Capitals do not count here, so that driver.1.b is near driver.1.B.
+        names = {known.lower(): known for known, _ in islice(self.deck.numbers(), _COMPARED)}
+        found = get_close_matches(name.lower(), names, n=_NEAREST, cutoff=0.0)
+        close = [names[word] for word in found]
         return f"the deck has no number {name!r}; the nearest are {', '.join(close)}"
 
     def _place(self, name):

@@ -46,10 +46,14 @@ def _is_safe_base(found):
     return _is_own(found) or (found.st_uid == 0 and bool(found.st_mode & stat.S_ISVTX))
 
 
-def _refuse(path):
-    sentence = (
-        f"{path} is not used for compiled kernels: it belongs to another user, or others may write to it"
-    )
+def _refuse(path, found):
+    if stat.S_ISLNK(found.st_mode):
+        reason = "it is a link; remove it"
+    elif found.st_uid not in (0, os.getuid()):
+        reason = "it belongs to another user; let NUMBA_CACHE_DIR name another folder"
+    else:
+        reason = f"others may write to it; chmod go-w {path}"
+    sentence = f"{path} is not used for compiled kernels: {reason}"
     if sentence not in refused:
         refused.append(sentence)
 
@@ -57,13 +61,14 @@ def _refuse(path):
 def _is_safe(base: Path, folder: Path) -> bool:
     """Return whether all folders from the base down to `folder` that exist can be trusted."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-        if not _is_safe_base(base.stat()):
-            _refuse(base)
+        found = base.stat()
+        if not _is_safe_base(found):
+            _refuse(base, found)
             return False
         for below in (folder.parent, folder):
             found = below.lstat()
             if not stat.S_ISDIR(found.st_mode) or not _is_own(found):
-                _refuse(below)
+                _refuse(below, found)
                 return False
     return True
 
@@ -86,9 +91,10 @@ def content(name: str) -> bytes | None:
     for folder in folders():
         path = folder / f"{name}{ENDING}"
         with contextlib.suppress(OSError), open(path, "rb", opener=_open_unlinked) as file:
-            if _is_own(os.fstat(file.fileno())):
+            found = os.fstat(file.fileno())
+            if _is_own(found):
                 return file.read()
-            _refuse(path)
+            _refuse(path, found)
     return None
 
 

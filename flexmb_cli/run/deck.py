@@ -1,8 +1,10 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
 from ..deck.record import Deck
+from ..errors import BAD_INPUT
 from ..results.files.file_names import ResultPaths, result_paths
 from .context import Run
+from .earlier_results import notes_of_earlier_results
 from .exit_status import ending_recorded
 from .open_deck import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, RunOptions, Stop
@@ -29,6 +31,8 @@ def run_deck(path: str, options: RunOptions, listener: Listener | None = None, s
 
                 # By now the model tells what it took for empty fields.
                 outcome.echo = echo(deck)
+    if outcome.exit_code == BAD_INPUT:
+        outcome.faults += notes_of_earlier_results(path, options)
     return outcome
 
 

@@ -49,7 +49,7 @@ def reason_of(ending: BaseException) -> str:
 def _record_failure(outcome, failure, options):
     known = set(outcome.faults)
     faults = [fault for fault in failure.faults if fault not in known]
-    if isinstance(failure, ModelError):
+    if isinstance(failure, ModelError | AnalysisError):
         faults = [_by_change(fault, options) for fault in faults]
     outcome.faults += faults
     outcome.exit_code = failure.exit_code
@@ -60,9 +60,9 @@ def _record_failure(outcome, failure, options):
 
 
 def _by_change(fault, options):
-    """A fault of the model without a place, where numbers were changed, may be theirs."""
+    """A fault of the model, where numbers were changed, may be theirs; the line shown has the old ones."""
     reported = any(change in fault.message for change in options.changes)
-    if fault.place is None and options.changes and fault.severity == "error" and not reported:
+    if options.changes and fault.severity == "error" and not reported:
         return replace(
             fault, message=f"{fault.message} (numbers changed by --set: {', '.join(options.changes)})"
         )

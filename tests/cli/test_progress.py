@@ -45,15 +45,18 @@ def test_the_line_tells_compiling_then_rows_with_rate_and_remaining_time(clock, 
         clock[0] += 20  # which is no part of the rate
         shown.begin(1000)
         assert stream.line == "a.dat: 0 of 1000 rows"
+        clock[0] += 30  # kernels are compiled for the first rows, which is no part of it either
+        shown.advance(10)
+        assert stream.line == "a.dat: 10 of 1000 rows"
         clock[0] += 2
         shown.advance(100)
-        # 100 rows in 2 s are 50 a second; 900 are left for 18 s.
-        assert stream.line == "a.dat: 100 of 1000 rows, 10 %, 50 rows/s, 0:18 left"
+        # 100 rows in 2 s are 50 a second; 890 are left for 17.8 s.
+        assert stream.line == "a.dat: 110 of 1000 rows, 11 %, 50 rows/s, 0:18 left"
         shown.advance(1)
-        assert "101" not in stream.line  # not more often than it can be read
+        assert "111" not in stream.line  # not more often than it can be read
         clock[0] += 98
         shown.advance(1)
-        assert stream.line.endswith("102 of 1000 rows, 10 %, 1.02 rows/s, 14:40 left")
+        assert stream.line.endswith("112 of 1000 rows, 11 %, 1.02 rows/s, 14:31 left")
     assert stream.line == ""
 
 

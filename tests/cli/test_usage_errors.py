@@ -161,3 +161,47 @@ def test_a_wrong_call_with_a_full_standard_output_ends_without_traceback(tmp_pat
     assert done.returncode == 1
     assert "flexmb: error: standard input or output: No space left on device" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_slip_of_the_hand_is_answered_with_what_is_meant(flexmb, tmp_path):
+    deck = tmp_path / "IN4-BAR.dat"
+    deck.write_text(Path(FOUR_BAR).read_text())
+    assert flexmb("run", "IN4-BAR.dat", "-q")[0] == 0
+    meant = {
+        ("--json", "run", "IN4-BAR.dat"): "--json belongs behind the command: flexmb run --json ...",
+        ("IN4-BAR.dat",): "IN4-BAR.dat is a file, not a command: flexmb run IN4-BAR.dat",
+        ("run", "IN4-BAR"): "IN4-BAR: error: no such file; is IN4-BAR.dat meant?",
+        ("run", "IN4-BAR.dta"): "IN4-BAR.dta: error: no such file; is IN4-BAR.dat meant?",
+        ("check", "time.step=1"): "no such file; is it a number to change, --set time.step=1?",
+        ("run", "OUT4-BAR.h5"): "this is named like a result; give the deck it was computed from",
+        ("check", "OUT4-BAR.h5"): "this is no deck but an HDF5 file, as results are; give the deck",
+        (
+            "run",
+            "OUT4-BAR.dat",
+        ): "this is a table that a YOUNG run printed; give the deck it was computed from",
+        ("plot", "IN4-BAR.dat"): "this is a text, not an HDF5 result; is OUT4-BAR.h5 meant?",
+        ("table", "OUT4-BAR.dat", "time"): "this is a text, not an HDF5 result; is OUT4-BAR.h5 meant?",
+        ("diff", ".", "nowhere"): "nowhere: no such file or folder",
+        ("examples", "pendulum"): "is one of these meant: pendulum.DAT, ",
+        ("examples", "IN4BAR"): "is one of these meant: IN4-BAR, ",
+        ("run", "IN4-BAR.dat", "--set", "driver.1.b=3"): "the nearest are driver.1.B, ",
+    }
+    for arguments, answer in meant.items():
+        code, _, reported = flexmb(*arguments)
+        assert (code, answer in reported) == (2, True), (arguments, reported)
+
+
+def test_results_of_an_earlier_run_are_named_where_the_deck_has_errors(flexmb, tmp_path):
+    deck = tmp_path / "IN4-BAR.dat"
+    deck.write_text(Path(FOUR_BAR).read_text())
+    assert flexmb("run", "IN4-BAR.dat", "-q")[0] == 0
+    deck.write_text(Path(FOUR_BAR).read_text().replace("0 2.5 0.1", "0 2.5 x"))
+    code, _, reported = flexmb("run", "IN4-BAR.dat")
+    assert code == 2
+    assert "IN4-BAR.dat: note: still of an earlier run: OUT4-BAR.dat, OUT4-BAR.h5\n" in reported
+
+
+def test_a_run_to_standard_output_says_so(flexmb):
+    code, printed, reported = flexmb("run", FOUR_BAR, "--out", "-", "--no-h5")
+    assert (code, reported) == (0, f"{FOUR_BAR}: 26 rows → standard output\n")
+    assert printed.count("TIME=") == 26

@@ -55,7 +55,7 @@ HINTS = {
     "#": "must be a number; read '#': comments are written in braces { }",
     "}": "must be a number; read '}': a comment ends here that was not opened",
     "1.5.2": "must be a number; read '1.5.2'",
-    "٣": "must be a number; read '٣'",
+    "٣": "must be a number; read '٣': write plain ASCII characters, not full-width or typographic ones",
     ".": "must be a number; read '.'",
     "1e999": "must be a number of at most 1.8e308 in size; read '1e999'",
     "-1e-999": "must be 0 or at least 5e-324 in size; read '-1e-999'",

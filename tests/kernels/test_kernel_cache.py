@@ -138,6 +138,8 @@ def test_what_others_may_have_written_is_not_loaded(tmp_path, cache, script, pla
     said = twice(script, cache, HOME=str(tmp_path / "home"))
     assert said.startswith(f"42.0 compiled {path} is not used for compiled kernels")
     assert said.count("is not used") == 1
+    remedy = "let NUMBA_CACHE_DIR name another folder" if claim == "another user's" else f"chmod go-w {path}"
+    assert remedy in said
 
 
 @pytest.mark.processes

@@ -20,7 +20,7 @@ class Progress:
         self.stream = stream or sys.stderr
         self.drawn = not quiet and self.stream.isatty()
         self.logged = not quiet and verbose and not self.drawn
-        self.total = self.done = 0
+        self.total = self.done = self.first = 0
         self.began = self.shown = time.monotonic()
         self.standing = False
 
@@ -38,16 +38,19 @@ class Progress:
             tell(f"{self.title}: {doing}")
 
     def begin(self, total: int) -> None:
-        """Begin to count up to `total`; the rate counts from here."""
-        self.total, self.done = total, 0
+        """Begin to count up to `total`."""
+        self.total, self.done, self.first = total, 0, 0
         self.began = self.shown = time.monotonic()
         if self.drawn and total > 1:
             self._draw(self.sentence(self.began))
 
     def advance(self, count: int) -> None:
         """Count what was done, and show it when it is time."""
-        self.done += count
         now = time.monotonic()
+        if not self.done:
+            # Kernels are compiled before the first rows, which tells nothing of the rate.
+            self.first, self.began = count, now
+        self.done += count
         if self.drawn and self.total > 1 and now - self.shown >= REDRAWN_AFTER:
             self.shown = now
             self._draw(self.sentence(now))
@@ -58,10 +61,10 @@ class Progress:
     def sentence(self, now: float) -> str:
         """Return the count, the rate and the remaining time at `now` of the monotonic clock."""
         text = f"{self.title}: {self.done} of {self.total} {self.unit}"
-        elapsed = now - self.began
-        if not self.done or elapsed <= 0:
+        elapsed, timed = now - self.began, self.done - self.first
+        if not timed or elapsed <= 0:
             return text
-        rate = self.done / elapsed
+        rate = timed / elapsed
         left = (self.total - self.done) / rate
         return f"{text}, {100 * self.done // self.total} %, {rate:.3g} {self.unit}/s, {_duration(left)} left"
 

@@ -73,6 +73,8 @@ class _Scan:
         self.words: list[tuple[int, str]] = []
         self._titles: set[str] = set()
         self._open: _Gathered | None = None
+        # What a line of words closed: a page heading may stand within a section.
+        self._interrupted: _Gathered | None = None
         self._title = ""
 
     def take(self, number, line):
@@ -81,13 +83,19 @@ class _Scan:
         if not head:
             return
         if self._open is not None and head.isdigit():
-            self._open.text.append(line)
-            self._open.step.append(len(self.time) - 1)
-            self._open.line.append(number)
+            self._take_row(number, line)
+        elif self._interrupted is not None and _is_row_of(self._interrupted.columns, line):
+            self._open = self._interrupted
+            self._take_row(number, line)
         elif not self.time and head in "0123456789.+-" and (numbers := _echo_numbers(line)):
             self.echo.append(EchoLine(number, self._title, *numbers))
         else:
             self._take_words(number, line)
+
+    def _take_row(self, number: int, line: str) -> None:
+        self._open.text.append(line)
+        self._open.step.append(len(self.time) - 1)
+        self._open.line.append(number)
 
     def _take_words(self, number, line):
         words = line.split()
@@ -100,10 +108,13 @@ class _Scan:
         self._keep_words(number, " ".join(words))
         if words[0] in HEADINGS and self.time:
             self._open_section(HEADINGS[words[0]])
-        elif words[0] in ("BODY", "No") and self._open is not None:
-            self._take_title(words[1:])
+        elif words[0] in ("BODY", "No"):
+            # Column titles begin a section; behind an unknown heading nothing goes on.
+            self._interrupted = None
+            if self._open is not None:
+                self._take_title(words[1:])
         else:
-            self._open = None
+            self._interrupted, self._open = self._open or self._interrupted, None
             self._title = " ".join(words)
             self.is_young = self.is_young or self._title in ("ENTER NUMBER OF", "-- KINEMATIC ANALYSIS --")
 
@@ -116,7 +127,7 @@ class _Scan:
         self.words.append((number, text))
 
     def _open_block(self, number, line):
-        self._open = None
+        self._open = self._interrupted = None
         match = re.fullmatch(r"\s*TIME\s*=\s*([-+]?\d*\.?\d+)\s*", line)
         if match is None:
             place = Place(number, line.index("TIME") + 1, len(line.strip()))
@@ -130,7 +141,7 @@ class _Scan:
         self.time_unit = _unit(match[1])
 
     def _open_section(self, key):
-        self._open = self.sections.setdefault(key, _Gathered(SECTIONS[key]))
+        self._interrupted, self._open = None, self.sections.setdefault(key, _Gathered(SECTIONS[key]))
 
     def _take_title(self, words):
         """A title with fewer columns than the layout names those that are there."""
@@ -244,6 +255,12 @@ def _split_row(rest, columns):
         if match:
             return match.groups()
     return None
+
+
+def _is_row_of(columns, line):
+    """Return whether a line reads as a body or point and its numbers."""
+    index, rest, _ = _split_index(line)
+    return index > 0 and _split_row(rest, columns) is not None
 
 
 @lru_cache(maxsize=64)

@@ -61,7 +61,7 @@ def _read(reading):
     counts = _read_counts(reading)
     records = _read_sections(reading, counts)
     slipped = _slips_of(reading, counts)
-    faults = _in_order([*reading.faults, *slipped])
+    faults = _in_order([*reading.faults, *slipped, *([] if slipped else _numbers_left_over(reading))])
     if reading.errors:
         raise DeckError(with_slip_named(faults, slipped))
     return Deck(DIALECT, reading.source, records, tuple(faults), slipped)
@@ -285,15 +285,44 @@ def _slips_of(reading, counts):
 
 def _words_behind(reading):
     """The rest of the last number's line and the next line; nothing when the number ends its line."""
+    rest, following = _lines_behind(reading, reading.words[reading.taken - 1].line)
+    return [*rest, *following] if rest else []
+
+
+def _lines_behind(reading, last):
+    """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
     known = min(end + 2 * LONGEST_RECORD, len(reading.words))
     behind = [reading.words[place] for place in range(end, known)]
-    last = reading.words[end - 1].line
-    if not behind or behind[0].line != last:
-        return []
-    next_line = next((word.line for word in behind if word.line != last), last)
-    return [word for word in behind if word.line in (last, next_line)]
+    rest = [word for word in behind if word.line == last]
+    following = [word for word in behind if word.line != last]
+    return rest, [word for word in following if word.line == following[0].line]
+
+
+def _is_number(word):
+    try:
+        number.real(word.text)
+    except number.Misspelt:
+        return False
+    return True
+
+
+def _numbers_left_over(reading):
+    """A warning of numbers behind dT: on its line, or alone on the next one.
+
+    Prose may stand there.  Numbers only are rather one too many in a record before.
+    """
+    if reading.errors:
+        return
+    last = reading.words[reading.taken - 1]
+    rest, following = _lines_behind(reading, last.line)
+    if rest and all(map(_is_number, rest)):
+        message = f"behind Ti, Te and dT = {last.text} stands a number more; is one before it too many?"
+        yield Fault("warning", message, rest[0].place, "time", id="YOUNG-060")
+    elif following and all(map(_is_number, following)):
+        message = "the deck is complete before this line; its numbers are ignored"
+        yield Fault("warning", message, following[0].place, "", id="YOUNG-061")
 
 
 def _slip_of_counts(reading, record):

@@ -17,6 +17,7 @@ from ..hdf5.stored_result import (
     check_structure,
     datasets,
     is_number,
+    newer_layout,
     scale_of,
     texts,
     understood,
@@ -91,7 +92,9 @@ def open_sound(path: str) -> Iterator[h5py.File]:
 def _kind_of_file(path, file):
     """Return what the file is, in words; raises TableError when it is nothing that flexmb writes."""
     with _understood_in(path):
-        conventions = attribute(file, "Conventions")
+        conventions, newer = attribute(file, "Conventions"), newer_layout(file)
+    if newer:
+        raise TableError(path, [Fault("error", newer, id="DIFF-030")])
     for begins, what in KIND_OF_FILE.items():
         if conventions.startswith(begins) and REPORTED_BY[begins] in file:
             return what

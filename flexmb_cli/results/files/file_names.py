@@ -1,6 +1,7 @@
 """Where the results of a deck go, and the refusal of two results at one place."""
 
 import os
+from pathlib import Path
 
 from ...dialects import DIALECTS
 from ...dialects.recognise import dialect_named
@@ -102,6 +103,12 @@ def refuse_shared(results) -> None:
 
 def _refuse_overwriting(deck, path, decks):
     victim = decks.get(_identity(path))
+    if victim is not None and victim == deck and Path(deck).suffix.lower() == ".h5":
+        raise OutputError(
+            f"{deck}: this is named like a result; give the deck it was computed from, or read it with "
+            "flexmb table, plot or report",
+            id="RESULT-027",
+        )
     if victim is not None:
         raise OutputError(
             f"{deck}: its result {path} would overwrite the deck {victim}; choose another folder",

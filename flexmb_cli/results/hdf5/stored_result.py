@@ -6,6 +6,7 @@ scales are found by their references here rather than by the library.
 """
 
 import errno
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -25,6 +26,8 @@ _OF_OUTPUT = (errno.EPIPE, errno.ENOSPC, errno.EBADF, errno.EDQUOT, errno.EFBIG)
 # A file may declare this, and beyond it so many times its own size: compressed results are smaller than
 # declared.
 FREE_BYTES, MOST_TIMES = 2**26, 100
+# The last part of `Conventions`, of results and of the tables of studies.
+NEWEST_LAYOUT = 2
 # Scales along one axis of a dataset: netCDF and flexmb attach one.
 MOST_SCALES = 64
 
@@ -53,6 +56,18 @@ def check_structure(file: h5py.File) -> None:
     except (ValueError, TypeError, SystemError) as error:
         # h5py, where a name is no text or a message of HDF5 quotes one.
         raise Damaged(f"its structure cannot be read: {visible(str(error))}") from error
+
+
+def newer_layout(file: h5py.File) -> str:
+    """Return what to say of a file whose layout only a later flexmb knows, or an empty text."""
+    layout = attribute(file, "Conventions")
+    found = re.fullmatch(r"flexmb-(?:study-)?([0-9]{1,9})", layout)
+    if found is None or int(found[1]) <= NEWEST_LAYOUT:
+        return ""
+    writer = attribute(file, "flexmb_version") or "a later version"
+    return (
+        f"written by flexmb {writer} in the layout {layout}; this flexmb reads layouts up to {NEWEST_LAYOUT}"
+    )
 
 
 def _look_through(file):

@@ -11,13 +11,14 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import product
+from pathlib import Path
 
 import h5py
 import numpy as np
 
 from ...errors import Fault, FlexmbError
 from ...quick_dataclass import dataclass
-from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, understood
+from ..hdf5.stored_result import Damaged, attribute, check_shapes, check_structure, newer_layout, understood
 from .nearest_names import nearest
 from .quantity_names import TIME, families, folded, time_family
 
@@ -77,6 +78,8 @@ def open_result(path) -> Iterator[h5py.File]:
                     "this is the table of a study, which flexmb table prints; no result",
                     id="RESULT-018",
                 )
+            if newer := newer_layout(file):
+                raise ResultError(path, newer)
             if not isinstance(file.get(TIME), h5py.Dataset):
                 raise ResultError(
                     path, "this HDF5 file is no result of flexmb: it has no dataset /time", id="RESULT-019"
@@ -100,10 +103,29 @@ def _other_kind(path, error):
     """Return what the file is that HDF5 cannot open."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
-        begins = file.read(4)
-    if begins == b"PAR1":
+        begins = file.read(512)
+    if begins.startswith(b"PAR1"):
         return "this is a Parquet table, which pandas and polars read; flexmb table prints those in HDF5"
+    if begins and b"\0" not in begins:
+        return f"this is a text, not an HDF5 result{_result_beside(path)}"
     return f"this is no HDF5 result that can be read: {error}"
+
+
+def _result_beside(path):
+    """Return which result may be meant by the name of a deck or of a printed table."""
+    beside = {
+        Path(path).with_suffix(".h5"),
+        *(Path(path).with_name(name) for name in _names_of_results(path)),
+    }
+    found = next((str(result) for result in sorted(beside) if result.is_file()), "")
+    return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
+
+
+def _names_of_results(path):
+    from ...dialects import DIALECTS
+    from ..files.file_names import h5_name
+
+    return (h5_name(Path(path).name, dialect) for dialect in DIALECTS)
 
 
 def names(result: h5py.File) -> list[Quantity]:

@@ -144,3 +144,20 @@ def test_a_trillion_bodies_in_a_small_file_take_no_memory():
     with pytest.raises(DeckError, match="by its counts the deck needs 7000000000015 numbers, it has 12"):
         read("1000000000000 0 0 0 0 0 0 0 0 0 0 0\n")
     assert time.process_time() - start < 1.0
+
+
+@pytest.mark.parametrize(
+    ("end", "said"),
+    [
+        ("0 0 2.5 0.1", "behind Ti, Te and dT = 2.5 stands a number more; is one before it too many?"),
+        ("0 2.5 0.1 7", "behind Ti, Te and dT = 0.1 stands a number more; is one before it too many?"),
+        ("0 2.5 0.1\n0 5 0.1", "the deck is complete before this line; its numbers are ignored"),
+        ("0 2.5 0.1 s, as printed", None),
+        ("0 2.5 0.1\n1996, by hand", None),
+    ],
+)
+def test_numbers_behind_the_time_are_reported_and_prose_is_not(end, said):
+    """FORMAT.md: what follows the last number is ignored; numbers only are rather a slip."""
+    text = (DECKS[0].parent / "IN4-BAR.dat").read_text().replace("0 2.5 0.1", end)
+    deck = read(text)
+    assert [fault.message for fault in deck.warnings] == ([said] if said else [])

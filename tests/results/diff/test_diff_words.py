@@ -103,3 +103,22 @@ def test_notes_and_settings_of_results_are_words(tmp_path, name):
     assert done.exit_code == 0
     assert f"words: {name}: '' against 'driver.1.B=3'\n" in done.output
     assert CliRunner().invoke(diff, [str(a), str(b), "--words"]).exit_code == 1
+
+
+def test_a_page_heading_within_a_section_hides_no_numbers(tmp_path):
+    """Appendix B has `IN-4-BAR & OUT-4-BAR` at the head of a page, between rows of a section."""
+    row = "  1     0.000     0.000     0.000     1.000     0.000     0.000     0.000\n"
+    table = TABLE.replace(row, row + row.replace("  1 ", "  2 "))
+    headed = table.replace(row, row + "IN-4-BAR & OUT-4-BAR\n", 1)
+    code, reported = compared(tmp_path, headed, table)
+    assert (code, "things are missing" in reported) == (0, False)
+    wrong = table.replace("  2     0.000", "  2     0.500", 1)
+    assert compared(tmp_path, headed, wrong)[0] == 1
+
+
+def test_rows_under_an_unknown_heading_go_to_no_other_section(tmp_path):
+    first, other = TABLE.split("TIME= 1.000\n")
+    titles = "BODY       X         Y         Z         e0        e1        e2        e3\n"
+    row = "  1     9.000     0.000     0.000     1.000     0.000     0.000     0.000\n"
+    code, reported = compared(tmp_path, f"{first}PLACES\n{titles}{row}TIME= 1.000\n{other}", TABLE)
+    assert (code, "9.000" in reported) == (0, False)

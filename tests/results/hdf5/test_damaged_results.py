@@ -37,3 +37,16 @@ def test_a_short_series_is_told_with_its_file_and_nothing_is_written(short, comm
     reported = "r.h5: error: a damaged result: /energy/total has 7 rows and /time 40; run the deck again"
     assert reported in capsys.readouterr().err
     assert not list(short.parent.glob("made*"))
+
+
+@pytest.mark.parametrize("command", [*COMMANDS[:1], ["diff", "{path}", "{path}"]], ids=lambda c: c[0])
+def test_a_result_of_a_later_layout_is_refused_and_not_read_by_guess(tmp_path, monkeypatch, capsys, command):
+    path = write_result(tmp_path / "r.h5", 4)
+    with h5py.File(path, "a") as file:
+        file.attrs["Conventions"], file.attrs["flexmb_version"] = "flexmb-3", "0.9.0"
+    monkeypatch.setattr(sys, "argv", ["flexmb", *(word.format(path=path) for word in command)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    reported = "written by flexmb 0.9.0 in the layout flexmb-3; this flexmb reads layouts up to 2"
+    assert reported in capsys.readouterr().err

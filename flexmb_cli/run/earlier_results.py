@@ -1,0 +1,33 @@
+"""Results of an earlier run, which a deck with errors leaves where they are."""
+
+from pathlib import Path
+
+from ..deck.several_models import named_model
+from ..dialects import DIALECTS
+from ..errors import Fault
+from ..results.files.file_names import result_paths
+from .outcome import RunOptions
+
+
+def notes_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
+    """Return a note that names the results of an earlier run of the deck at `path`, if there are any.
+
+    A deck that cannot be read tells no dialect, so the names of all dialects are looked for.
+    """
+    name, model = named_model(path)
+    named = {
+        file
+        for dialect in DIALECTS
+        for file in result_paths(
+            Path(name).name,
+            dialect,
+            options.folder,
+            options.out,
+            options.h5,
+            options.no_out,
+            options.no_h5,
+            model,
+        ).files
+    }
+    there = ", ".join(sorted(file for file in named if Path(file).is_file()))
+    return [Fault("note", f"still of an earlier run: {there}", id="RUN-029")] if there else []
