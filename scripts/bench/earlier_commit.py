@@ -94,20 +94,27 @@ def compare(case: Case, packages: dict[Path, Path], folder: Path, pairs: int) ->
     return f"{case.deck:26} {case.counted:12} {before:9.3f} {now:9.3f} {ratio:7.2f}"
 
 
+def take_out(commit: str, folder: Path) -> None:
+    """Write the package of a commit into a folder."""
+    folder.mkdir(parents=True)
+    command = ["git", "-C", str(TOP), "archive", commit, "flexmb_cli"]
+    archive = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
+    subprocess.run(["tar", "-x", "-C", str(folder)], input=archive, check=True)
+
+
 def main() -> None:
     """Print one line for each case."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("commit")
     parser.add_argument("--pairs", type=int, default=5)
+    parser.add_argument("--keep", type=Path, help="a folder for what is compiled, for later calls")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="flexmb-earlier-") as name:
-        folder = Path(name)
-        (folder / "package").mkdir()
-        archive = subprocess.run(
-            ["git", "-C", str(TOP), "archive", asked.commit, "flexmb_cli"], check=True, stdout=subprocess.PIPE
-        ).stdout
-        subprocess.run(["tar", "-x", "-C", str(folder / "package")], input=archive, check=True)
-        packages = {TOP: folder / "cache-now", folder / "package": folder / "cache-earlier"}
+        folder, kept = Path(name), (asked.keep or Path(name)).absolute()
+        earlier = kept / asked.commit
+        if not earlier.exists():
+            take_out(asked.commit, earlier)
+        packages = {TOP: kept / "cache-now", earlier: kept / "cache-earlier"}
         print("deck                       counted      µs before    µs now  faster", flush=True)
         for case in CASES:
             print(compare(case, packages, folder, asked.pairs), flush=True)

@@ -1,6 +1,5 @@
 """The matrix formats by their names in the deck."""
 
-import importlib
 from pathlib import Path
 
 from .matrix_file import FEFileFault, MatrixFile
@@ -9,16 +8,6 @@ from .matrix_file import FEFileFault, MatrixFile
 NEEDS_MAPPING = {"HB": "ANS", "CCX": "CCX"}
 # The form of a "file" that stands for the elements themselves.
 OF_ELEMENTS = "MESH"
-# Module and function that reads a format; a run imports those of its files.
-_MATRICES = {
-    "HB": ("harwell_boeing", "read_harwell_boeing"),
-    "CCX": ("calculix", "read_calculix"),
-    "DMIG": ("nastran", "read_dmig"),
-    "OP4": ("nastran_op4", "read_op4"),
-    "MM": ("matrix_market", "read_matrix_market"),
-    "ABQ": ("abaqus", "read_abaqus"),
-}
-_MAPPINGS = {"ANS": ("harwell_boeing", "read_mapping"), "CCX": ("calculix", "read_freedoms")}
 
 
 def read_matrix(
@@ -43,10 +32,32 @@ def _read(path, form, letter, mapping, mapping_form) -> MatrixFile:
                 f"format {form} needs the equation mapping: add a card FEMP of format {NEEDS_MAPPING[form]}",
                 id="FE-031",
             )
-        return _reader(*_MATRICES[form])(path, _reader(*_MAPPINGS[mapping_form])(mapping))
+        return _matrix_reader(form)(path, _mapping_reader(mapping_form)(mapping))
     letters = (letter,) if form in ("DMIG", "OP4") else ()
-    return _reader(*_MATRICES[form])(path, *letters)
+    return _matrix_reader(form)(path, *letters)
 
 
-def _reader(module: str, function: str):
-    return getattr(importlib.import_module(f".{module}", __package__), function)
+def _matrix_reader(form):
+    """Return what reads a format; a run imports the readers of its files only."""
+    if form == "HB":
+        from .harwell_boeing import read_harwell_boeing as reader
+    elif form == "CCX":
+        from .calculix import read_calculix as reader
+    elif form == "DMIG":
+        from .nastran import read_dmig as reader
+    elif form == "OP4":
+        from .nastran_op4 import read_op4 as reader
+    elif form == "MM":
+        from .matrix_market import read_matrix_market as reader
+    else:
+        from .abaqus import read_abaqus as reader
+    return reader
+
+
+def _mapping_reader(form):
+    """Return what reads the mapping of a format."""
+    if form == "ANS":
+        from .harwell_boeing import read_mapping as reader
+    else:
+        from .calculix import read_dofs as reader
+    return reader
