@@ -6,6 +6,8 @@ Only `Result.save` leaves a file.  Units are SI; names of quantities are those o
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +65,8 @@ def read_deck(
 
     words = tuple(f"{name}={value}" for name, value in (changes or {}).items())
     outcome = Outcome(os.fspath(path))
-    deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
+    with _deck_named(outcome.deck):
+        deck = open_deck(outcome.deck, RunOptions(dialect=dialect, changes=words), outcome)
     return OpenDeck(deck, outcome.deck, words, tuple(outcome.faults))
 
 
@@ -93,7 +96,8 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     opened = deck if isinstance(deck, OpenDeck) else read_deck(deck)
     run = Run(Outcome(opened.path), _run_options(options))
     refuse_foreign_method(opened.deck, run.options)
-    solution = solution_of(model_of(opened.deck, run), run)
+    with _deck_named(opened.path):
+        solution = solution_of(model_of(opened.deck, run), run)
     doubts, blocks = solution.doubts(), []
     try:
         blocks.extend(solution.blocks_counted())
@@ -103,9 +107,34 @@ def solve(deck: OpenDeck | str | os.PathLike, **options: float | str) -> "Result
     return _result(opened, solution, blocks, [*run.outcome.faults, *doubts], None)
 
 
+_OPTIONS = ("rtol", "atol", "method", "tolerance", "smallest_pivot", "most_iterations", "formulation")
+
+
+@contextmanager
+def _deck_named(path):
+    """Put the deck's name and the place of the fault before the words of a failure: a loop has many decks."""
+    try:
+        yield
+    except FlexmbError as failure:
+        place = next((f.place for f in failure.faults if f.place and f.severity == "error"), None)
+        failure.args = (":".join(map(str, (path, *(place or ())[:2]))) + f": {failure}",)
+        raise
+
+
+def _check_options(options):
+    for name, value in options.items():
+        if name not in _OPTIONS:
+            near = get_close_matches(name, _OPTIONS, 1)
+            meant = f"; is {near[0]} meant?" if near else ""
+            raise TypeError(f"solve has no option {name!r}, only {', '.join(_OPTIONS)}{meant}")
+        if name in ("rtol", "atol") and not 0.0 < value < 1.0:
+            raise ValueError(f"{name} must lie between 0 and 1; read {value}")
+
+
 def _run_options(options):
     from .run.outcome import RunOptions
 
+    _check_options(options)
     steps = {name: options.pop(name) for name in ("rtol", "atol", "method") if name in options}
     names = ("tolerance", "smallest_pivot", "most_iterations")
     solver = {name: options.pop(name) for name in names if name in options}
@@ -208,7 +237,7 @@ class Result(Mapping):
             import h5py
 
             from .results.hdf5.result_file import ResultFile
-            from .results.quantities.quantities import ResultError, resolve
+            from .results.quantities.quantities import SHOWS_ALL, ResultError, resolve
 
             with tempfile.TemporaryDirectory(prefix="flexmb-") as folder:
                 path = os.path.join(folder, "empty.h5")
@@ -217,7 +246,7 @@ class Result(Mapping):
                     try:
                         self.found[name] = resolve(file, [name])
                     except ResultError as fault:
-                        raise KeyError(str(fault)) from None
+                        raise KeyError(str(fault).removesuffix(SHOWS_ALL)) from None
         return self.found[name]
 
 

@@ -74,6 +74,23 @@ def test_faults_of_a_deck_have_place_and_identifier():
     assert raised.value.faults[0].id and "driver" in raised.value.faults[0].message
 
 
+def test_a_failure_says_which_deck_and_where(tmp_path):
+    with pytest.raises(FlexmbError, match=r"^none\.dat: no such file$"):
+        read_deck("none.dat")
+    wrong = tmp_path / "wrong.dat"
+    wrong.write_text(FOUR_BAR.read_text().replace("1 2 0 0 2 0 6.10", "1 9 0 0 2 0 6.10"))
+    with pytest.raises(FlexmbError) as caught:
+        solve(wrong)
+    assert str(caught.value) == f"{wrong}:14:3: universal joint 1: body number 9 is outside 1..4"
+
+
+def test_options_of_solve_have_names_and_ranges():
+    with pytest.raises(TypeError, match=r"solve has no option 'rtoll', only .*; is rtol meant\?"):
+        solve(FOUR_BAR, rtoll=1e-9)
+    with pytest.raises(ValueError, match="rtol must lie between 0 and 1; read 5"):
+        solve(FOUR_BAR, rtol=5)
+
+
 def test_check_reports_mobility():
     report = check(FOUR_BAR)
     assert (report.rank, report.free, report.outcome.exit_code) == (28, [], 0)

@@ -39,7 +39,7 @@ def grammar() -> dict:
             {"match": rf"(?i)^\s*({'|'.join(sorted(young, key=len, reverse=True))})\b",
              "name": "keyword.control.card.flexmb"},
             {"match": rf"\b({'|'.join(DATA_WORDS)})\b", "name": "support.constant.method.flexmb"},
-            {"match": r"(?i)\b[\w./\\-]+\.(inp|mas|sti|dof|mtx|op4|bdf|dat|cdb|hb|pch|csv|txt)\b",
+            {"match": r"(?i)\b[\w./\\-]+\.(inp|mas|sti|dof|mtx|op4|bdf|dat|cdb|hb|pch|csv|txt|stl)\b",
              "name": "string.unquoted.file.flexmb"},
             {"match": rf"(?<![\w.]){REAL}(?![\w.])", "name": "constant.numeric.flexmb"},
             {"match": r"\b[A-Z]{2,4}[0-9]?\b", "name": "entity.name.type.flexmb"},

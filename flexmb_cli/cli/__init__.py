@@ -35,7 +35,7 @@ COMMANDS = {
     "plot": "Draw quantities of RESULT.h5 over time, a panel for each unit.",
     "report": "Write a self-contained HTML page: motion in 3-D, curves, audit...",
     "export": "Write RESULT.h5 for ParaView (vtkhdf), spreadsheets (csv) or...",
-    "convert": "Write the model of DECK for another program, in SI units.",
+    "convert": "Write the model of DECK for another program or dialect.",
     "sweep": "Solve the variants of a deck that STUDY (TOML) describes, and...",
     "new": "Ask for the data of a deck, number by number, and write a deck...",
     "beam": "Write the finite-element block of a beam to standard output.",

@@ -1,34 +1,44 @@
 """`flexmb convert`: a deck's model for another program."""
 
+from pathlib import PurePath
+
 import click
 
+from ..dialects.recognise import every_dialect
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
-SUFFIX = {"mjcf": ".xml", "exudyn": ".py"}
+PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
+DECKS = {each.name: each for each in every_dialect() if each.rigid_deck}
+SUFFIX = PROGRAMS | {name: PurePath(each.new_name).suffix for name, each in DECKS.items()}
+UNITS = ("m", "mm", "mm-kg", "cm", "in")
 
 
 @click.command()
 @click.argument("deck", shell_complete=files)
 @click.option("--to", "form", type=click.Choice(list(SUFFIX)), required=True,
-              help="mjcf: MuJoCo, rigid trees; exudyn: a Python script, rigid mechanisms.")  # fmt: skip
+              help="mjcf: MuJoCo, rigid trees; exudyn: a Python script, rigid mechanisms; "
+                   "else a deck of that dialect.")  # fmt: skip
 @click.option("-o", "--output", type=WrittenPlace(), metavar="FILE",
-              help="The file; - is standard output.  [default: the deck's name, .xml or .py]")  # fmt: skip
+              help="The file; - is standard output.  [default: the deck's name, another suffix]")  # fmt: skip
 @click.option("--set", "changes", metavar="NAME=VALUE", multiple=True,
               help="Give a number of the deck another value, by its readable name.")  # fmt: skip
+@click.option("--unit", type=click.Choice(UNITS), default="m",
+              help="Units of DECK: m (kg), mm (t), mm-kg, cm (g), in (lbf).  [default: m]")  # fmt: skip
+@click.option("--to-unit", type=click.Choice(UNITS), default="m",
+              help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def convert(deck, form, output, changes, quiet):
-    """Write the model of DECK for another program, in SI units.
+def convert(deck, form, output, changes, unit, to_unit, quiet):
+    """Write the model of DECK for another program or dialect.
 
-    What that program cannot hold is refused, with its place in the deck.
+    Numbers are in SI units. What the form cannot hold is refused, with its place in the deck.
 
     \b
     Example:
         flexmb convert decks/dafms/spatial_rigid.DAT --to mjcf
+        flexmb convert decks/dafms/spatial_rigid.DAT --to vsdf
     """
-    from pathlib import PurePath
-
     from ..results.files.replaced_file import write_whole
     from ..run.convert import converted
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
@@ -36,10 +46,23 @@ def convert(deck, form, output, changes, quiet):
     stem = "flexmb" if deck == "-" else PurePath(deck).stem
     output = output or f"{stem}{SUFFIX[form]}"
     refuse_inputs(output, [deck])
-    text = converted(deck, form, changes)
+    _check_units(form, unit, to_unit)
+    text = converted(deck, form, changes, unit, to_unit)
     if output == STANDARD_OUTPUT:
         click.echo(text, nl=False)
     else:
         write_whole(output, text.encode("utf-8"))
     if not quiet:
         tell(f"{deck} → {reported(output)}")
+
+
+def _check_units(form, unit, to_unit):
+    """Other programs get SI units, as decks of most dialects do."""
+    if unit != "m" and form in PROGRAMS:
+        reported = (
+            f"--unit is for conversion between decks: convert the deck to SI units first, then to {form}"
+        )
+        raise click.UsageError(reported)
+    if to_unit != "m" and not (form in DECKS and DECKS[form].any_units):
+        free = ", ".join(name for name, each in DECKS.items() if each.any_units)
+        raise click.UsageError(f"--to-unit is for --to {free}; {form} is in SI units")

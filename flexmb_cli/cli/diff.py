@@ -10,7 +10,7 @@ from ..errors import compiler_style, visible
 from .options.completion import files
 from .options.finite import Finite
 from .terminal.json_faults import faults_in_json
-from .terminal.screen import show
+from .terminal.screen import show, tell
 from .terminal.written_place import WrittenPlace
 
 
@@ -51,7 +51,7 @@ def diff(a, b, update, junit, as_json, quiet, **options):
         flexmb diff reference/OUT4-BAR.dat OUT4-BAR.dat --last-digit 1
         flexmb diff reference results --junit diff.xml
     """
-    from ..results.diff.folders import Summary, is_many
+    from ..results.diff.folders import Summary, are_same, is_many
 
     if options["deck"] and not options["explain"]:
         raise click.UsageError("--deck goes with --explain")
@@ -64,6 +64,12 @@ def diff(a, b, update, junit, as_json, quiet, **options):
             raise click.UsageError(f"{single}: no such file or folder")
         raise click.UsageError(f"{other} is a folder or a pattern, {single} is not: give two of a kind")
     tolerances = _tolerances(options)
+    if are_same(a, b):
+        message = f"{a} and {b} are the same, so that nothing can differ"
+        if all(many):
+            raise click.UsageError(f"{message}: give the reference and the new results")
+        if not quiet:
+            tell(f"note: {message}")
     if all(many):
         summary = _compare_folders(a, b, tolerances, update, as_json, options)
     else:

@@ -36,7 +36,9 @@ def export(result, form, output, quiet):
     if form != "csv":
         refuse_standard_output(output, f"a file of the form {form}")
     if is_study(result):
-        _export_study(result, form, output)
+        note = _export_study(result, form, output)
+        if note and not quiet:
+            tell(f"{result}: note: {note}")
         if not quiet:
             tell(f"{result} → {reported(output)}")
         return
@@ -51,9 +53,10 @@ def export(result, form, output, quiet):
 
 
 def _export_study(path, form, output):
+    """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole
-    from ..study.text import open_study, study_columns, study_text
+    from ..study.text import failed_note, open_study, study_columns, study_text
     from .options.output_file import STANDARD_OUTPUT
 
     if form == "vtkhdf":
@@ -61,12 +64,14 @@ def _export_study(path, form, output):
     with open_study(path) as file:
         if form == "mat":
             write_whole(output, matlab_bytes(file))
-            return
+            return failed_note(file)
+        note = failed_note(file)
         text = "".join(study_text(file, study_columns(file)))
     if output == STANDARD_OUTPUT:
         click.echo(text, nl=False)
     else:
         write_whole(output, text.encode("utf-8"))
+    return note
 
 
 def _write_vtkhdf(file, output):

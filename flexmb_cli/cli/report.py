@@ -11,11 +11,20 @@ from .terminal.written_place import WrittenPlace
 @click.argument("result", metavar="RESULT.h5", shell_complete=files)
 @click.option("-o", "--output", type=WrittenPlace(), metavar="PAGE.html",
               help="The page; - is standard output [default: the result's name with .html].")  # fmt: skip
+@click.option("--movie", type=WrittenPlace(), metavar="FILE",
+              help="Write a film, .mp4 or .gif, in place of the page; needs the extra `movie`.")  # fmt: skip
+@click.option("--fps", type=click.IntRange(1, 100), default=25, metavar="N",
+              help="Frames a second of the film [default: 25].")  # fmt: skip
+@click.option(
+    "--size", default="960x540", metavar="WxH", help="Its width and height in pixels [default: 960x540]."
+)
+@click.option("--view", type=click.Choice(["start", "x", "y", "z"]), default="start",
+              help="Look along this axis [default: the page's first view].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result, output, quiet):
+def report(result, output, quiet, movie, **film):
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
-    The page needs no network and shows the motion in any browser with WebGL 2: play, scrub, turn.
+    The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
 
     Of the table of a study: parallel coordinates and each result over the parameters; this needs plotly
     (the extra `report`).
@@ -23,6 +32,7 @@ def report(result, output, quiet):
     \b
     Example:
         flexmb report OUT4-BAR.h5 -o four-bar.html
+        flexmb report OUT4-BAR.h5 --movie four-bar.mp4
     """
     from pathlib import Path
 
@@ -30,6 +40,9 @@ def report(result, output, quiet):
     from ..study.text import is_study
     from .options.output_file import STANDARD_OUTPUT, refuse_inputs, reported
 
+    if movie:
+        _write_film(result, movie, output, film, quiet)
+        return
     output = output or f"{Path(result).stem}.html"
     refuse_inputs(output, [result])
     if is_study(result):
@@ -48,6 +61,57 @@ def report(result, output, quiet):
 
 def _size(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
+
+
+def _write_film(path, target, page, film, quiet):
+    from pathlib import Path
+
+    from ..results.figures.film import FORMATS, film_bytes
+    from ..results.files.replaced_file import write_whole
+    from ..results.quantities.quantities import open_result, refuse_uneven
+    from ..study.text import is_study
+    from .options.output_file import refuse_inputs, refuse_standard_output
+
+    refuse_standard_output(target, "a film")
+    form = Path(target).suffix[1:].lower()
+    if form not in FORMATS:
+        raise click.UsageError(f"{target}: films are written as .mp4 or .gif files")
+    if page:
+        raise click.UsageError("--movie writes a film in place of the page; leave out -o")
+    look = _film_look(film)
+    _need_film_libraries(form)
+    if is_study(path):
+        raise click.UsageError(f"{path} is the table of a study, which has no motion")
+    refuse_inputs(target, [path])
+    with open_result(path) as file:
+        refuse_uneven(file)
+        content = film_bytes(file, form, look)
+    write_whole(target, content)
+    if not quiet:
+        tell(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
+
+
+def _film_look(film):
+    import re
+
+    from ..results.figures.film import FilmLook
+
+    found = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", film["size"])
+    width, height = map(int, found.groups()) if found else (0, 0)
+    if not (64 <= width <= 4096 and 64 <= height <= 4096):
+        raise click.UsageError(f"--size {film['size']}: two numbers from 64 to 4096 wanted, such as 960x540")
+    # Video has whole blocks of two pixels.
+    return FilmLook(width - width % 2, height - height % 2, film["fps"], film["view"])
+
+
+def _need_film_libraries(form):
+    from ..extras import needed
+
+    what = "flexmb report --movie"
+    needed("matplotlib", "matplotlib", "movie", what)
+    needed("imageio", "imageio", "movie", what)
+    if form == "mp4":
+        needed("imageio_ffmpeg", "imageio-ffmpeg", "movie", f"{what} of an MP4 file")
 
 
 def _result_page(path):

@@ -155,6 +155,10 @@ def _report(study, output, made, failures, quiet):
     cases = made.job.study.cases
     for case, message in failures:
         _say(f"{study}: case {case}: {message}", quiet)
+    if made.failed > len(failures):
+        _say(
+            f"{study}: {made.failed - len(failures)} more cases failed; flexmb table {output} message", quiet
+        )
     reported = f", {made.failed} failed" if made.failed else ""
     _say(f"{study}: {cases} cases{reported} → {output}", quiet)
 

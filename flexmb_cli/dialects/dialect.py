@@ -1,8 +1,9 @@
 """What the rest of the program knows of a dialect: a record that names the parts in the dialect's folder."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..deck.record import Deck, DeckText, Record
@@ -34,10 +35,18 @@ class Dialect(NamedTuple):
     options: tuple[str, ...] = ()  # options of `run` on which only its numbers depend
     methods: tuple[str, ...] = ()  # integrators that `--method` names
     stepping: str = ""  # function of a Deck: whether its analysis takes time steps; all do where it is ""
+    # Words of joints and constraints: the names in `model/joints.py`.
+    joints: Mapping[str, str] = MappingProxyType({})
     curves: tuple[str, ...] = ()  # datasets drawn unasked, most telling first
     form: str = ""  # class of the dialogue of `flexmb new`
     new_name: str = ""  # of the deck that it writes
     relabel: str = ""  # function of a Record and the key of a number that `--set` has changed: the Record
+    # For `convert`, of `model.exchange`: function of a Deck, a function that builds its model, and one that
+    # gives the Start of a model: the RigidModel; function of a RigidModel, a title and its units in words:
+    # the text of a deck.  Both raise ModelError for what they do not know.
+    rigid_model: str = ""
+    rigid_deck: str = ""
+    any_units: bool = False  # whether its numbers may be in any consistent units, and not in SI only
     second_model: str = ""  # function as `builder` of another model with the same motion, for `verify`
 
     @property

@@ -15,6 +15,7 @@ from ..model.flexible_mechanism import (
     PointPin,
     PointSpring,
 )
+from ..model.vectors import euler_parameters
 from ..quick_dataclass import replace
 from .flexible_bodies import flexible_body
 
@@ -38,7 +39,7 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
         raise ModelError(faults)
     faults += _step_doubts(model, bodies)
     stresses = _stresses(model, bodies)
-    return replace(_Points(model, bodies).mechanism(), stresses=stresses), faults
+    return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
 
 
 def _stresses(model, bodies):
@@ -78,24 +79,6 @@ def _body(given: VsdfBody, cached) -> tuple[FloatingBody, list[Fault]]:
         given.name, r, p, *motion, found.m, found.s0, found.J0, found, given.stiffened, **places
     )
     return body, doubts
-
-
-def euler_parameters(A: np.ndarray) -> np.ndarray:
-    """Euler parameters (4,) of a rotation matrix, e0 not negative; from the largest of the four squares."""
-    trace = np.trace(A)
-    squares = np.array([1 + trace, *(1 + 2 * np.diag(A) - trace)]) / 4
-    k = int(np.argmax(squares))
-    skew = np.array([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
-    p = np.empty(4)
-    if k == 0:
-        p[0], p[1:] = 4 * squares[0], skew
-    else:
-        i = k - 1
-        p[0] = skew[i]
-        p[1:] = A[i] + A[:, i]
-        p[k] = 4 * squares[k]
-    p /= np.linalg.norm(p)
-    return -p if p[0] < 0 else p
 
 
 class _Points:

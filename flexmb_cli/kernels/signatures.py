@@ -35,11 +35,10 @@ RECORDS = {
     "FLEXIBLE_PARENT": "model.arrays.node_frames:FLEXIBLE_PARENT",
     "FRAME_WORK": "kernels.tree.work:FRAME_WORK",
     "COORDINATE_WORK": "kernels.tree.work:COORDINATE_WORK",
-    "TREE_CLOCK": "kernels.integrators.tree_dop853:CLOCK",
-    "MEMORY": "kernels.integrators.sdirk4:MEMORY",
-    "CLOCK": "kernels.integrators.constrained_dop853:CLOCK",
-    "ALPHA_CLOCK": "kernels.integrators.generalised_alpha:CLOCK",
-    "RADAU_CLOCK": "kernels.integrators.radau5:CLOCK",
+    "CLOCK": "kernels.integrators.clock:CLOCK",
+    "SDIRK_MEMORY": "kernels.integrators.sdirk4:MEMORY",
+    "ALPHA_MEMORY": "kernels.integrators.generalised_alpha:MEMORY",
+    "RADAU_MEMORY": "kernels.integrators.radau5:MEMORY",
 }
 TUPLES = {
     "Mechanism": ("kernels.kinematics.newton:System", "CONSTRAINT1 i2 f2 f1"),
@@ -48,17 +47,20 @@ TUPLES = {
         "kernels.constrained.system:System",
         "CONSTRAINT1 i2 f1 f1 MASS1 FLEXIBLE1 f1 BODY_VECTOR1 f1 PRIMITIVE1 LOAD1 FUNCTION1 f2 f1 GROUP1",
     ),
-    "Work": ("kernels.constrained.system:Work", "f4 f2 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2"),
+    "Work": (
+        "kernels.constrained.system:Work",
+        "f4 f2 f2 f2 f2 f2 i1 f2 f2 f3 f1 f3 f4 f1 f2 i1 f1 f1 f2 i2 i2",
+    ),
     "Inertia": ("kernels.constrained.mass_matrix:Inertia", "MASS1 FLEXIBLE1 f3 f1"),
     "Report": ("kernels.constrained.report:Report", "f1 f2 f2 f4 f2 f1 f2 f3"),
     "Integration": ("kernels.integrators.constrained_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1 f2"),
     "AlphaIntegration": (
         "kernels.integrators.generalised_alpha:AlphaIntegration",
-        "ALPHA_CLOCK1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
+        "CLOCK1 ALPHA_MEMORY1 f1 f1 f1 f1 f2 f2 f1 f1 f1 f2 Work",
     ),
     "RadauIntegration": (
         "kernels.integrators.radau5:RadauIntegration",
-        "RADAU_CLOCK1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f3 f3 c2 f1 c1 Work",
+        "CLOCK1 RADAU_MEMORY1 f1 f1 f1 f1 f2 f2 f2 f2 f2 f2 f2 f1 f1 f2 f3 f3 c2 f1 c1 Work",
     ),
     "Tree": (
         "model.arrays.tree:TreeArrays",
@@ -69,9 +71,11 @@ TUPLES = {
         "model.arrays.node_frames:NodeFrames",
         "NODE_FRAME1 FLEXIBLE_PARENT1 f1 f2 f2 f1 f2 f2 f2 f2 f2 f1 f1",
     ),
-    "TreeIntegration": ("kernels.integrators.tree_dop853:Integration", "TREE_CLOCK1 f1 f1 f1 f2 f2"),
-    "TreeReport": ("kernels.integrators.tree_dop853:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2"),
-    "Implicit": ("kernels.integrators.sdirk4:Implicit", "MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff"),
+    "TreeIntegration": ("kernels.integrators.tree_dop853:Integration", "CLOCK1 f1 f1 f1 f2 f2 f1"),
+    "TreeReport": ("kernels.tree.report:Report", "f1 f2 FRAME_WORK2 f2 CLOSURE_ROW2 f2"),
+    "Implicit": (
+        "kernels.integrators.sdirk4:Implicit", "CLOCK1 f1 SDIRK_MEMORY1 f2 f1 f1 f1 f1 f1 f1 f1 f1 Stiff",
+    ),
     "Stiff": ("kernels.tree.implicit_matrix:Stiff", "f2 f2 f2 i1 i1 i1 f1 CLOSURE_ROW1 f2 f2 f2"),
 }  # fmt: skip
 
@@ -118,8 +122,9 @@ UNITS = {
     "alpha": {"integrators.generalised_alpha.integrate_rows": "int System Work AlphaIntegration Report int"},
     "radau": {"integrators.radau5.integrate_rows": "int System Work RadauIntegration Report int"},
     "trees": {
-        "integrators.tree_dop853.call": (
-            "int int Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration TreeReport"
+        "integrators.tree_dop853.begin": "int Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration",
+        "integrators.tree_dop853.integrate_rows": (
+            "Tree FRAME_WORK1 COORDINATE_WORK1 TreeIntegration TreeReport int"
         ),
         "tree.motion.derivative": "Tree FRAME_WORK1 COORDINATE_WORK1 float f1 f1",
         "tree.motion.normalise_attitudes": "Tree f1",
@@ -127,10 +132,7 @@ UNITS = {
         "tree.projection.evaluate_gaps": "Tree FRAME_WORK1 COORDINATE_WORK1 f1",
     },
     "implicit_trees": {
-        "integrators.sdirk4.integrate_implicitly": (
-            "float int Tree FRAME_WORK1 COORDINATE_WORK1 TREE_CLOCK1 f1 Implicit"
-        ),
-        "integrators.sdirk4.between": "float float f1 Implicit f1",
+        "integrators.sdirk4.integrate_rows": "Tree FRAME_WORK1 COORDINATE_WORK1 Implicit TreeReport int",
     },
 }
 _KINDS = {"f": "<f8", "i": "<i8", "c": "<c16", "b": "|b1"}

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from .joint_elements import ANGLE
+from .joints import ANGLE
 from .loads import DynamicModel
 
 LENGTH, TURN = "m", "rad"

@@ -4,6 +4,7 @@ import math
 
 from ..errors import Place
 from ..quick_dataclass import dataclass
+from .joints import BY_NAME
 from .mechanism import Joint
 
 
@@ -35,21 +36,15 @@ class Equation:
 
 def joint_equations(joint: Joint, length: float) -> list[Equation]:
     """Equations of a joint in the order of its kernel; `length` is the mechanism's length scale, m."""
-    size_i, size_j, size_h = (math.hypot(*v) for v in (joint.s_i, joint.s_j, joint.h_i))
-    size_hj = math.hypot(*joint.h_j)
-    points = [("x", True, 1.0), ("y", True, 1.0), ("z", True, 1.0)]
-    arms = [("s_i · s_j", False, size_i * size_j)]
-    p1 = [("s_i × s_j, 1st", False, size_i * size_j), ("s_i × s_j, 2nd", False, size_i * size_j)]
-    p2 = [("s_i × d, 1st", True, size_i), ("s_i × d, 2nd", True, size_i)]
-    parts = {
-        "spherical": points,
-        "universal": points + arms,
-        "revolute": points + p1,
-        "cylindrical": p1 + p2,
-        "translational": p1 + p2 + [("h_i · h_j", False, size_h * size_hj)],
-        "screw": p1 + p2 + [("slide and turn", True, 1.0)],
-    }
+    sizes = {vector: math.hypot(*getattr(joint, vector)) for vector in ("s_i", "s_j", "h_i", "h_j")}
     return [
-        Equation(joint.name, part, joint.place, length if is_length else 1.0, factor, is_length)
-        for part, is_length, factor in parts[joint.kind]
+        Equation(
+            joint.name,
+            part,
+            joint.place,
+            length if is_length else 1.0,
+            math.prod((sizes[vector] for vector in vectors), start=1.0),
+            is_length,
+        )
+        for part, is_length, vectors in BY_NAME[joint.kind].parts
     ]

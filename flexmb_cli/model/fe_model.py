@@ -4,6 +4,8 @@ Bodies are numbered from 0, the ground is -1.  A node is named by its number in 
 by that of a node set.  Positions of nodes are in the axes of their node table, those of the ground global.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..errors import Place
@@ -11,6 +13,9 @@ from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 GROUND = -1
 
@@ -190,6 +195,7 @@ class VsdfModel:
     gravity: Vector = (0.0, 0.0, 0.0)
     outputs: tuple[End, ...] = ()
     stresses: tuple[StressSelection, ...] = ()
+    shapes: tuple["Shape", ...] = ()
 
     def global_position(self, end: End) -> np.ndarray:
         """Return where an end is at t = 0 (3,)."""

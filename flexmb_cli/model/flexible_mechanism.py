@@ -4,6 +4,8 @@ A rigid body is one without modal coordinates: m, s0 and J0 mean the same for bo
 from 0, the ground is -1.  SI units; `A` turns body axes into global ones.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..errors import Place
@@ -12,6 +14,9 @@ from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 
 @dataclass(frozen=True)
@@ -132,3 +137,4 @@ class FlexibleMechanism:
     joint_springs: tuple[JointSpring, ...] = ()
     outputs: tuple[NodePoint, ...] = ()
     stresses: tuple[StressOutput, ...] = ()
+    shapes: tuple["Shape", ...] = ()

@@ -7,19 +7,12 @@ ground, whose axes are global.
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
+from .joints import JOINT_TYPES
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
-ANGLE, STROKE = "angle", "stroke"
 # The coordinates that the joints of each kind have.
-COORDINATES_OF = {
-    "spherical": (),
-    "universal": (),
-    "revolute": (ANGLE,),
-    "cylindrical": (ANGLE, STROKE),
-    "translational": (STROKE,),
-    "screw": (ANGLE, STROKE),
-}
+COORDINATES_OF = {kind.name: kind.coordinates for kind in JOINT_TYPES}
 
 
 @dataclass(frozen=True)

@@ -1,37 +1,73 @@
-"""One table of the constraint types: name, kernel code, equations, geometry, the dialects' words.
+"""One table of the types of joints and constraints: points, equations, joint coordinates.
 
 The codes are what the kernels switch on (`kernels/kinematics/constraints.py`); a test ties the table to the
-files in `kernels/joints/` and to the counts of `EQUATIONS` there.
+files in `kernels/kinematics/joints/` and to the counts of `EQUATIONS` there.  The words of decks stand in the
+`DIALECT` of each dialect.
 """
 
 from ..quick_dataclass import dataclass
 
+ANGLE, STROKE = "angle", "stroke"
+PITCH, DISTANCE_OF_POINTS = "pitch", "distance"
+
+# Equations: what they say, whether in m, and the vectors as typed by whose lengths the kernel divides them.
+POINTS = (("x", True, ()), ("y", True, ()), ("z", True, ()))
+RIGHT_ANGLE = (("s_i · s_j", False, ("s_i", "s_j")),)
+PARALLEL = (("s_i × s_j, 1st", False, ("s_i", "s_j")), ("s_i × s_j, 2nd", False, ("s_i", "s_j")))
+ON_AXIS = (("s_i × d, 1st", True, ("s_i",)), ("s_i × d, 2nd", True, ("s_i",)))
+NO_TURN = (("h_i · h_j", False, ("h_i", "h_j")),)
+THREAD = (("slide and turn", True, ()),)
+
 
 @dataclass(frozen=True)
 class JointType:
-    """A constraint type.  `points` are the local points the YOUNG deck gives, in its order."""
+    """A type of joint or constraint.
+
+    `code`: what the kernels of kinematics switch on, 0 for joints between nodes only.  `points`: local points
+    that decks give, in their order.  `parts`: its equations by name.  `coordinates`: the joint coordinates
+    that it leaves.  `size`: what the number is that belongs to it, "" for none.  `meets`: whether every point
+    of body i is where that of body j is at the start.
+    """
 
     name: str
     code: int
     equations: int
     points: tuple[str, ...] = ()
-    young_count: str = ""
+    parts: tuple = ()
+    coordinates: tuple[str, ...] = ()
+    size: str = ""
+    meets: bool = True
 
+    def points_on(self, side: str) -> int:
+        """Return how many points decks give on body "i" or "j"."""
+        return sum(point.endswith(side) for point in self.points)
+
+
+_P, _Q, _H = ("P_i", "P_j"), ("Q_i", "Q_j"), ("H_i", "H_j")
 
 JOINT_TYPES = (
-    JointType("spherical", 1, 3, ("P_i", "P_j"), "NSPHER"),
-    JointType("universal", 2, 4, ("P_i", "P_j", "Q_i", "Q_j"), "NUNIVE"),
-    JointType("revolute", 3, 5, ("P_i", "P_j", "Q_i", "Q_j"), "NREVOL"),
-    JointType("cylindrical", 4, 4, ("P_i", "P_j", "Q_i", "Q_j"), "NCYLIN"),
-    JointType("translational", 5, 5, ("P_i", "P_j", "Q_i", "Q_j", "H_i", "H_j"), "NTRANS"),
-    JointType("screw", 6, 5, ("P_i", "P_j", "Q_i", "Q_j", "H_i", "H_j"), "NSCREW"),
+    JointType("spherical", 1, 3, _P, POINTS),
+    JointType("universal", 2, 4, _P + _Q, POINTS + RIGHT_ANGLE, meets=False),
+    JointType("revolute", 3, 5, _P + _Q, POINTS + PARALLEL, (ANGLE,)),
+    JointType("cylindrical", 4, 4, _P + _Q, PARALLEL + ON_AXIS, (ANGLE, STROKE)),
+    JointType("translational", 5, 5, _P + _Q + _H, PARALLEL + ON_AXIS + NO_TURN, (STROKE,)),
+    JointType("screw", 6, 5, _P + _Q + _H, PARALLEL + ON_AXIS + THREAD, (ANGLE, STROKE), PITCH),
+)
+
+# Joints between nodes, besides those: their equations stand in `model/arrays/node_joints.py`.
+NODE_JOINT_TYPES = (
+    JointType("fixed", 0, 6, _P + _Q + _H),
+    JointType("revolute-spherical", 0, 2, (*_P, "Q_i"), size=DISTANCE_OF_POINTS, meets=False),
+    JointType("spherical-spherical", 0, 1, _P, size=DISTANCE_OF_POINTS, meets=False),
 )
 
 # Constraints that are no joints: one equation each, but for the rotational driver, which takes the
 # place of its body's normalisation and has two.
-SIMPLIFIED = JointType("simplified", 7, 1, young_count="NSIMPL")
-DISTANCE = JointType("distance", 8, 1, young_count="NSIMP2")
-DRIVER = JointType("driver", 9, 1, young_count="NDRIVE")
+SIMPLIFIED = JointType("simplified", 7, 1)
+DISTANCE = JointType("distance", 8, 1)
+DRIVER = JointType("driver", 9, 1)
 NORMALISATION = JointType("normalisation", 10, 1)
 
-BY_NAME = {kind.name: kind for kind in (*JOINT_TYPES, SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION)}
+BY_NAME = {
+    kind.name: kind for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES, SIMPLIFIED, DISTANCE, DRIVER, NORMALISATION)
+}

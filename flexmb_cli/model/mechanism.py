@@ -5,8 +5,13 @@ in s; local vectors are in the axes of their body.  Attitudes are Euler paramete
 Every item keeps its readable name and its place in the deck.
 """
 
+from typing import TYPE_CHECKING
+
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 Vector = tuple[float, float, float]
 
@@ -149,3 +154,4 @@ class Mechanism:
     drivers: tuple[Driver, ...] = ()
     grounds: tuple[Ground, ...] = ()
     points: tuple[Point, ...] = field(default=())
+    shapes: tuple["Shape", ...] = ()

@@ -10,12 +10,16 @@ axes are 1, 2, 3 everywhere.  SI units; attitudes are Euler parameters (e0, e1, 
 """
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .mechanism import TimeGrid, Vector
+
+if TYPE_CHECKING:  # few decks have any
+    from .shapes import Shape
 
 INERTIAL = -1
 
@@ -236,6 +240,7 @@ class Tree:
     closures: tuple[Closure, ...] = ()
     one_way: bool = False
     integration: Integration = field(default_factory=Integration)
+    shapes: tuple["Shape", ...] = ()
 
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:

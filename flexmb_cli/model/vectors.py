@@ -57,3 +57,21 @@ def rotation_matrix(p) -> np.ndarray:
 def rotated(A, v) -> np.ndarray:
     """A v."""
     return np.array([dot(row, v) for row in A])
+
+
+def euler_parameters(A: np.ndarray) -> np.ndarray:
+    """Euler parameters (4,) of a rotation matrix, e0 not negative; from the largest of the four squares."""
+    trace = np.trace(A)
+    squares = np.array([1 + trace, *(1 + 2 * np.diag(A) - trace)]) / 4
+    k = int(np.argmax(squares))
+    skew = np.array([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
+    p = np.empty(4)
+    if k == 0:
+        p[0], p[1:] = 4 * squares[0], skew
+    else:
+        i = k - 1
+        p[0] = skew[i]
+        p[1:] = A[i] + A[:, i]
+        p[k] = 4 * squares[k]
+    p /= np.linalg.norm(p)
+    return -p if p[0] < 0 else p

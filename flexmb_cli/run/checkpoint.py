@@ -29,7 +29,8 @@ _UNFINISHED = "unfinished"
 _LONGEST_HEAD = 2**20
 LONGEST_UNSAVED = 30.0  # s that a kill may cost where checkpoints are larger than rows
 _BEGINNING = b'{"'
-_DESCRIPTION = b"[["
+# What JSON and numpy raise of a description that is none.
+_UNDESCRIBED = (ValueError, TypeError, KeyError, SyntaxError, RecursionError)
 
 
 class ResumeFile:
@@ -102,8 +103,7 @@ class ResumeFile:
         with self._opened() as file:
             file.seek(self._first)
             for entry in _entries(file):
-                arrays = _arrays(entry)
-                values, state = _split(arrays)
+                values, state = _split(_arrays(entry))
                 if "time" in values:
                     yield values, state
                 if file.tell() >= self._end:
@@ -221,7 +221,7 @@ def _entries(file):
         if len(entry) < length or zlib.crc32(entry) != checksum:
             return
         # Zeros, as behind a loss of power, are an entry of no length and its checksum.
-        if not entry.startswith(_DESCRIPTION):
+        if not _is_whole(entry):
             return
         yield entry
 
@@ -233,17 +233,37 @@ def _packed(arrays):
     return json.dumps(reported).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
 
 
+def _is_whole(entry):
+    """Return whether an entry describes arrays, and holds as many bytes as they have."""
+    try:
+        size = sum(dtype.itemsize * math.prod(shape) for _, dtype, shape in _described(entry))
+        return size == len(entry) - entry.index(b"\n") - 1
+    except _UNDESCRIBED:
+        return False
+
+
+def _described(entry):
+    """Name, type and shape of the arrays of an entry.  Raises one of `_UNDESCRIBED`."""
+    described = []
+    for name, reported, shape in json.loads(entry.partition(b"\n")[0]):
+        dtype = descr_to_dtype(_with_tuples(reported))
+        counted = all(type(length) is int and length >= 0 for length in shape)
+        if not (isinstance(name, str) and counted and dtype.itemsize) or dtype.hasobject:
+            raise ValueError(name)
+        described.append((name, dtype, shape))
+    return described
+
+
 def _names(entry):
     """The names of the arrays of an entry."""
-    return [name for name, *_ in json.loads(entry.partition(b"\n")[0])]
+    return [name for name, _, _ in _described(entry)]
 
 
 def _arrays(entry, names=None):
     """The arrays of an entry, or those of them that are called `names`."""
-    head, _, content = entry.partition(b"\n")
+    content = entry.partition(b"\n")[2]
     found, start = {}, 0
-    for name, described, shape in json.loads(head):
-        kind = descr_to_dtype(_with_tuples(described))
+    for name, kind, shape in _described(entry):
         count = math.prod(shape)
         array = np.frombuffer(content, kind, count, start) if count else np.empty(0, kind)
         array = array.reshape(shape)

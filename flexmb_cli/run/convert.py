@@ -1,28 +1,77 @@
-"""A deck's model for another program: the dialect that has the model, and who writes it."""
+"""A deck's model for another program or dialect: the dialect that has the model, and who writes it."""
 
 from pathlib import PurePath
 
-from ..errors import Fault, FlexmbError, ModelError
+from ..deck.record import DeckText
+from ..dialects import DIALECTS
+from ..dialects.recognise import dialect_named, read_deck
+from ..errors import DeckError, Fault, FlexmbError, ModelError
+from ..quick_dataclass import replace
 from .context import Run
-from .model import analysis_of, model_of
+from .model import analysis_of, folder_of, model_of
 from .open_deck import open_deck
 from .outcome import Outcome, RunOptions
+from .solution import solution_of
+
+SI = "m"
 
 
-def converted(path: str, form: str, changes: tuple[str, ...] = ()) -> str:
-    """Return the model of the deck at `path` as text of the form "mjcf" or "exudyn".
+def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = SI, to_unit: str = SI) -> str:
+    """Return the model of the deck at `path` as text of a form: "mjcf", "exudyn", or a dialect.
 
-    Raises FlexmbError, with the deck's name, for a deck with errors and for what the form cannot hold.
+    `unit`, `to_unit`: names of `model.exchange.units.UNITS`, in which the numbers of the deck are, and those
+    of the new deck are to be.  Raises FlexmbError, with the deck's name, for a deck with errors and for what
+    the form cannot hold.
     """
     options = RunOptions(changes=changes)
     try:
         run = Run(Outcome(path), options)
         deck = open_deck(path, options, run.outcome)
+        name = PurePath(deck.source.name).stem
+        if form in DIALECTS:
+            _refuse_own(deck, form)
+            return _deck_of(deck, run, form, (unit, to_unit))
         write = _mjcf if form == "mjcf" else _exudyn
-        return write(model_of(deck, run), PurePath(deck.source.name).stem)
+        return write(model_of(deck, run), name)
     except FlexmbError as failure:
         failure.file = failure.file or path
         raise
+
+
+def _refuse_own(deck, form):
+    if deck.dialect == form:
+        message = f"the deck is a {dialect_named(form).title} deck already"
+        raise ModelError([Fault("error", message, id="RUN-060")])
+
+
+def _deck_of(deck, run, form, units):
+    """The model as a deck of the dialect `form`, which that dialect accepts."""
+    from ..model.exchange.units import UNITS, in_units
+
+    old, new = dialect_named(deck.dialect), dialect_named(form)
+    for dialect, part in ((old, old.rigid_model), (new, new.rigid_deck)):
+        if not part:
+            message = f"{dialect.title} decks are not converted to other dialects"
+            raise ModelError([Fault("error", message, id="RUN-061")])
+    found = old.part(old.rigid_model)(deck, lambda: model_of(deck, run), lambda model: _start(model, run))
+    found = in_units(found, *(UNITS[name] for name in units))
+    text = new.part(new.rigid_deck)(found, _title(deck), UNITS[units[1]].reported)
+    _refuse_unreadable(text, form, run)
+    return text
+
+
+def _title(deck):
+    return f"converted from the {dialect_named(deck.dialect).title} deck {PurePath(deck.source.name).name}"
+
+
+def _refuse_unreadable(text, form, run):
+    """What the writer let through, and the dialect does not accept, must not pass for a deck."""
+    try:
+        dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
+    except DeckError as failure:
+        reported = "; ".join(fault.sentence for fault in failure.faults if fault.severity == "error")
+        message = f"the deck cannot be a {dialect_named(form).title} deck: {reported}"
+        raise ModelError([Fault("error", message, id="RUN-062")]) from failure
 
 
 def _mjcf(model, name):
@@ -43,15 +92,25 @@ def _exudyn(model, name):
     return exudyn_script(model, start_of(model), name)
 
 
-def start_of(model) -> dict:
-    """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time."""
-    from dataclasses import replace
+def start_of(model, run: Run | None = None) -> dict:
+    """Return positions "r", Euler parameters "p", velocities "v", "omega" of the bodies at the first time.
 
-    from ..results.hdf5.dynamic import dynamic_values
-    from ..solvers.constrained.young_dynamics import ForwardDynamics
-
-    time = model.mechanism.time
-    first = replace(model, mechanism=replace(model.mechanism, time=replace(time, end=time.start)))
-    values = dynamic_values(first, next(iter(ForwardDynamics(first).rows())))
+    Of joint and tree coordinates "q" where the model reports them.
+    """
+    values = next(solution_of(_first_row_of(model), run or Run(Outcome(""), RunOptions())).blocks())
     names = {"r": "position", "p": "euler_parameters", "v": "velocity", "omega": "angular_velocity"}
-    return {short: values[f"body/{name}"][0] for short, name in names.items()}
+    found = {short: values[f"body/{name}"][0] for short, name in names.items()}
+    return found | {"q": values["coordinate/q"][0] if "coordinate/q" in values else ()}
+
+
+def _start(model, run):
+    from ..model.exchange.start import Start
+
+    return Start(**start_of(model, run))
+
+
+def _first_row_of(model):
+    mechanism = getattr(model, "mechanism", None)
+    timed = mechanism or model
+    timed = replace(timed, time=replace(timed.time, end=timed.time.start))
+    return replace(model, mechanism=timed) if mechanism else timed

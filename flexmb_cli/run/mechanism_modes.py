@@ -157,7 +157,7 @@ def _space(wish, responses, motion, A, signals):
 def tree_modes(tree: Tree, wish: Wish, run: Run) -> MechanismModes:
     """Small motions of a tree; raises ModelError, AnalysisError."""
     grid = tree.time
-    _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.call")
+    _prepare(len(tree.coordinates), wish, grid, run.listener, "integrators.tree_dop853.integrate_rows")
     from ..solvers.linearisation.constrained import linearised, modes_of
     from ..solvers.linearisation.equilibrium import find_equilibrium
     from ..solvers.linearisation.tree import TreeLinearised, start_tree

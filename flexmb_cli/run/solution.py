@@ -108,6 +108,10 @@ def _resume_file(deck, solution, paths, run) -> ResumeFile:
     if run.options.resume:
         resume_file.find()
         run.outcome.faults += resume_file.doubts
+        if resume_file.last_checkpoint is not None:
+            from .resumed import restore
+
+            restore(resume_file, solution.analysis, solution.layout())
     return resume_file
 
 
@@ -187,8 +191,7 @@ class _Keeper:
     def _blocks(self):
         """Blocks of values: those of a stopped run first, then what the analysis adds to the resume file."""
         solution, resume_file = self.solution, self.resume_file
-        if (state := resume_file.last_checkpoint) is not None:
-            solution.analysis.restore(state)
+        if resume_file.last_checkpoint is not None:
             for values, _ in resume_file.stored():
                 # The second run is not kept: it begins anew.
                 yield self._with_errors(values)

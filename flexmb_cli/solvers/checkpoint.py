@@ -18,10 +18,33 @@ def arrays_in(**records) -> dict[str, np.ndarray]:
     return found
 
 
+class OtherRun(ValueError):
+    """What a checkpoint holds does not fit the analysis that is to go on from it."""
+
+
 def fill_arrays(stored: Mapping, **records) -> None:
-    """Fill the arrays of named tuples with what `arrays_in` gave of such ones."""
+    """Fill the arrays of named tuples with what `arrays_in` gave of such ones.  Raises OtherRun."""
     for path, array in arrays_in(**records).items():
-        array[...] = stored[path]
+        array[...] = taken(stored, path, array.shape, array.dtype)
+
+
+def taken(stored: Mapping, name: str, shape: tuple, dtype: np.dtype | type | None = np.float64) -> np.ndarray:
+    """Return the array `name` of a checkpoint, of a shape (None: any length) and a type (None: numbers).
+
+    Raises OtherRun: numpy would spread a shorter array over a longer one without a word.
+    """
+    array = stored.get(name)
+    if array is None or array.ndim != len(shape):
+        raise OtherRun(name)
+    fits = array.dtype.kind in "iuf" if dtype is None else array.dtype == dtype
+    if not fits or any(wanted not in (None, found) for wanted, found in zip(shape, array.shape, strict=True)):
+        raise OtherRun(name)
+    return array
+
+
+def row_of(stored: Mapping) -> int:
+    """Return how many report rows lie before a checkpoint.  Raises OtherRun."""
+    return int(taken(stored, "row", (), np.int64))
 
 
 def _walk(record, prefix) -> Iterator[tuple[str, np.ndarray]]:
@@ -38,6 +61,9 @@ def reported(warnings: list[Fault]) -> np.ndarray:
     return np.array(json.dumps([fault.as_record() for fault in warnings]))
 
 
-def faults_reported(stored: np.ndarray) -> list[Fault]:
-    """Return the faults that `reported` was given."""
-    return [Fault.of_record(record) for record in json.loads(str(stored))]
+def faults_reported(stored: Mapping) -> list[Fault]:
+    """Return the faults that `reported` was given as the `warnings` of a checkpoint.  Raises OtherRun."""
+    try:
+        return [Fault.of_record(record) for record in json.loads(str(stored["warnings"]))]
+    except (ValueError, TypeError, KeyError, RecursionError) as fault:
+        raise OtherRun("warnings") from fault

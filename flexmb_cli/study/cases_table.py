@@ -44,7 +44,11 @@ def cases_table(table: h5py.File, patterns: Iterable[str], file: str) -> CasesTa
     wanted = [column for column in chosen_columns(columns, patterns, file) if _is(column, "result")]
     series = [column.name for column in wanted if column.length]
     if series or not wanted:
-        message = f"{series[0]} is a series of each case" if series else "no result with one number is named"
+        message = (
+            f"{series[0]} is a series of each case: see export"
+            if series
+            else "no result with one number is named"
+        )
         raise ResultError(file, f"{message}; name results that are one number a case", id="STUDY-004")
     solved = table[EXIT_CODE][:] == 0
     if not solved.any():

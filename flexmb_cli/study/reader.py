@@ -126,6 +126,9 @@ class _Reader:
         return Varied(name, tuple(given), place=self._place(name))
 
     def _range(self, name, given, sampled):
+        if name_in_full := _dotted(name, given):
+            told = f'a name with points stands in quotes: "{name_in_full}" = …'
+            return self._fault(name, told, self._place(name_in_full))
         self._refuse_unknown(given, RANGE_KEYS, name)
         start, end, scale = given.get("from"), given.get("to"), given.get("scale", SCALES[0])
         if not (_is_number(start) and _is_number(end)):
@@ -177,8 +180,9 @@ class _Reader:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
 
-    def _fault(self, name, message):
-        self.faults.append(Fault("error", message, self._place(name), name, id="STUDY-013"))
+    def _fault(self, name, message, place=None):
+        place = place or self._place(name)
+        self.faults.append(Fault("error", message, place, name, id="STUDY-013"))
 
     def _place(self, name) -> Place | None:
         """Return where the name stands as a key, at best of the table being read."""
@@ -193,6 +197,15 @@ class _Reader:
 def _names_a_column(name):
     """HDF5 takes "a/b" for b in a group a, "." for the group itself, and ends a name at a NUL."""
     return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
+
+
+def _dotted(name, given):
+    """The name that TOML took apart at its points, "" where the table is a range."""
+    if not isinstance(given, dict) or set(given) & set(RANGE_KEYS) or len(given) != 1:
+        return ""
+    (key, inner), *_ = given.items()
+    full = f"{name}.{key}"
+    return _dotted(full, inner) or full
 
 
 def _is_number(value):

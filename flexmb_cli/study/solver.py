@@ -102,10 +102,13 @@ class CaseSolver:
 
     def _result(self, case, code, rows, taken, message):
         parameters = np.array(self.cases.row(case), dtype=float)
-        single = np.array([part.value for part in taken if part.take != SERIES], dtype=float)
+        # The largest of the rows before a lock is no result; a series shows where it ends.
+        single = [part.value if code == DONE else np.nan for part in taken if part.take != SERIES]
         series = np.array([part.series for part in taken if part.take == SERIES], dtype=float)
-        series = series.reshape(len(taken) - single.size, -1) if self.study.keeps_series else _NO_SERIES
-        return CaseResult(case, code, rows, parameters, single, series, message[:MESSAGE_LENGTH])
+        series = series.reshape(len(taken) - len(single), -1) if self.study.keeps_series else _NO_SERIES
+        return CaseResult(
+            case, code, rows, parameters, np.array(single, dtype=float), series, message[:MESSAGE_LENGTH]
+        )
 
     def _refuse_other_grid(self, solution):
         if self.study.keeps_series and solution.rows != self.rows:

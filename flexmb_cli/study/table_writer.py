@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from ..errors import ANALYSIS_FAILED, OutputError
 from ..run.outcome import Stop
-from .study import SERIES
+from .study import LARGEST, MEAN, SERIES, SMALLEST
 from .sweep import Sweep
 from .table import Column, Row, TableHead, write_table
 
@@ -45,7 +45,13 @@ def _parameter_columns(sweep):
 def _result_columns(sweep):
     for item, quantity in zip(sweep.job.study.results, sweep.solver.quantities, strict=True):
         length = sweep.solver.rows if item.take == SERIES else 0
-        yield Column(f"result/{item.name}", quantity.unit, f"{item.take} of {quantity.name}", length)
+        yield Column(f"result/{item.name}", quantity.unit, _meaning(item.take, quantity.name), length)
+
+
+def _meaning(take, name):
+    """Return in words what is taken; a peak between two report rows is none of the rows."""
+    over = " over the report rows" if take in (LARGEST, SMALLEST, MEAN) else ""
+    return f"{take} of {name}{over}"
 
 
 def _rows(sweep) -> Iterator[Row]:

@@ -172,7 +172,14 @@ def study_notes(table: h5py.File, columns: Sequence[StudyColumn], named: bool) -
     """Return what the text does not show: series that nobody named, and cases that failed."""
     series = [column.name for column in study_columns(table) if column.length]
     notes = [] if named or not series else [f"series are shown where they are named: {', '.join(series)}"]
+    reported = failed_note(table)
+    return [*notes, reported] if reported and all(column.path != MESSAGE for column in columns) else notes
+
+
+def failed_note(table: h5py.File) -> str:
+    """Return a sentence on the cases that failed, "" where none did."""
     failed = int(np.count_nonzero(table[EXIT_CODE][:]))
-    if failed and not any(column.path == MESSAGE for column in columns):
-        notes.append(f"{failed} of {len(table[CASE])} cases failed; the column message says why")
-    return notes
+    reported = (
+        f"{failed} of {len(table[CASE])} cases failed and have nan for results; the column message says why"
+    )
+    return reported if failed else ""

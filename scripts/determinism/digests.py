@@ -4,16 +4,15 @@ Example: scripts/determinism/run digests
 To be called when a table has changed on purpose; `git diff` tells which.  The form is that of sha256sum.
 digests.txt is of the printed tables, contents.txt of all numbers, names and units of the HDF5 results.
 Results of VSDF decks hold round-off of LAPACK, which is another on other processors; of these the last rows
-of the tables are kept too, in tests/run/last_rows.txt.
+of the tables are kept too, in tests/run/last_rows.txt, and contents.txt begins with the processor's name.
 """
 
 import tempfile
 from pathlib import Path
 
-from shipped import DECKS, KINDS, content_digest, flexmb, shipped, written
+from shipped import DECKS, KINDS, OF_LAPACK, content_digest, flexmb, processor, shipped, written
 
 PINNED = DECKS.parent / "tests/run"
-OF_LAPACK = "vsdf"
 RESULT = ".h5"
 
 
@@ -37,6 +36,7 @@ def main():
             for path in sorted((folder / OF_LAPACK).glob("*.OUT"))
         ]
     (PINNED / "digests.txt").write_text("".join(lines), encoding="utf-8")
+    contents.insert(0, f"# processor of {OF_LAPACK} results: {processor()}\n")
     (PINNED / "contents.txt").write_text("".join(contents), encoding="utf-8")
     (PINNED / "last_rows.txt").write_text("".join(rows), encoding="utf-8")
 

@@ -1,5 +1,6 @@
 """The shipped decks, and what a fresh process writes for them."""
 
+import ctypes
 import hashlib
 import os
 import subprocess
@@ -18,6 +19,8 @@ KINDS = {
     "dafms": "dafms/*.DAT",
     "vsdf": "vsdf/*.vsdf",
 }
+OF_LAPACK = "vsdf"  # the kind of deck whose results hold round-off of LAPACK
+CORE_NAMES = ("scipy_openblas_get_corename64_", "scipy_openblas_get_corename", "openblas_get_corename")
 SENTENCES = ("notes", "message")  # attributes that may be reworded without a change of any number
 
 
@@ -27,6 +30,17 @@ class Written:
 
     sha256: str
     size: int
+
+
+def processor() -> str:
+    """Return for which processor the OpenBLAS of numpy has chosen its code; "unknown" without OpenBLAS."""
+    library = ctypes.CDLL(np.linalg._umath_linalg.__file__)
+    for name in CORE_NAMES:
+        if hasattr(library, name):
+            function = getattr(library, name)
+            function.restype = ctypes.c_char_p
+            return function().decode()
+    return "unknown"
 
 
 def shipped(kind: str, decks: Path = DECKS) -> list[Path]:

@@ -61,6 +61,15 @@ def test_echo_and_jacobian_are_not_dropped():
     assert "jacobian" not in json.loads(plain.stdout) and not plain.stderr
 
 
+def test_a_jacobian_of_forward_dynamics_is_refused():
+    report = run_check.check_deck(
+        str(DECKS / "young/dynamics/IN-ANDREWS.dat"), RunOptions(), jacobian="estimate"
+    )
+    (fault,) = report.outcome.faults
+    assert (report.outcome.exit_code, fault.id) == (2, "RUN-001")
+    assert "inverse dynamics" in fault.message
+
+
 def test_what_is_too_large_to_be_assembled_is_counted(monkeypatch):
     monkeypatch.setattr(kinematic, "ASSEMBLY_LIMIT", 27)
     report = run_check.check_deck(str(DECKS / "young/IN4-BAR.dat"), RunOptions())

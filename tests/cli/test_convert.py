@@ -161,6 +161,15 @@ def test_a_load_by_a_function_of_time_does_not_convert_to_exudyn(tmp_path):
     assert "loads over time do not convert" in " ".join(fault.sentence for fault in done.exception.faults)
 
 
+def test_an_element_at_a_joint_is_refused_where_it_stands(tmp_path):
+    text = (DECKS / "young/dynamics/IN-BRICARD.dat").read_text()
+    deck = tmp_path / "sprung.dat"
+    deck.write_text(re.sub(r"\nEND\b", "\nTSPRING 1 5 0\nEND", text))
+    done = CliRunner().invoke(convert, [str(deck), "--to", "exudyn", "-o", str(tmp_path / "m.py")])
+    (fault,) = done.exception.faults
+    assert (fault.subject, fault.place.line) == ("tspring 1", text[: text.index("\nEND")].count("\n") + 2)
+
+
 def test_a_supplied_mechanism_is_written_for_exudyn(tmp_path):
     """The script names every moving body of the deck and is Python; the test above runs such scripts."""
     output = tmp_path / "bricard.py"

@@ -131,7 +131,7 @@ def test_every_kind_of_joint_has_the_points_it_needs(word):
     joint = mechanism(text).joints[1]
     assert joint.kind == kind
     needed = BY_WORD[word]
-    assert (len(joint.a), len(joint.b)) == (needed.on_a, needed.on_b)
+    assert (len(joint.a), len(joint.b)) == (needed.points_on("i"), needed.points_on("j"))
 
 
 def test_faults_of_all_bodies_are_told_together():

@@ -30,8 +30,9 @@ def test_every_file_of_the_lock_has_a_hash_and_none_a_place():
 
 
 def test_the_lock_holds_all_that_flexmb_and_its_tests_need():
-    wanted = [*PROJECT["dependencies"], *(item for extra in ("cluster", "parquet", "plot", "report", "test")
-              for item in PROJECT["optional-dependencies"][extra])]  # fmt: skip
+    extras = ("cluster", "movie", "parquet", "plot", "report", "test")
+    optional = (item for extra in extras for item in PROJECT["optional-dependencies"][extra])
+    wanted = [*PROJECT["dependencies"], *optional]
     names = {re.match(r"[\w-]+", item)[0].lower() for item in wanted} - {"flexmb"}
     assert names <= {name.lower() for name, _ in PINNED}
 

@@ -253,6 +253,28 @@ def test_an_entry_without_arrays_is_told(tmp_path, entry):
     assert [sentence for _, sentence in doubts_of(path)] == [said]
 
 
+@pytest.mark.parametrize(
+    "description",
+    [
+        b'[["x", "<f8", [2]]]',
+        b'[["x", "<f8", [-1]]]',
+        b'[["x", "|O", [1]]]',
+        b'[["x", "zz", [1]]]',
+        b"[[",
+        b"[[5]]",
+    ],
+)
+def test_an_entry_that_does_not_hold_what_it_describes_is_told(tmp_path, description):
+    """Its checksum is right, its eight bytes are not the arrays of its first line."""
+    path = tmp_path / "x.resume"
+    kept(path)
+    content, entry = path.read_bytes(), description + b"\n" + bytes(8)
+    path.write_bytes(content + struct.pack("<QI", len(entry), zlib.crc32(entry)) + entry)
+    said = f"torn or damaged at byte {len(content)}; the {12 + len(entry)} bytes there are not used"
+    assert [sentence for _, sentence in doubts_of(path)] == [said]
+    assert rows_of(path) == [0, 3, 6, 9]
+
+
 @pytest.mark.parametrize("length", [2**31, 2**40, 2**63, 2**64 - 1])
 def test_a_damaged_length_takes_no_memory(tmp_path, length):
     path = tmp_path / "x.resume"

@@ -1,11 +1,13 @@
 """Mechanisms whose runs are stopped, and go on to the same bytes as those of a run without a stop."""
 
+import json
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexmb_cli.run.checkpoint import LONGEST_UNSAVED, ResumeFile
@@ -134,6 +136,52 @@ def test_a_checkpoint_larger_than_the_rows_is_left_out_until_the_run_ends(tmp_pa
     ended, rows = state_of(path)
     assert (int(ended["row"]), rows) == (5, [1, 1, 1, 1, 1])
     assert LONGEST_UNSAVED <= 60.0
+
+
+def rewritten(path, change):
+    """Write a resume file anew, with right checksums, whose arrays `change(arrays)` has changed."""
+    identity = json.loads(path.read_bytes().partition(b"\n")[0])
+    found = ResumeFile(str(path), identity)
+    found.find()
+    blocks, state = [change(values) for values, _ in found.stored()], change(found.last_checkpoint)
+    path.unlink()
+    forged = ResumeFile(str(path), identity)
+    forged.begin([])
+    for values in blocks:
+        forged.append(values, state)
+    forged.close()
+
+
+def without(name):
+    return lambda arrays: {key: array for key, array in arrays.items() if key != name}
+
+
+def as_one_number(name):
+    """What numpy would spread over any shape without a word."""
+    return lambda arrays: {
+        key: np.resize(array, (1,) * (array.ndim + 1)) if key == name else array
+        for key, array in arrays.items()
+    }
+
+
+@pytest.mark.parametrize("name", ["IN-KINEMATIC.dat", "IN-DOP853.dat", "pendulum.DAT"])
+def test_a_resume_file_with_arrays_of_another_shape_is_refused(tmp_path, name):
+    """Also with right checksums, as of a file that was put together by hand; the file stays."""
+    deck = tmp_path / name
+    deck.write_text(TEXTS[name] if name in TEXTS else (DECKS / f"dafms/{name}").read_text(encoding="utf-8"))
+    run(deck, tmp_path, stop_after(2))
+    (path,) = tmp_path.glob("*.resume")
+    stopped, (state, _) = path.read_bytes(), state_of(path)
+    stored = {"time", "body/position", *state}
+    for change in (form(key) for key in sorted(stored) for form in (without, as_one_number)):
+        path.write_bytes(stopped)
+        rewritten(path, change)
+        forged = path.read_bytes()
+        outcome = run(deck, tmp_path, resume=True)
+        assert [outcome.exit_code, *(fault.id for fault in outcome.faults[-1:])] == [2, "RUN-040"]
+        assert path.read_bytes() == forged
+    path.write_bytes(stopped)
+    assert run(deck, tmp_path, resume=True).exit_code == 0
 
 
 @pytest.mark.processes

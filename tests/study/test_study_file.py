@@ -47,6 +47,7 @@ def test_logarithmic_steps_keep_their_ratio_and_their_ends():
         (HEAD + RESULTS, "the table [parameters] is missing or empty; it has entries such as", None),
         (GRID.replace("max body", "most body"), "TAKE one of last, first, max, min, mean, series", 6),
         (GRID.replace("max body.3.z", "max"), 'a result is written "TAKE QUANTITY"', 6),
+        (GRID.replace('"point.1.x"', "point.1.x"), 'stands in quotes: "point.1.x" = …', 4),
         (GRID.replace("[1, 2.5]", "[]"), "needs a list of numbers or a range", 3),
         (GRID.replace("[1, 2.5]", '[1, "2"]'), "a list holds finite numbers only", 3),
         (GRID.replace("[1, 2.5]", "[1, inf]"), "a list holds finite numbers only", 3),

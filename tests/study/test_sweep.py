@@ -17,6 +17,7 @@ import pytest
 
 from flexmb_cli.cli.terminal.stops import stop_on_signals
 from flexmb_cli.errors import ModelError
+from flexmb_cli.interface import sweep
 from flexmb_cli.run.outcome import Stop, Terminated
 from flexmb_cli.study import table_writer
 from flexmb_cli.study import workers as study_workers
@@ -106,6 +107,27 @@ def test_a_case_that_fails_is_recorded_and_stops_nothing(tmp_path):
     assert failed.tolist() == (found["parameter/spherical.1.P_j.z"] == 400.0).tolist()
     assert "cannot be assembled" in found["message"][1]
     assert np.isnan(found["result/top"][failed]).all() and np.isnan(found["result/path"][failed]).all()
+
+
+LOCKS = """
+deck = "{deck}"
+[parameters]
+"revolute.2.P_i.y" = [3.7, 4.0]
+[results]
+top = "max body.3.z"
+start = "first body.3.z"
+path = "series body.3.z"
+"""
+
+
+def test_a_case_that_locks_has_no_results_but_the_rows_before(tmp_path):
+    """The coupler of 4.0 m locks at 1.19 s, in the 12th step of 0.1 s: the largest of 12 rows is no peak."""
+    (tmp_path / "study.toml").write_text(LOCKS.format(deck=RSSR.with_name("IN4-BAR.dat")))
+    found = sweep(tmp_path / "study.toml")
+    assert found["exit_code"].tolist() == [0, 1] and found["rows"].tolist() == [26, 12]
+    for name in ("result/top", "result/start"):
+        assert np.isnan(found[name]).tolist() == [False, True]
+    assert np.isfinite(found["result/path"][1]).sum() == 12
 
 
 @pytest.mark.parametrize(

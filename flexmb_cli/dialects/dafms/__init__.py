@@ -19,4 +19,6 @@ DIALECT = Dialect(
     curves=("coordinate/q",),
     form="form:DafmsForm",
     new_name="NEW.DAT",
+    rigid_model="rigid_model:rigid_model",
+    rigid_deck="rigid_deck:rigid_deck",
 )

@@ -41,6 +41,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     closures = build_closures(values, bodies, findings)
     _stop_at_errors(deck, findings)
     q, y = build_start(values, bodies, hinges, functions["prescribed"], findings)
+    shapes = _shapes(values, findings)
     one_way = values.record("one_way") is not None
     gravity = tuple(values.values("gravity", 0, (0, *GRAVITY))[1:])
     tree = Tree(
@@ -53,12 +54,22 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
         closures=closures,
         one_way=one_way,
         integration=integration,
+        shapes=shapes,
         **functions,
     )
     _check_dof(tree, values, findings)
     check_inertia(tree, values, findings)
     _stop_at_errors(deck, findings)
     return tree, findings.in_order
+
+
+def _shapes(values, findings):
+    if not values.section("shape"):
+        return ()
+    # Few decks have any.
+    from .shapes import build_shapes
+
+    return build_shapes(values, findings)
 
 
 def _stop_at_errors(deck, findings):

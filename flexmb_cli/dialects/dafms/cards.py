@@ -34,6 +34,7 @@ class Card:
     items: tuple[Item, ...] = ()
     tail: str = ""
     extension: bool = False
+    head: int = 0  # items in the first of the two records of an entry, 0: it has one
 
 
 def _axes(letter: str, meaning: str, unit: str = "", axes=(1, 2, 3)) -> tuple[Item, ...]:
@@ -56,6 +57,16 @@ _CLOSURE = (
     *_axes("C", "1: closed in this direction"),
     *_axes("a", "point of the first body", "m"),
     *_axes("b", "point of the second body", "m"),
+)
+
+_SHAPE = (
+    Item("K", "rigid body that the shape is of, 0: inertial frame"),
+    Item("IS", "shape: 1 box, 2 cylinder, 3 tube, 4 cone, 5 sphere"),
+    Item("SA", "length along axis 1; of all but a box the radius", "m"),
+    Item("SB", "length along axis 2; of all but a box the length along axis 3", "m"),
+    Item("SC", "length along axis 3; inner radius of a tube, upper one of a cone", "m"),
+    *_axes("SO", "middle of the shape from O_k", "m"),
+    *_axes("SW", "angle by which it is turned, in turn", "rad"),
 )
 
 HISTORIC = (
@@ -95,7 +106,7 @@ EXTENSIONS = (
         extension=True,
     ),
     Card("UNCO", "one_way", "switch", extension=True),
-    Card("LOOP", "closure", "entries", "7I5", _CLOSURE, "6F10.5", extension=True),
+    Card("LOOP", "closure", "entries", "7I5", _CLOSURE, "6F10.5", extension=True, head=7),
     Card(
         "PROD",
         "product",
@@ -209,6 +220,7 @@ EXTENSIONS = (
         (Item("METH", "integrator: 1 explicit, 2 implicit, 3 DGEAR's family, 4 implicit and compiled"),),
         extension=True,
     ),
+    Card("GEOM", "shape", "entries", "2I5,3F10.5", _SHAPE, "6F10.5", extension=True, head=5),
 )
 
 CARDS = {card.word: card for card in (*HISTORIC, *EXTENSIONS)}

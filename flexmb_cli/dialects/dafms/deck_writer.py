@@ -14,7 +14,7 @@ from .cards import CARDS
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
-OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH")
+OPTIONAL += ("PROD", "ELDA", "NROT", "GSTF", "UNCO", "TOLR", "METH", "GEOM")
 
 WIDE, _REAL, _INTEGER = 13, 10, 5
 _WIDE_SECTIONS = ("stiffness.", "tolerance", "nodal_rotation.")
@@ -161,7 +161,7 @@ class _Deck:
                 fields.insert(0, f"{record.number:5d}")
             if card.word == "GRAV":
                 fields.insert(0, f"{0:5d}")
-            first = 7 if card.word == "LOOP" else len(fields)
+            first = card.head or len(fields)
             lines += [("".join(part), record.prefix) for part in (fields[:first], fields[first:]) if part]
             lines += self._rows(f"{card.section}.{record.number}")
         return lines

@@ -11,6 +11,7 @@ from .form_blocks import Answers, counted
 
 TABLES = ("TABM", "TABL")
 _WITHOUT_ZERO = ("MASS", "METH", "SPRI", "DAMP", "MOTR", *TABLES, "NROT")
+_ASKED = ("K", "A", "KA", "IS", "SA")
 MOST_POINTS = 1000
 
 
@@ -74,7 +75,7 @@ def _rotations(section, answers, subject):
 
 def _card_entry(card: Card, k: int) -> Entry:
     edits = fortran_format(card.format).edits[card.layout == "bodies" :]
-    edits += fortran_format(card.tail).edits if card.word == "LOOP" else ()
+    edits += fortran_format(card.tail).edits if card.head else ()
     skipped = card.word == "GRAV"  # its first number is not used
     pairs = list(zip(card.items, edits, strict=False))[skipped:]
     cells = tuple(_cell(card, item, edit) for item, edit in pairs)
@@ -84,7 +85,7 @@ def _card_entry(card: Card, k: int) -> Entry:
 
 def _cell(card, item, edit):
     letter = INTEGER if edit.letter == "I" else REAL
-    default = None if card.word in _WITHOUT_ZERO or item.key in ("K", "A", "KA") else "0"
+    default = None if card.word in _WITHOUT_ZERO or item.key in _ASKED else "0"
     if card.word == "TOLR":
         default = ""
     if item.key == "e4":

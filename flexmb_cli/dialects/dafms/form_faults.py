@@ -15,7 +15,15 @@ from .form_cards import MOST_POINTS
 
 MOST = 1000
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
-_RANGES = {"IDS": (0, 1), "IGS": (0, 1), "METH": (1, 4), "A": (1, 6), "NDM": (2, 3), "NDF": (1, 3)}
+_RANGES = {
+    "IDS": (0, 1),
+    "IGS": (0, 1),
+    "IS": (1, 5),
+    "METH": (1, 4),
+    "A": (1, 6),
+    "NDM": (2, 3),
+    "NDF": (1, 3),
+}
 
 
 def faults_of(records: Sequence[Record], complete: bool) -> list[Fault]:

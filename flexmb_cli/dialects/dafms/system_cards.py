@@ -139,9 +139,9 @@ class _System:
 
     def _read_entry(self, card: Card, subject: str) -> tuple[list[Number], Sequence[Number]]:
         """The numbers of an entry, and the list that may follow them."""
-        fields = 7 if card.word == "LOOP" else len(card.items)
+        fields = card.head or len(card.items)
         numbers = list(self.records.read(card.format, list(card.items[:fields]), subject))
-        if card.word == "LOOP":
+        if card.head:
             numbers += self.records.read(card.tail, list(card.items[fields:]), subject)
         elif card.word == "NROT":
             numbers += self._read_rotation(card, numbers, subject)

@@ -45,6 +45,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
         "joint_springs": build_joint_springs(values, joints, findings),
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
+        "shapes": _shapes(values, bodies, folder, findings),
     }
     if not bodies:
         findings.error("", "the deck has no body", None, id="VSDF-009")
@@ -54,6 +55,15 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     gravity = values.record("gravity")
     g = gravity.vector("g") if gravity else (0.0, 0.0, 0.0)
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
+
+
+def _shapes(values, bodies, folder, findings):
+    if not (values.section("shape") or values.section("shape_file")):
+        return ()
+    # Few decks have any.
+    from .shapes import build_shapes
+
+    return build_shapes(values, bodies, folder, findings)
 
 
 def _time(values, findings):

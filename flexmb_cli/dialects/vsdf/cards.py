@@ -6,6 +6,7 @@ whole format is described for users in decks/vsdf/FORMAT.md.
 
 from ...quick_dataclass import dataclass
 from ...solvers.constrained.integrators import METHODS
+from . import DIALECT
 
 # A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
 WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
@@ -80,9 +81,19 @@ def _node_list(word, section, what):
 NODE_FORMS = ("TXT", "CDB", "INP", "BDF")
 MATRIX_FORMS = ("MM", "HB", "CCX", "ABQ", "DMIG", "OP4")
 MAPPING_FORMS = ("ANS", "CCX")
-JOINTS = ("SPHE", "UNIV", "REVO", "CYLI", "TRAN", "SCRW", "FIXD", "RSPH", "DIST")
+JOINTS = tuple(DIALECT.joints)
 MOTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ", "ANGL", "STRK")
 STRESS_PLACES = ("NODE", "ELEM", "MAX")
+SHAPES = ("BOX", "CYLI", "TUBE", "CONE", "SPHE")
+
+_SHAPED = _whole("body", "rigid body, 0: ground", None)
+# Offset and angles of a shape.
+_PLACED = (
+    *_vector("offset", "middle of the shape, body axes", "m"),
+    Column("alpha", "turned about x, then", "rad", default=0.0),
+    Column("beta", "about y, then", "rad", default=0.0),
+    Column("gamma", "about z, axes of the body", "rad", default=0.0),
+)
 
 CARDS = (
     Card(
@@ -369,6 +380,28 @@ CARDS = (
             _NODE,
             *_vector("p", "point that it lies at (first), towards (second), beside (third), global", "m"),
         ),
+    ),
+    Card(
+        "GEOM",
+        "shape",
+        "shape {}",
+        "list",
+        (
+            _SHAPED,
+            _word("shape", "shape for pictures", SHAPES),
+            Column("a", "length along x; of all but a box the radius", "m", default=0.0),
+            Column("b", "length along y; of all but a box the length along z", "m", default=0.0),
+            Column("c", "length along z; inner radius of a tube, upper one of a cone", "m", default=0.0),
+            *_PLACED,
+        ),
+    ),
+    Card(
+        "GSTL",
+        "shape_file",
+        "shape file {}",
+        "list",
+        (_SHAPED, Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0), *_PLACED),
+        second=(Column("file", "STL file", letter="T", skip=1, default=None),),
     ),
 )
 

@@ -11,37 +11,21 @@ from ...deck.records import DeckValues
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
+from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ...quick_dataclass import dataclass, field
+from . import DIALECT
 from .bodies import end_of_body
 
 _COINCIDENT = 1e-12
 
 
-@dataclass(frozen=True)
-class JointWord:
-    """A kind of joint: its word, name, equations, and how many nodes it needs on a and on b."""
-
-    word: str
-    kind: str
-    equations: int
-    on_a: int
-    on_b: int
-
-
-JOINT_WORDS = (
-    JointWord("SPHE", "spherical", 3, 1, 1),
-    JointWord("UNIV", "universal", 4, 2, 2),
-    JointWord("REVO", "revolute", 5, 2, 2),
-    JointWord("CYLI", "cylindrical", 4, 2, 2),
-    JointWord("TRAN", "translational", 5, 3, 3),
-    JointWord("SCRW", "screw", 5, 3, 3),
-    JointWord("FIXD", "fixed", 6, 3, 3),
-    JointWord("RSPH", "revolute-spherical", 2, 2, 1),
-    JointWord("DIST", "spherical-spherical", 1, 1, 1),
+BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
+# Those with nothing else come first.
+_BY_COORDINATES = sorted(BY_WORD.values(), key=lambda kind: len(kind.coordinates))
+TURNING, SLIDING = (
+    tuple(kind.name for kind in _BY_COORDINATES if wanted in kind.coordinates) for wanted in (ANGLE, STROKE)
 )
-BY_WORD = {joint.word: joint for joint in JOINT_WORDS}
-TURNING, SLIDING = ("revolute", "cylindrical", "screw"), ("translational", "cylindrical", "screw")
 
 
 def find_end(bodies, ground: VsdfBody, body, node, subject, findings: Findings) -> End | None:
@@ -79,7 +63,7 @@ def build_joints(values: DeckValues, bodies, ground, findings: Findings) -> tupl
 
 
 def _joint(record, bodies, ground, findings):
-    word = BY_WORD[record["kind"]]
+    kind = BY_WORD[record["kind"]]
     if record["a"] == record["b"]:
         which = "the ground" if record["a"] == 0 else f"body {record['a']}"
         findings.error(
@@ -90,18 +74,18 @@ def _joint(record, bodies, ground, findings):
         )
         return None
     before = len(findings.faults)
-    a = _side(record, "a", word.on_a, bodies, ground, findings)
-    b = _side(record, "b", word.on_b, bodies, ground, findings)
+    a = _side(record, "a", kind.points_on("i"), bodies, ground, findings)
+    b = _side(record, "b", kind.points_on("j"), bodies, ground, findings)
     if len(findings.faults) > before or (a is None and b is None):
         return None
     if None in (a, b):
-        a, b = _with_ground(record, word, a, b, bodies, findings)
+        a, b = _with_ground(record, kind, a, b, bodies, findings)
     if not a or not b:
         return None
     _check_axis(record, "a", a, bodies, ground, findings)
     _check_axis(record, "b", b, bodies, ground, findings)
-    size = _size(record, word, a, b, bodies, ground, findings)
-    return NodeJoint(record.subject, word.kind, a, b, size, record.place)
+    size = _size(record, kind, a, b, bodies, ground, findings)
+    return NodeJoint(record.subject, kind.name, a, b, size, record.place)
 
 
 def _side(record, letter, count, bodies, ground, findings):
@@ -123,12 +107,12 @@ def _side(record, letter, count, bodies, ground, findings):
     return tuple(end for end in ends if end is not None)
 
 
-def _with_ground(record, word, a, b, bodies, findings):
+def _with_ground(record, kind, a, b, bodies, findings):
     """The ground's points where those of the other body are at t = 0."""
     ends = a or b
-    if word.kind in ("universal", "spherical-spherical", "revolute-spherical"):
+    if not kind.meets:
         letter = "a" if a is None else "b"
-        message = f"{word.word} needs nodes on the ground, cards NODE of body 0; {letter}1 is missing"
+        message = f"{record['kind']} needs nodes on the ground, cards NODE of body 0; {letter}1 is missing"
         findings.error(record.subject, message, record.at(f"{letter}1").place, id="VSDF-047")
         return None, None
     points = tuple(
@@ -160,15 +144,15 @@ def _check_axis(record, letter, ends, bodies, ground, findings):
         findings.error(record.subject, message, record.at(f"{letter}3").place, id="VSDF-049")
 
 
-def _size(record, word, a, b, bodies, ground, findings):
+def _size(record, kind, a, b, bodies, ground, findings):
     """Pitch or distance, nan where the deck leaves it to the positions at t = 0."""
     given = record.at("size")
-    if word.kind == "screw":
+    if kind.size == PITCH:
         if not given.text:
             message = "SCRW needs its pitch in size, m/rad; write 0.0 for a screw without advance"
             findings.error(record.subject, message, given.place, id="VSDF-050")
         return float(given.value)
-    if word.kind not in ("spherical-spherical", "revolute-spherical"):
+    if not kind.size:
         return math.nan
     size = float(given.value)
     if not given.text:

@@ -4,9 +4,9 @@ import numpy as np
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...fe.build_mechanism import euler_parameters
 from ...model.diagnostics import Findings
 from ...model.fe_model import VsdfBody
+from ...model.vectors import euler_parameters
 from ...quick_dataclass import replace
 
 # Of the distance between two nodes: a point farther beside the second one was meant for another node.

@@ -10,7 +10,6 @@ from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
 from .joints import BY_WORD
 
-SIZED = {"SCRW": "pitch", "RSPH": "distance", "DIST": "distance"}
 _OF_FUNCTION = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)}
 _FUNCTIONS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
 _VALUES = {
@@ -51,13 +50,13 @@ def _of_body(record) -> Iterator[tuple[str, str]]:
 
 
 def _of_joint(record) -> Iterator[tuple[str, str]]:
-    word = BY_WORD[record["kind"]]
-    for letter, count in (("a", word.on_a), ("b", word.on_b)):
+    word, kind = record["kind"], BY_WORD[record["kind"]]
+    for letter, count in (("a", kind.points_on("i")), ("b", kind.points_on("j"))):
         nodes = f"{count} node{'s' if count > 1 else ''} on {letter}"
         for i in range(count + 1, 4):
-            yield f"{letter}{i}", f"{word.word} has {nodes}"
-    if word.word not in SIZED:
-        yield "size", f"{word.word} has neither pitch nor distance"
+            yield f"{letter}{i}", f"{word} has {nodes}"
+    if not kind.size:
+        yield "size", f"{word} has neither pitch nor distance"
 
 
 def _of_motion(record) -> Iterator[tuple[str, str]]:

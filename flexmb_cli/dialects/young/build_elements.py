@@ -3,9 +3,7 @@
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
 from ...model.joint_elements import (
-    ANGLE,
     COORDINATES_OF,
-    STROKE,
     Bushing,
     CompositeJoint,
     Coupling,
@@ -19,6 +17,7 @@ from ...model.joint_elements import (
     JointSpring,
     LineSpring,
 )
+from ...model.joints import ANGLE, STROKE
 from ...model.mechanism import Mechanism
 from .build_functions import Functions
 

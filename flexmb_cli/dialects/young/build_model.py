@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from ...deck.record import Deck
-from ...errors import Fault
+from ...errors import Fault, ModelError
+from ...quick_dataclass import replace
 from .build import build_young
 from .dynamic_cards import analysis_of
 
@@ -11,8 +12,28 @@ from .dynamic_cards import analysis_of
 def build_model(deck: Deck, folder: Path) -> tuple[object, list[Fault]]:
     """Return a Mechanism or a DynamicModel, and the doubts about it.  Raises ModelError."""
     if analysis_of(deck) is None:
-        return build_young(deck)
+        mechanism, doubts = build_young(deck)
+        return (_shaped(mechanism, deck, folder) if _has_shapes(deck) else mechanism), doubts
     # Kinematics need no arrays of masses.
     from .build_dynamics import build_young_dynamics
 
-    return build_young_dynamics(deck)
+    model, doubts = build_young_dynamics(deck)
+    if _has_shapes(deck):
+        model = replace(model, mechanism=_shaped(model.mechanism, deck, folder))
+    return model, doubts
+
+
+def _has_shapes(deck):
+    return bool(deck.section("shape") or deck.section("shape_file"))
+
+
+def _shaped(mechanism, deck, folder):
+    """The mechanism with its shapes; raises ModelError.  Few decks have any."""
+    from ...model.diagnostics import Findings
+    from .shapes import build_shapes
+
+    findings = Findings()
+    shapes = build_shapes(deck, len(mechanism.bodies), folder, findings)
+    if findings.faults:
+        raise ModelError((*deck.warnings, *findings.in_order))
+    return replace(mechanism, shapes=shapes)

@@ -38,6 +38,11 @@ class Card:
             yield from (replace(column, key=f"{column.key}{k}") for column in self.repeated)
 
     @property
+    def begins_with_text(self) -> bool:
+        """Whether a word follows its keyword."""
+        return bool(self.columns) and self.columns[0].is_text
+
+    @property
     def numbers(self) -> str:
         """How many numbers the card takes, and what they are called."""
         keys = " ".join(column.key for column in self.columns)
@@ -47,7 +52,7 @@ class Card:
             first = f"{keys} and, " if keys else ""
             return f"{first}{self.least} times or more, {again}"
         asked = f"{most}" if not self.optional else f"{most - self.optional} to {most}"
-        return f"{asked} numbers ({keys})"
+        return f"{asked} {'words' if self.begins_with_text else 'numbers'} ({keys})"
 
 
 def whole(key: str, meaning: str) -> Column:

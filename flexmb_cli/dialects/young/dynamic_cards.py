@@ -22,16 +22,18 @@ from .card import Card, vector, whole
 from .element_cards import FUNCTION_CARDS, JOINT_CARDS
 from .reader import read_young
 from .sections import Column
+from .shape_cards import SHAPE_CARDS
+from .unread_lines import cards_behind_end, unread_lines
 
-MARKER = re.compile(r"\s*DYNAMICS\s+(INVERSE|FORWARD)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
-NAME = re.compile("DYNAMICS", re.IGNORECASE)
-# One word behind DYNAMICS, or none, is a slip rather than prose.
-NEARLY = re.compile(r"\s*(DYNAMICS(\s+[^\s{]+)?)\s*(\{[^}]*\}\s*)?", re.IGNORECASE)
+MARKER = re.compile(
+    r"\s*(?:DYNAMICS\s+(?P<analysis>INVERSE|FORWARD)|(?P<shapes>GEOMETRY))\s*(\{[^}]*\}\s*)?", re.IGNORECASE
+)
+NAME = re.compile("DYNAMICS|GEOM", re.IGNORECASE)
 # Words that stand for no number, where one is wanted, and are no keyword.
 NO_NUMBER = re.compile(r"nan|inf(inity)?", re.IGNORECASE)
 # A card without comments: its keyword and its numbers.
 _PLAIN_CARD = re.compile(r"[A-Za-z]\w*\s+([^\s{A-Za-z][^\s{]*(?:\s+[^\s{A-Za-z][^\s{]*)*)\s*({)?")
-SECTION = "dynamics"
+SECTION, GEOMETRY = "dynamics", "geometry"
 LAST_CARD = "END"
 INVERSE, FORWARD = "inverse", "forward"
 
@@ -125,6 +127,7 @@ CARDS = (
     ),
     *FUNCTION_CARDS,
     *JOINT_CARDS,
+    *SHAPE_CARDS,
 )
 BY_KEYWORD = {card.keyword: card for card in CARDS}
 
@@ -137,7 +140,8 @@ def read_young_deck(source: DeckText) -> Deck:
     deck = read_young(source)
     opening = _opening(deck)
     if opening is None:
-        return replace(deck, warnings=(*deck.warnings, *_nearly_opening(deck)))
+        last = deck.one("time").at("step").place.line
+        return replace(deck, warnings=(*deck.warnings, *unread_lines(source.lines, last, BY_KEYWORD)))
     cards = _Cards(source, opening)
     cards.read()
     if any(fault.severity == "error" for fault in cards.faults):
@@ -178,16 +182,6 @@ def _lines_behind(deck):
             yield n, line
 
 
-def _nearly_opening(deck):
-    """A warning for every line that looks like the opening one and is not."""
-    message = (
-        "this line is read as prose; DYNAMICS inverse or DYNAMICS forward opens cards with masses and loads"
-    )
-    for n, line in _lines_behind(deck):
-        if found := NEARLY.fullmatch(line):
-            yield Fault("warning", message, Place(n, found.start(1) + 1, len(found.group(1))), id="YOUNG-019")
-
-
 @dataclass
 class _Cards:
     """The cards of a deck as they are read, and the faults found on the way."""
@@ -198,6 +192,7 @@ class _Cards:
     faults: list[Fault] = field(default_factory=FaultList)
     starts: dict[str, array] = field(default_factory=dict)  # of each section's cards, where in the text
     numbers: int = 0
+    shapes_alone: bool = False
 
     def behind(self, records: Sequence[Record]) -> Sequence[Record]:
         """Return the records of the cards behind those of kinematics; many ones are made when looked at."""
@@ -216,10 +211,11 @@ class _Cards:
             if word.text == UNCLOSED:
                 self.error(word.place, "", "a comment is opened here and never closed with }")
                 break
-            if _is_keyword(word):
+            if _is_keyword(word) and not _wants_text(card):
                 self._finish(card)
                 card = [word]
                 if word.text.upper() == LAST_CARD:
+                    self.faults += cards_behind_end(self.source.lines, word.line, BY_KEYWORD)
                     return
             elif card:
                 card.append(word)
@@ -232,11 +228,15 @@ class _Cards:
         self.faults.append(Fault("error", message, place, subject, id="YOUNG-020"))
 
     def _opening_record(self):
-        line = self.source.lines[self.opening - 1]
-        word = MARKER.fullmatch(line).group(1)
-        place = Place(self.opening, MARKER.fullmatch(line).start(1) + 1, len(word))
-        meaning = "inverse: forces of the driven motion; forward: motion under forces"
-        return Record(SECTION, 0, SECTION, (Number("analysis", word.lower(), meaning, "", place, word),))
+        found = MARKER.fullmatch(self.source.lines[self.opening - 1])
+        self.shapes_alone = found["shapes"] is not None
+        key = "shapes" if self.shapes_alone else "analysis"
+        place = Place(self.opening, found.start(key) + 1, len(found[key]))
+        section, meaning = SECTION, "inverse: forces of the driven motion; forward: motion under forces"
+        if self.shapes_alone:
+            section, meaning = GEOMETRY, "shapes of bodies follow, for pictures"
+        number = Number(key, found[key].lower(), meaning, "", place, found[key])
+        return Record(section, 0, section, (number,))
 
     def _finish(self, card):
         """Make a record of a keyword and the words behind it."""
@@ -246,6 +246,12 @@ class _Cards:
         kind = BY_KEYWORD.get(keyword.text.upper())
         if kind is None:
             self.error(keyword.place, "", _unknown(keyword.text))
+            return
+        if self.shapes_alone and kind not in SHAPE_CARDS:
+            message = (
+                f"{kind.keyword} is no shape; DYNAMICS in place of GEOMETRY opens cards with masses and loads"
+            )
+            self.error(keyword.place, "", message)
             return
         starts = self.starts.setdefault(kind.section, array("i"))
         starts.append(self.source.lines.starts[keyword.line - 1] + keyword.column - 1)
@@ -277,6 +283,8 @@ class _Cards:
         return Record(kind.section, number_of_card, subject, tuple(numbers))
 
     def _number(self, subject, column, word):
+        if column.is_text:
+            return Number(column.key, word.text, column.meaning, column.unit, word.place, word.text)
         value = 0
         try:
             value, doubt = number.integer(word.text) if column.is_integer else number.real(word.text)
@@ -323,7 +331,9 @@ class _ReadCard(Record):
     def numbers(self) -> tuple[Number, ...]:
         """The numbers with their places."""
         behind = words_from(self._source.lines, self._start)
-        keyword, found = next(behind), list(takewhile(lambda word: not _is_keyword(word), behind))
+        keyword = next(behind)
+        found = [next(behind)] if self._kind.begins_with_text else []
+        found += takewhile(lambda word: not _is_keyword(word), behind)
         columns = self._kind.columns_of(len(found))
         return _Cards(self._source, 0).record(self._kind, columns, self.number, keyword, found).numbers
 
@@ -338,12 +348,20 @@ class _ReadCard(Record):
     @cached_property
     def _plain(self):
         """The card in the text; None where a comment stands in it or behind it."""
+        if self._kind.begins_with_text:
+            return None
         found = _PLAIN_CARD.match(self._source.text, self._start)
         return found if found and not found[2] else None
 
 
 def _is_keyword(word):
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
+
+
+def _wants_text(card):
+    """Whether a keyword alone has been read, behind which a word is no keyword."""
+    kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
+    return kind is not None and kind.begins_with_text
 
 
 def _unknown(text):

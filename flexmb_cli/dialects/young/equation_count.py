@@ -15,6 +15,7 @@ from ...model.diagnostics import Findings
 from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass, field
+from . import DIALECT
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
@@ -57,9 +58,7 @@ def check_equation_count(mechanism: Mechanism, place: Place | None, findings: Fi
 def imbalance(counts: Mapping[str, int]) -> str:
     """Return the fault of the twelve counts of a YOUNG deck by themselves; "" when they are in balance."""
     coordinates = _PER_BODY * counts["NBODY"]
-    equations = sum(
-        kind.equations * counts[kind.young_count] for kind in BY_NAME.values() if kind.young_count
-    )
+    equations = sum(BY_NAME[name].equations * counts[word] for word, name in DIALECT.joints.items())
     equations += _PER_BODY * counts["NGROUN"]
     return "" if equations == coordinates else _total(equations, coordinates, counts["NBODY"])
 

@@ -9,7 +9,7 @@ import math
 from ...deck.record import Record
 from ...errors import Fault
 from ...model.diagnostics import Findings
-from ...model.joints import JOINT_TYPES
+from ...model.joints import JOINT_TYPES, PITCH
 from ...model.mechanism import Body, Distance, Driver, Ground, Joint, Point, Simplified, TimeGrid, Vector
 
 MOST_ROWS = 10_000_000
@@ -126,7 +126,7 @@ def _joint(kind):
         points = {name: record.vector(name) for name in kind.points}
         vectors = _vectors(record, points, findings)
         _across_the_axis(record, vectors, findings)
-        pitch = record["pitch"] if kind.name == "screw" else 0.0
+        pitch = record["pitch"] if kind.size == PITCH else 0.0
         i, j = record["I"] - 1, record["J"] - 1
         return Joint(
             kind.name,

@@ -8,7 +8,11 @@ from collections.abc import Callable
 from functools import cached_property
 
 from ...deck import number
+from ...model.joints import JOINT_TYPES, PITCH
 from ...quick_dataclass import dataclass
+from . import DIALECT
+
+COUNT_OF = {name: count for count, name in DIALECT.joints.items()}
 
 
 @dataclass(frozen=True)
@@ -16,6 +20,7 @@ class Column:
     """One number of a record: what it is called, what it means, its unit.
 
     `turning_unit` and `turning_meaning` hold where the record's direction is 4 to 6.
+    `is_text`: it is a word, such as the name of a file.
     """
 
     key: str
@@ -24,6 +29,7 @@ class Column:
     is_integer: bool = False
     turning_unit: str = ""
     turning_meaning: str = ""
+    is_text: bool = False
 
     def label(self, turning: bool) -> tuple[str, str]:
         """Meaning and unit, in a record whose direction is a rotation (`turning`) or not."""
@@ -64,9 +70,9 @@ def _whole(key, meaning):
     return Column(key, meaning, is_integer=True)
 
 
-def _joint(name, count, points, *more):
+def _joint(kind):
     columns = [_whole("I", "number of body I"), _whole("J", "number of body J")]
-    for point in points:
+    for point in kind.points:
         body = point[-1].upper()
         columns += [
             Column(
@@ -74,7 +80,9 @@ def _joint(name, count, points, *more):
             )
             for axis in "xyz"
         ]
-    return Section(name, count, f"{name} joint", (*columns, *more))
+    if kind.size == PITCH:
+        columns.append(Column("pitch", "advance of the screw per radian", "m/rad"))
+    return Section(kind.name, COUNT_OF[kind.name], f"{kind.name} joint", tuple(columns))
 
 
 _ROLES = {
@@ -84,7 +92,6 @@ _ROLES = {
 }
 _BODY = _whole("body", "number of the body")
 _DIRECTION = _whole("direction", "1 2 3: along x y z; 4 5 6: about x y z")
-_ENDS = ("P_i", "P_j", "Q_i", "Q_j")
 
 COUNTS = Section(
     "counts",
@@ -94,12 +101,7 @@ COUNTS = Section(
         _whole("NBODY", "number of bodies"),
         _whole("NDRIVE", "number of drivers"),
         _whole("NPOINT", "number of points of interest"),
-        _whole("NSPHER", "number of spherical joints"),
-        _whole("NUNIVE", "number of universal joints"),
-        _whole("NREVOL", "number of revolute joints"),
-        _whole("NCYLIN", "number of cylindrical joints"),
-        _whole("NTRANS", "number of translational joints"),
-        _whole("NSCREW", "number of screw joints"),
+        *(_whole(COUNT_OF[kind.name], f"number of {kind.name} joints") for kind in JOINT_TYPES),
         _whole("NSIMPL", "number of simplified constraints"),
         _whole("NSIMP2", "number of distance constraints"),
         _whole("NGROUN", "number of ground bodies"),
@@ -190,14 +192,7 @@ YOUNG_SECTIONS = (
     BODIES,
     DRIVERS,
     POINTS,
-    _joint("spherical", "NSPHER", ("P_i", "P_j")),
-    _joint("universal", "NUNIVE", _ENDS),
-    _joint("revolute", "NREVOL", _ENDS),
-    _joint("cylindrical", "NCYLIN", _ENDS),
-    _joint("translational", "NTRANS", (*_ENDS, "H_i", "H_j")),
-    _joint(
-        "screw", "NSCREW", (*_ENDS, "H_i", "H_j"), Column("pitch", "advance of the screw per radian", "m/rad")
-    ),
+    *map(_joint, JOINT_TYPES),
     SIMPLIFIED,
     DISTANCES,
     GROUNDS,

@@ -23,13 +23,13 @@ _NOT_FINITE = ("nan", "inf", "infinity")
 _EXACT = 2.0**53
 
 
-def bytes_of(path: Path) -> bytes:
-    """Return what the file holds.  Raises FEFileFault when it cannot be read."""
+def bytes_of(path: Path, largest: int = LARGEST) -> bytes:
+    """Return what the file holds.  Raises FEFileFault when it cannot be read or is not below `largest`."""
     try:
         # A pipe without a writer would be waited for.
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as stream:
             found = os.fstat(stream.fileno())
-            _check_kind(path.name, found)
+            _check_kind(path.name, found, largest)
             # Some files of /proc have no length and no end, or nothing to give just now.
             return stream.read(found.st_size) or b""
     except FileNotFoundError:
@@ -39,11 +39,12 @@ def bytes_of(path: Path) -> bytes:
         raise FEFileFault(f"{path.name} cannot be read: {reason}", id="FE-024") from None
 
 
-def _check_kind(name, found):
+def _check_kind(name, found, largest):
     if not stat.S_ISREG(found.st_mode):
         raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device", id="FE-025")
-    if found.st_size >= LARGEST:
-        raise FEFileFault(f"{name} is larger than the {LARGEST // 2**30} GB that can be read", id="FE-026")
+    if found.st_size >= largest:
+        size = f"{largest // 2**30} GB" if largest >= 2**30 else f"{largest // 2**20} MB"
+        raise FEFileFault(f"{name} is larger than the {size} that can be read", id="FE-026")
 
 
 def integer(text: str) -> int:

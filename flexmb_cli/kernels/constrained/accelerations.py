@@ -58,17 +58,23 @@ def evaluate_jacobian(system, work, q):
     speed_jacobian(system.bodies, q, work.phi_q, work.jacobian)
     equation_rows(system, work, work.jacobian)
     for row in range(work.jacobian.shape[0]):
-        for k in range(work.jacobian.shape[1]):
-            if work.jacobian[row, k] != 0.0:
-                work.jacobian[row, k] *= system.speed_scale[k] / system.row_scale[row]
+        for p in range(1, 1 + work.columns[row, 0]):
+            k = work.columns[row, p]
+            work.jacobian[row, k] *= system.speed_scale[k] / system.row_scale[row]
 
 
 @kernel
 def choose_order(work, most):
     """Find which equations and speeds are independent from now on; returns the rank found."""
     work.rank[0] = choose(work.jacobian, work.left, work.order, most)
-    work.quality[0] = factorise(work.jacobian, work.order, work.rank[0], work.factors)
+    work.quality[0] = factorise_order(work)
     return work.rank[0]
+
+
+@kernel
+def factorise_order(work):
+    """Factors of the Jacobian in the order at hand; returns their quality, 0 where a pivot vanishes."""
+    return factorise(work.jacobian, work.columns, work.order, work.rank[0], work.factors, work.entries)
 
 
 @kernel
@@ -86,14 +92,14 @@ def factorise_constraints(system, work, q):
     """Factors at q of the constraints, and the motions they leave free: a code."""
     evaluate_jacobian(system, work, q)
     rank, m = work.rank[0], work.jacobian.shape[0]
-    quality = factorise(work.jacobian, work.order, rank, work.factors)
+    quality = factorise_order(work)
     if not quality > WORN * work.quality[0]:
         if choose(work.jacobian, work.left, work.order, rank) < rank:
             return SINGULAR
-        quality = work.quality[0] = factorise(work.jacobian, work.order, rank, work.factors)
+        quality = work.quality[0] = factorise_order(work)
         if not quality > 0.0:
             return SINGULAR
-    free_motions(work.factors, work.order, rank, m, work.motions)
+    free_motions(work.factors, work.entries, work.order, rank, m, work.motions)
     return SOLVED
 
 
@@ -145,7 +151,7 @@ def split(system, work, forces, gamma, x, y):
     order, Z, scale = work.order, work.motions, system.speed_scale
     for row in range(m):
         right_side[row] = gamma[row] / system.row_scale[row]
-    dependent_speeds(work.factors, order, rank, m, right_side, scaled)
+    dependent_speeds(work.factors, work.entries, order, rank, m, right_side, scaled)
     for k in range(n):
         x[k] = scaled[k] * scale[k]
     mass_times(inertia_of(system, work), x, product)

@@ -144,8 +144,8 @@ def equation_rows(system, work, jacobian):
     """Fill the last rows of jacobian (m, n), not scaled."""
     first, geometry = system.bodies.shape[0], geometry_of(system, work)
     for row in range(first, jacobian.shape[0]):
-        for column in range(jacobian.shape[1]):
-            jacobian[row, column] = 0.0
+        for p in range(1, 1 + work.columns[row, 0]):
+            jacobian[row, work.columns[row, p]] = 0.0
         k = row - first
         while k >= 0:
             add_primitive_row(geometry, k, 1.0, jacobian[row])

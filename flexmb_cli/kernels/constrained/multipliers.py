@@ -26,7 +26,7 @@ def fill_multipliers(system, work, ud, lam):
     for i in range(rank):
         k = work.order[m + i]
         borne[i] = (product[k] - forces[k]) * system.speed_scale[k]
-    transposed_solution(work.factors, rank, borne)
+    transposed_solution(work.factors, work.entries, rank, borne)
     if m > rank:
         _share(work, borne, lam)
     else:
@@ -47,7 +47,7 @@ def _share(work, borne, lam):
     for d in range(count):
         for i in range(rank):
             C[d, i] = work.jacobian[order[rank + d], order[m + i]]
-        transposed_solution(work.factors, rank, C[d])
+        transposed_solution(work.factors, work.entries, rank, C[d])
         for i in range(rank):
             share[d] += C[d, i] * borne[i]
         for e in range(d + 1):

@@ -7,6 +7,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kinematics import constraints as equations
+from ..linalg.rank_revealing_lu import row_times
 from ..linalg.rotation import rotation_matrices
 from .accelerations import factorise_at, solve
 from .body_vectors import geometry_of, place_vectors
@@ -82,10 +83,7 @@ def rate_gap(system, work, u, t):
     fill_nu(system, t, gamma)
     found = 0.0
     for row in range(gamma.shape[0]):
-        total = 0.0
-        for k in range(u.shape[0]):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * u[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, u, system.speed_scale)
         gamma[row] -= total * system.row_scale[row]
         found = max(found, abs(gamma[row]) / system.row_scale[row])
     return found

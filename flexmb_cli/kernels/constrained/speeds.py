@@ -61,11 +61,12 @@ def speeds_of_rates(bodies, q, qd, u):
 def speed_jacobian(bodies, q, phi_q, jacobian):
     """Fill the first rows of jacobian (m, n) with phi_q (r, 14) turned from coordinates to speeds.
 
-    bodies (r, 2): bodies of the two halves of each row.
+    bodies (r, 2): bodies of the two halves of each row; only their columns are written.
     """
     for row in range(phi_q.shape[0]):
-        for k in range(jacobian.shape[1]):
-            jacobian[row, k] = 0.0
+        for half in range(2):
+            for k in range(6 * bodies[row, half], 6 * bodies[row, half] + 6):
+                jacobian[row, k] = 0.0
         for half in range(2):
             at, k = 7 * half, 7 * bodies[row, half] + 3
             s = 6 * bodies[row, half]

@@ -1,4 +1,4 @@
-"""Errors of explicit steps of a constrained mechanism, in tolerances: DOP853.
+"""Errors of explicit steps in tolerances, of trees and of constrained mechanisms: DOP853.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
@@ -9,30 +9,26 @@ from .._jit import allocating, kernel
 from ..constrained.accelerations import solve
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD
+from ..linalg.rank_revealing_lu import row_times
 from .dop853_table import ERROR_3, ERROR_5, STAGES
-
-
-@kernel
-def scaled_norm(integration, a):
-    """Root mean square of a state's changes a (N,), the work left out, against the tolerance at z."""
-    clock, total, counted = integration.clock[0], 0.0, a.shape[0] - 1
-    for i in range(counted):
-        scale = clock["atol"] * integration.units[i] + clock["rtol"] * abs(integration.z[i])
-        total += (a[i] / scale) ** 2
-    return (total / counted) ** 0.5
+from .error_norm import displacement_tolerance, tolerance
 
 
 @kernel
 def step_error(integration, h):
-    """Error of the step from z to trial."""
+    """Error of the step from z to trial, and the place in z of its largest component."""
     clock, z, new = integration.clock[0], integration.z, integration.trial
-    counted = z.shape[0] - 1
+    counted, worst, largest = z.shape[0] - 1, 0, 0.0
     square_5 = square_3 = 0.0
     for i in range(counted):
-        scale = clock["atol"] * integration.units[i] + clock["rtol"] * max(abs(z[i]), abs(new[i]))
-        square_5 += (_weighted(ERROR_5, integration.slopes, i) / scale) ** 2
+        scale = tolerance(clock, integration.units[i], max(abs(z[i]), abs(new[i])))
+        error_5 = _weighted(ERROR_5, integration.slopes, i) / scale
+        square_5 += error_5**2
         square_3 += (_weighted(ERROR_3, integration.slopes, i) / scale) ** 2
-    return _combined(h, square_5, square_3, counted)
+        # `not <=` lets a nan through as the worst place.
+        if not abs(error_5) <= largest:
+            worst, largest = i, abs(error_5)
+    return _combined(h, square_5, square_3, counted), worst
 
 
 @allocating
@@ -57,8 +53,8 @@ def error_on_constraints(system, work, integration, h):
         _keep_allowed(system, work, of_speeds)
         for k in range(n):
             unit = integration.units[first + k]
-            square += (of_position[k] / ((clock["atol"] + clock["rtol"]) * unit)) ** 2
-            square += (of_speeds[k] / (clock["atol"] * unit + clock["rtol"] * abs(u[k]))) ** 2
+            square += (of_position[k] / displacement_tolerance(clock, unit)) ** 2
+            square += (of_speeds[k] / tolerance(clock, unit, abs(u[k]))) ** 2
         if order:
             square_3 = square
         else:
@@ -71,10 +67,7 @@ def _keep_allowed(system, work, change):
     """Leave of a change (n,) of speeds what the constraints allow."""
     zero, step, gamma = work.vectors[QD], work.vectors[CORRECTION], work.rows[GAMMA]
     for row in range(gamma.shape[0]):
-        total = 0.0
-        for k in range(change.shape[0]):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * change[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, change, system.speed_scale)
         gamma[row] = -total * system.row_scale[row]
     for k in range(zero.shape[0]):
         zero[k] = 0.0

@@ -4,8 +4,6 @@ Steps have a given length, or one that keeps the error of a step within the tole
 depend on how the report rows are cut into calls.  Rows inside a step come from Hermite's cubic through
 both ends; every row is brought onto the constraints to round-off, and its accelerations and forces are
 those of the equations of motion there.
-
-What a call is asked for and what it answers is reported in `constrained_dop853`.
 """
 
 from collections import namedtuple
@@ -13,83 +11,48 @@ from collections import namedtuple
 import numpy as np
 
 from .._jit import allocating, kernel
-from ..constrained.angle_unwrapping import EXPECTED, OLD, unwrap_angles
-from ..constrained.angle_unwrapping import NEW as TURNED
+from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
-from ..constrained.projection import largest_gap
 from ..constrained.report import complete, coordinates_and_speeds
 from ..constrained.system import A
+from ..linalg.copying import copy
 from ..linalg.rotation import rotation_matrices
-from .constrained_dop853 import (
-    BEGIN,
-    CONTRADICTION,
-    PAUSED,
-    READY,
-    REPEATED_GAP,
-    ROWS_FULL,
-    SMALLEST_STEP,
-    STEP_VANISHED,
-)
+from .clock import BEGIN, READY, STEP_VANISHED, new_clock
+from .constrained_equations import code_of_gap, interpolate_angles, note_gap
 from .generalised_alpha_control import SAME, SLOWEST, advance, factor_of, next_length, retreat
-from .generalised_alpha_step import (
-    BEFORE,
-    LAST,
-    MEAN,
-    NEW,
-    NEW_MEAN,
-    fastest_change,
-    iterate,
-    solve_step,
-    turn_exactly,
-)
+from .generalised_alpha_error import BEFORE, LAST, MEAN, NEW, NEW_MEAN, fastest_change
+from .generalised_alpha_step import iterate, solve_step, turn_exactly
+from .hermite import cubic
 from .rotation_increments import FAR_TURN, LONGEST_TURN, largest_turn, set_slope, shift_between
 from .singular_ahead import look_ahead
+from .time_loop import Method, time_loop
 
-CLOCK = np.dtype(
+MEMORY = np.dtype(
     [
-        ("t", np.float64),  # s
-        ("step", np.float64),  # length the next step will try, s
         ("fixed", np.float64),  # length that all steps have, s, 0: chosen
         ("rho", np.float64),  # spectral radius at infinity
         ("start", np.float64),  # first time, s
         ("whole", np.int64),  # steps of given length that are behind
-        ("rejected", np.int64),  # whether the attempt before it failed
-        ("step_start", np.float64),  # the last accepted step: where it began,
-        ("step_length", np.float64),  # how long it was, 0 before the first
-        ("mean_length", np.float64),  # step that the means of the accelerations belong to
-        ("stop", np.float64),  # no step goes further, s
-        ("row", np.int64),  # report rows filled in this call
-        ("steps", np.int64),
-        ("evaluations", np.int64),
-        ("rejections", np.int64),
-        ("fault", np.int64),  # code of the last failed evaluation, or SOLVED
-        ("worst", np.int64),  # equation with the largest gap,
-        ("gap", np.float64),  # and that gap, scaled
-        ("rtol", np.float64),
-        ("atol", np.float64),
-        ("error", np.float64),  # of the step that is tried, in tolerances, of the share of chosen ones,
-        ("share", np.float64),  # that share,
+        ("mean_length", np.float64),  # step that the means of the accelerations belong to, s
+        ("share", np.float64),  # share of the tolerance that the step may err by; `clock["error"]` is of it
         ("span", np.float64),  # of the whole run, s
-        ("turned", np.float64),  # and how far a body turns in it, of the longest turn
+        ("turned", np.float64),  # how far a body turns in the step, of the longest turn
         ("left", np.float64),  # error that an iteration leaves, as a share of its size, seen last
         ("power", np.float64),  # of drivers and loads that store no energy, at t, W
-        ("new_power", np.float64),  # and at the end of the step that is tried
-        ("old_power", np.float64),  # and at the start of the last step
-        ("pivot_order", np.float64),  # quality of the order of the pivots at a step's end,
-        ("pivot_time", np.float64),  # and that time, s
-        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near,
-        ("passing", np.float64),  # and length of the step over it, s
+        ("new_power", np.float64),  # at the end of the step that is tried, W
+        ("old_power", np.float64),  # at the start of the last step, W
+        ("passing", np.float64),  # length of the step over the singular position ahead, s
     ]
 )
 
 AlphaIntegration = namedtuple(
-    "AlphaIntegration", "clock z old trial units angles rates missing step shift gaps newton"
+    "AlphaIntegration", "clock memory z old trial units angles rates missing step shift gaps newton"
 )
 AlphaIntegration.__doc__ = """What an integration keeps from call to call, for n speeds, states of N numbers,
 m equations.
 
-clock (1,) CLOCK.  z, old, trial, units (N,): state, that at the start of the last step, the one
-tried or reported, a state's unit.  angles (3, screws): see `screw_turns`.  rates (5, n): see
+clock (1,) CLOCK.  memory (1,) MEMORY.  z, old, trial, units (N,): state, that at the start of the last step,
+the one tried or reported, a state's unit.  angles (3, screws): see `screw_turns`.  rates (5, n): see
 `generalised_alpha`.  missing, step, shift (n,), gaps (3, m):
 of an iteration.  newton: the Work whose `reduced` is the matrix.
 """
@@ -101,7 +64,8 @@ def new_integration(work, angles):
     size = 2 * n + work.mass.shape[0] + 1
     states = [np.zeros(size) for _ in range(3)]
     return AlphaIntegration(
-        np.zeros(1, CLOCK),
+        new_clock(),
+        np.zeros(1, MEMORY),
         *states,
         np.ones(size),
         np.zeros((3, angles)),
@@ -113,46 +77,20 @@ def new_integration(work, angles):
 
 
 @kernel
-def integrate_rows(task, system, work, integration, report, budget):
-    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; an answer.
-
-    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
-    """
-    clock = integration.clock[0]
-    clock["row"] = 0
-    if task == BEGIN:
-        return _begin(system, work, integration)
-    spent = clock["evaluations"] + budget
-    while clock["row"] < report.times.shape[0]:
-        t = report.times[clock["row"]]
-        if t <= clock["t"] + SAME * clock["step"]:
-            if not _fill_row(system, work, integration, t, report):
-                return STEP_VANISHED
-        elif clock["evaluations"] >= spent:
-            return PAUSED
-        else:
-            answer = _step(system, work, integration)
-            if answer != READY:
-                return answer
-    return ROWS_FULL
-
-
-@kernel
-def _begin(system, work, integration):
-    clock, rates = integration.clock[0], integration.rates
-    clock["start"] = clock["step_start"] = clock["t"]
-    clock["left"], clock["singular"], clock["span"] = 1.0, np.inf, clock["stop"] - clock["t"]
-    _copy(integration.z, integration.trial)
+def _begin(integration, system, work):
+    clock, memory, rates = integration.clock[0], integration.memory[0], integration.rates
+    memory["start"] = clock["step_start"] = clock["t"]
+    memory["left"], memory["span"] = 1.0, clock["stop"] - clock["t"]
+    copy(integration.z, integration.trial)
     if not iterate(system, work, integration, clock["t"], 0.0, 0.0, 0.0):
         return STEP_VANISHED
-    clock["power"] = clock["new_power"]
-    _copy(integration.trial, integration.z)
-    _copy(integration.z, integration.old)
+    memory["power"] = memory["new_power"]
+    copy(integration.trial, integration.z)
+    copy(integration.z, integration.old)
     for kind in (LAST, BEFORE, MEAN):
-        _copy(rates[NEW], rates[kind])
-    clock["step"] = clock["passing"] = (
-        clock["fixed"] if clock["fixed"] > 0.0 else _first_step(system, integration)
-    )
+        copy(rates[NEW], rates[kind])
+    clock["step"] = memory["fixed"] if memory["fixed"] > 0.0 else _first_step(system, integration)
+    memory["passing"] = clock["step"]
     return READY
 
 
@@ -164,91 +102,107 @@ def _first_step(system, integration):
 
 
 @kernel
-def _copy(a, b):
-    """b = a."""
-    for i in range(a.shape[0]):
-        b[i] = a[i]
+def _length(integration, system, work):
+    return next_length(integration.clock[0], integration.memory[0])
 
 
 @kernel
-def _step(system, work, integration):
-    """One accepted step; an answer."""
-    clock = integration.clock[0]
-    while True:
-        h = next_length(clock)
-        if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
-            return STEP_VANISHED
-        if not solve_step(system, work, integration, h):
-            retreat(clock, h, h / 4.0)
-        elif clock["fixed"] == 0.0 and not _holds(system, integration, h):
-            retreat(clock, h, h * (factor_of(clock) if clock["error"] < 1e10 else SLOWEST))
-        else:
-            _accept(system, work, integration, h)
-            return READY if clock["gap"] <= REPEATED_GAP else CONTRADICTION
+def _attempt(integration, h, system, work):
+    """Find the end of a step of length h; 1, or minus the factor on the length for another try."""
+    clock, memory = integration.clock[0], integration.memory[0]
+    if not solve_step(system, work, integration, h):
+        return -0.25
+    if memory["fixed"] == 0.0 and not _holds(system, integration, h):
+        return -(factor_of(clock, memory) if clock["error"] < 1e10 else SLOWEST)
+    return 1.0
+
+
+@kernel
+def _reject(integration, h, factor, system, work):
+    retreat(integration.clock[0], integration.memory[0], h, h * factor)
 
 
 @kernel
 def _holds(system, integration, h):
     """Return whether a step of length h is within the tolerance, and turns no body too far."""
-    clock, bodies, first = (
-        integration.clock[0],
-        system.masses.shape[0],
-        integration.z.shape[0] - 1 - integration.rates.shape[1],
-    )
+    bodies, first = system.masses.shape[0], integration.z.shape[0] - 1 - integration.rates.shape[1]
+    clock, memory = integration.clock[0], integration.memory[0]
     fastest = max(
         largest_turn(bodies, integration.z[first:-1]), largest_turn(bodies, integration.trial[first:-1])
     )
-    clock["turned"] = h * fastest / LONGEST_TURN
-    return clock["error"] < 1.0 and clock["turned"] < 1.0
+    memory["turned"] = h * fastest / LONGEST_TURN
+    return clock["error"] < 1.0 and memory["turned"] < 1.0
 
 
 @kernel
-def _accept(system, work, integration, h):
-    """Make the end of a step the state."""
-    clock, rates, z = integration.clock[0], integration.rates, integration.z
-    last = z.shape[0] - 1
-    _copy(z, integration.old)
-    _copy(integration.trial, z)
-    z[last] = integration.old[last] + 0.5 * h * (clock["power"] + clock["new_power"])
-    clock["old_power"], clock["power"] = clock["power"], clock["new_power"]
-    _copy(rates[LAST], rates[BEFORE])
-    _copy(rates[NEW], rates[LAST])
-    _copy(rates[NEW_MEAN], rates[MEAN])
-    advance(clock, h)
-    clock["gap"], clock["worst"] = largest_gap(system, work)
+def _accept(integration, factor, system, work):
+    """Make the end of a step the state; a code."""
+    clock, memory, rates, z = integration.clock[0], integration.memory[0], integration.rates, integration.z
+    last, h = z.shape[0] - 1, clock["length"]
+    copy(z, integration.old)
+    copy(integration.trial, z)
+    z[last] = integration.old[last] + 0.5 * h * (memory["power"] + memory["new_power"])
+    memory["old_power"], memory["power"] = memory["power"], memory["new_power"]
+    copy(rates[LAST], rates[BEFORE])
+    copy(rates[NEW], rates[LAST])
+    copy(rates[NEW_MEAN], rates[MEAN])
+    advance(clock, memory, h)
+    note_gap(integration, system, work)
     if integration.angles.shape[1] > 0:
         q = coordinates_and_speeds(system, z)[0]
         rotation_matrices(q, work.rotations[A])
         place_vectors(geometry_of(system, work), q)
         unwrap_angles(system, work, integration)
-    if clock["fixed"] == 0.0:
-        look_ahead(system, work, integration, rates[LAST], clock["passing"])
+    if memory["fixed"] == 0.0:
+        look_ahead(system, work, integration, rates[LAST], memory["passing"])
+    return code_of_gap(integration)
 
 
 @kernel
-def _fill_row(system, work, integration, t, report):
-    """A report row at a time up to the present one; returns whether there is one."""
+def _fill_row(integration, t, report, system, work):
+    """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
-    _copy(integration.z, integration.trial)
+    copy(integration.z, integration.trial)
     if t < clock["t"] - SAME * clock["step_length"]:
         x = (t - clock["step_start"]) / clock["step_length"]
         _between(system, integration, x, integration.trial)
-    for s in range(angles.shape[1]):
-        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[TURNED, s]
-    _copy(angles[EXPECTED], work.angles)
+    interpolate_angles(integration, x)
+    copy(angles[EXPECTED], work.angles)
     if not iterate(system, work, integration, t, 0.0, 0.0, 0.0):
-        return False
-    _copy(integration.trial, report.states[row])
-    _copy(integration.rates[NEW], report.rates[row])
-    complete(system, work, integration.trial, t, angles[EXPECTED], clock["new_power"], report, row)
+        return STEP_VANISHED
+    copy(integration.trial, report.states[row])
+    copy(integration.rates[NEW], report.rates[row])
+    complete(
+        system, work, integration.trial, t, angles[EXPECTED], integration.memory[0]["new_power"], report, row
+    )
     clock["row"] += 1
-    return True
+    return READY
+
+
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row), SAME)
+
+
+@kernel
+def integrate_rows(task, system, work, integration, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code.
+
+    clock["row"] counts the rows filled.  The order of elimination must have been chosen.
+    """
+    if task == BEGIN:
+        return _begin(integration, system, work)
+    return _advance(integration, report, budget, system, work)
 
 
 @allocating
 def _between(system, integration, x, point):
     """Fill point with the state at the fraction x of the last step."""
-    clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
+    clock, memory, old, z, n = (
+        integration.clock[0],
+        integration.memory[0],
+        integration.old,
+        integration.z,
+        system.speed_scale.shape[0],
+    )
     nq, h, bodies = z.shape[0] - 1 - n, clock["step_length"], system.masses.shape[0]
     shift, before, after, mean = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for k in range(n):
@@ -260,18 +214,12 @@ def _between(system, integration, x, point):
         for k in range(6 * body + 3, 6 * body + 6):
             before[k] = after[k] = shift[k] / h
     for k in range(n):
-        shift[k] = _cubic(x, 0.0, shift[k], h * before[k], h * after[k])
+        shift[k] = cubic(x, 0.0, shift[k], h * before[k], h * after[k])
     for i in range(nq):
         point[i] = old[i]
     turn_exactly(bodies, point[:nq], shift)
     for k in range(n):
         i = nq + k
-        point[i] = _cubic(x, old[i], z[i], h * integration.rates[BEFORE, k], h * integration.rates[LAST, k])
+        point[i] = cubic(x, old[i], z[i], h * integration.rates[BEFORE, k], h * integration.rates[LAST, k])
     last = nq + n
-    point[last] = _cubic(x, old[last], z[last], h * clock["old_power"], h * clock["power"])
-
-
-@kernel
-def _cubic(x, a, b, da, db):
-    change = b - a
-    return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))
+    point[last] = cubic(x, old[last], z[last], h * memory["old_power"], h * memory["power"])

@@ -23,15 +23,15 @@ PASSING = 0.005  # of the tolerance: error of a step over a singular position, o
 
 
 @kernel
-def share_of(clock, work, h, fastest):
+def share_of(clock, memory, work, h, fastest):
     """The share of the tolerance that a step of length h may err by, all of it where lengths are given.
 
     The few steps over singular positions have a share of their own.  No share is below what the round-off
     of speeds makes of the accelerations, which change them at the rate `fastest`, 1/s.
     """
-    if clock["fixed"] > 0.0:
+    if memory["fixed"] > 0.0:
         return 1.0
-    share = min(1.0, PASSED_ON * h / clock["span"])
+    share = min(1.0, PASSED_ON * h / memory["span"])
     if leads_over(clock, h):
         share = max(share, PASSING)
     noise = NOISE * round_off(work)
@@ -41,33 +41,33 @@ def share_of(clock, work, h, fastest):
 
 
 @kernel
-def left_over(clock, work, share):
+def left_over(clock, memory, work, share):
     """What iterations may leave of a step's share: steps of given length have their own error."""
-    if clock["fixed"] > 0.0:
+    if memory["fixed"] > 0.0:
         return OF_ERROR * clock["error"]
     blurred = blur(work, share * clock["rtol"])
     return share * (ITERATED if blurred == 1.0 else MOST_BLURRED * blurred)
 
 
 @kernel
-def next_length(clock):
+def next_length(clock, memory):
     """Length of the next step: steps of given length end at whole multiples."""
-    left, step = clock["stop"] - clock["t"], _laid_out(clock)
-    if clock["fixed"] > 0.0:
-        left = min(left, clock["start"] + (clock["whole"] + 1) * clock["fixed"] - clock["t"])
+    left, step = clock["stop"] - clock["t"], _laid_out(clock, memory)
+    if memory["fixed"] > 0.0:
+        left = min(left, memory["start"] + (memory["whole"] + 1) * memory["fixed"] - clock["t"])
     return step if abs(step - left) <= SAME * left else min(step, left)
 
 
 @kernel
-def _laid_out(clock):
+def _laid_out(clock, memory):
     """Length of a step so that one of the length `passing` leads over the singular position ahead.
 
     Round-off of speeds grows towards that position, so that the longest step that is exact enough leads
     over it; those before it are equal.
     """
     step, way = clock["step"], clock["singular"] - clock["t"]
-    before = way - SHARE * clock["passing"]
-    if not (0.0 < way < LOOK * clock["passing"] and before < LOOK * step):
+    before = way - SHARE * memory["passing"]
+    if not (0.0 < way < LOOK * memory["passing"] and before < LOOK * step):
         return step
     if before <= NEAR_ENOUGH * step:
         return way / SHARE
@@ -75,47 +75,47 @@ def _laid_out(clock):
 
 
 @kernel
-def retreat(clock, tried, h):
+def retreat(clock, memory, tried, h):
     """After a step of length `tried` that was not found, or not well enough: one of length h."""
     if leads_over(clock, tried):
-        clock["passing"] = h
+        memory["passing"] = h
     clock["step"] = min(clock["step"], h)
     clock["rejections"] += 1
     clock["rejected"] = 1
-    clock["left"] = 1.0
+    memory["left"] = 1.0
 
 
 @kernel
-def factor_of(clock):
+def factor_of(clock, memory):
     """Length of the next step by that of the one behind, whose error is known."""
     factor = SAFETY * clock["error"] ** -0.5 if clock["error"] > 0.0 else FASTEST
-    if clock["turned"] > 0.0:
-        factor = min(factor, SAFETY / clock["turned"])
+    if memory["turned"] > 0.0:
+        factor = min(factor, SAFETY / memory["turned"])
     return min(1.0 if clock["rejected"] else FASTEST, max(SLOWEST, factor))
 
 
 @kernel
-def advance(clock, h):
+def advance(clock, memory, h):
     """The time of the state, and the length of the next step."""
     clock["step_start"], clock["step_length"] = clock["t"], h
     t, same = clock["t"] + h, SAME * h
-    if clock["fixed"] > 0.0:
-        whole = clock["start"] + (clock["whole"] + 1) * clock["fixed"]
+    if memory["fixed"] > 0.0:
+        whole = memory["start"] + (memory["whole"] + 1) * memory["fixed"]
         if abs(whole - t) <= same:
             t = whole
-            clock["whole"] += 1
-        clock["step"] = clock["fixed"]
+            memory["whole"] += 1
+        clock["step"] = memory["fixed"]
     elif not leads_over(clock, h):
-        clock["step"] = h * factor_of(clock)
-        clock["passing"] = max(clock["step"], _passing_step(clock, h))
+        clock["step"] = h * factor_of(clock, memory)
+        memory["passing"] = max(clock["step"], _passing_step(clock, memory, h))
     clock["t"] = clock["stop"] if abs(clock["stop"] - t) <= same else t
     clock["rejected"] = 0
     clock["steps"] += 1
 
 
 @kernel
-def _passing_step(clock, h):
+def _passing_step(clock, memory, h):
     """Length of a step whose error is what one over a singular position may have, after one of length h."""
-    error = clock["error"] * clock["share"]
+    error = clock["error"] * memory["share"]
     longest = MOST_PASSING * clock["step"]
     return min(longest, SAFETY * h * (PASSING / error) ** (1.0 / 3.0)) if error > 0.0 else longest

@@ -27,12 +27,19 @@ from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import move
 from ..constrained.system import CORRECTION, FORCES, GAMMA, NO_INERTIA, PHI, PRODUCT, SOLVED, UNKNOWN
 from ..constrained.tangent import tangent_times
-from ..linalg.rank_revealing_lu import cholesky
+from ..linalg.rank_revealing_lu import cholesky, row_times
 from .generalised_alpha_control import left_over, share_of
+from .generalised_alpha_error import (
+    BEFORE,
+    LAST,
+    MEAN,
+    NEW,
+    NEW_MEAN,
+    correction_size,
+    fastest_change,
+    step_error,
+)
 
-# Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
-# before; the means at both ends.
-NEW, LAST, BEFORE, MEAN, NEW_MEAN = 0, 1, 2, 3, 4
 # Rows of what is missing in the equations (3, m).
 POSITION, SPEED, ACCELERATION = 0, 1, 2
 
@@ -57,7 +64,7 @@ def parameters(rho):
 def solve_step(system, work, integration, h):
     """Find the state `trial` at the end of a step of length h from z; returns whether it was found."""
     clock = integration.clock[0]
-    alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
+    alpha_m, alpha_f, beta, gamma = parameters(integration.memory[0]["rho"])
     share = (1.0 - alpha_f) / (1.0 - alpha_m)
     _predict(system, work, integration, h)
     if not iterate(system, work, integration, clock["t"] + h, share * beta * h * h, share * gamma * h, h):
@@ -73,9 +80,9 @@ def iterate(system, work, integration, t, by_position, by_speed, h):
     An acceleration moves positions and speeds by so much.  With h = 0 by nothing: the state is the one at
     t, and is brought onto the constraints.
     """
-    clock = integration.clock[0]
+    clock, memory = integration.clock[0], integration.memory[0]
     # The first correction is trusted somewhat less than the last of the step before was.
-    quality, left, before, gap_before = 0.0, clock["left"] ** CAUTION, 0.0, np.inf
+    quality, left, before, gap_before = 0.0, memory["left"] ** CAUTION, 0.0, np.inf
     for iteration in range(MOST_ITERATIONS):
         clock["evaluations"] += 1
         clock["fault"] = _evaluate(system, work, integration, t)
@@ -97,35 +104,23 @@ def iterate(system, work, integration, t, by_position, by_speed, h):
             # The second correction answers to the gaps that the first one closed.
             if iteration > 1 and not (contraction < 1.0 or size < FLOOR / clock["rtol"]):
                 return False
-            left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
+            left = memory["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         # Errors of steps of order 2 add up: those of chosen steps get a share of the tolerance each.
-        share = clock["share"] = share_of(clock, work, h, fastest_change(system, integration))
+        share = memory["share"] = share_of(clock, memory, work, h, fastest_change(system, integration))
         clock["error"] = step_error(system, integration, h) / share
-        enough = max(left_over(clock, work, share), FLOOR / clock["rtol"])
+        enough = max(left_over(clock, memory, work, share), FLOOR / clock["rtol"])
         if left * size < enough and gap < CLOSED:
             return True
         before = size
     return False
 
 
-@kernel
-def fastest_change(system, integration):
-    """The largest rate at which accelerations change speeds, 1/s."""
-    n = system.speed_scale.shape[0]
-    first = integration.z.shape[0] - 1 - n
-    fastest = 0.0
-    for k in range(n):
-        size = system.speed_scale[k] + abs(integration.z[first + k])
-        fastest = max(fastest, abs(integration.rates[LAST, k]) / size)
-    return fastest
-
-
 @part
 def _predict(system, work, integration, h):
     """The end of the step by accelerations that go on as before."""
-    clock, n = integration.clock[0], system.speed_scale.shape[0]
-    rates, length = integration.rates, clock["step_length"]
-    alpha_m, alpha_f, beta, gamma = parameters(clock["rho"])
+    memory, n = integration.memory[0], system.speed_scale.shape[0]
+    rates, length = integration.rates, integration.clock[0]["step_length"]
+    alpha_m, alpha_f, beta, gamma = parameters(memory["rho"])
     step = work.vectors[CORRECTION, :n]
     for i in range(integration.z.shape[0]):
         integration.trial[i] = integration.z[i]
@@ -136,7 +131,7 @@ def _predict(system, work, integration, h):
         if length > 0.0:
             ahead = (last - rates[BEFORE, k]) * h / length
             rates[NEW, k] += ahead
-            if h == clock["mean_length"]:
+            if h == memory["mean_length"]:
                 rates[MEAN, k] = last + (rates[MEAN, k] - last)
             else:
                 # The mean belongs to a time that is a fixed part of a step away.  One that is carried over
@@ -146,7 +141,7 @@ def _predict(system, work, integration, h):
         new = ((1.0 - alpha_f) * rates[NEW, k] + alpha_f * last - alpha_m * mean) / (1.0 - alpha_m)
         step[k] = h * (u[k] + h * ((0.5 - beta) * mean + beta * new))
         u[k] += h * ((1.0 - gamma) * mean + gamma * new)
-    clock["mean_length"] = h
+    memory["mean_length"] = h
     turn_exactly(system.masses.shape[0], q, step)
     expect_angles(system, work, integration, h)
     for k in range(work.angles.shape[0]):
@@ -192,10 +187,7 @@ def _evaluate(system, work, integration, t):
     power = fill_forces(system, work, q, u, t)
     fill_gamma(system, work, q, u, t)
     for row in range(gaps.shape[1]):
-        total = 0.0
-        for k in range(n):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[ACCELERATION, row] = work.rows[GAMMA, row] - total * system.row_scale[row]
     forces, product = integration.missing, work.vectors[PRODUCT]
     mass_times(inertia_of(system, work), ud, product)
@@ -203,7 +195,7 @@ def _evaluate(system, work, integration, t):
         forces[k] = work.vectors[FORCES, k] - product[k]
         # Constraints that do not move do no work: what is left of their power is the drivers'.
         power -= forces[k] * u[k]
-    integration.clock[0]["new_power"] = power
+    integration.memory[0]["new_power"] = power
     return code
 
 
@@ -233,7 +225,7 @@ def _correct(system, work, integration, by_position, by_speed):
         integration.rates[NEW, k] += step[k]
         u[k] += by_speed * step[k]
         integration.missing[k] = 0.0
-    size = _size(system, integration, by_speed)
+    size = correction_size(system, integration, by_speed)
     for k in range(n):
         step[k] *= by_position
     for row in range(gaps.shape[1]):
@@ -258,44 +250,6 @@ def _largest(system, gaps):
         for row in range(gaps.shape[1]):
             found = max(found, abs(gaps[kind, row]) / system.row_scale[row])
     return found
-
-
-@part
-def _size(system, integration, by_speed):
-    """The change of the speeds by `step` in tolerances."""
-    clock, n, total = integration.clock[0], system.speed_scale.shape[0], 0.0
-    first = integration.z.shape[0] - 1 - n
-    for k in range(n):
-        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
-            integration.trial[first + k]
-        )
-        total += (by_speed * integration.step[k] / scale) ** 2
-    return (total / n) ** 0.5
-
-
-@part
-def step_error(system, integration, h):
-    """Error of the step in tolerances, from the growth of the accelerations.
-
-    By Taylor's series, with s = α_m - α_f: (1/12 + s²/4) h³ d(ud)/dt in positions and
-    (1/12 - s²/2) h³ d²(ud)/dt² in speeds.
-    """
-    clock, rates, n = integration.clock[0], integration.rates, system.speed_scale.shape[0]
-    first = integration.z.shape[0] - 1 - n
-    s = (clock["rho"] - 1.0) / (clock["rho"] + 1.0)
-    of_position, of_speed = (1.0 / 12.0 + 0.25 * s * s) * h * h, (1.0 / 12.0 - 0.5 * s * s) * h
-    length, total = clock["step_length"], 0.0
-    for k in range(n):
-        growth = rates[NEW, k] - rates[LAST, k]
-        bend = growth
-        if length > 0.0:
-            bend = 2.0 * h / (h + length) * (growth - (rates[LAST, k] - rates[BEFORE, k]) * h / length)
-        total += (of_position * growth / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
-        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
-            integration.trial[first + k]
-        )
-        total += (of_speed * bend / scale) ** 2
-    return (0.5 * total / n) ** 0.5
 
 
 @part

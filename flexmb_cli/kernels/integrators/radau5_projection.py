@@ -5,14 +5,17 @@ The shortest way in the metric of the matrix of the step: stiff motions stay at 
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerations, factorise_constraints, solve
 from ..constrained.angle_unwrapping import EXPECTED
 from ..constrained.mass_matrix import mass_matrices
 from ..constrained.projection import MOST_CORRECTIONS, ROUND_OFF, evaluate_residual, rate_gap
 from ..constrained.report import coordinates_and_speeds
-from ..constrained.speeds import move, normalise
+from ..constrained.speeds import coordinate_accelerations, coordinate_rates, move, normalise, speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, PHI, QD, SOLVED
+from .error_norm import scaled_norm
+from .hermite import cubic, quintic
+from .radau5_step import LAST, START
 
 
 @kernel
@@ -51,12 +54,10 @@ def close_gaps(system, work, integration, t):
 
 @kernel
 def moved(integration, found):
-    """By how many tolerances `trial` was moved from the state found."""
-    clock, z, total, counted = integration.clock[0], integration.trial, 0.0, found.shape[0] - 1
-    for i in range(counted):
-        scale = clock["atol"] * integration.units[i] + clock["rtol"] * abs(z[i])
-        total += ((z[i] - found[i]) / scale) ** 2
-    return (total / counted) ** 0.5
+    """By how many tolerances `trial` was moved from the state found, which becomes the difference."""
+    for i in range(found.shape[0]):
+        found[i] = integration.trial[i] - found[i]
+    return scaled_norm(integration, integration.trial, found)
 
 
 @kernel
@@ -73,3 +74,26 @@ def project_state(system, work, integration, t, ud):
         mass_matrices(system, work, q)
         code = close_gaps(system, work, integration, t)
     return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
+
+
+@allocating
+def between(system, integration, x, point):
+    """Fill point with the state at the fraction x of the last step."""
+    clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]
+    bodies, h = system.masses.shape[0], clock["step_length"]
+    nq = n + bodies
+    rates = np.empty((5, nq))
+    coordinate_rates(bodies, old[:nq], old[nq : nq + n], rates[0])
+    coordinate_accelerations(bodies, old[:nq], old[nq : nq + n], integration.rates[LAST], rates[1])
+    coordinate_rates(bodies, z[:nq], z[nq : nq + n], rates[2])
+    coordinate_accelerations(bodies, z[:nq], z[nq : nq + n], integration.rates[START], rates[3])
+    for i in range(nq):
+        point[i], rates[4, i] = quintic(
+            x, old[i], z[i], h * rates[0, i], h * rates[2, i], h * h * rates[1, i], h * h * rates[3, i]
+        )
+        rates[4, i] /= h
+    speeds_of_rates(bodies, point[:nq], rates[4], point[nq : nq + n])
+    last = nq + n
+    point[last] = cubic(
+        x, old[last], z[last], h * integration.memory[0]["old_power"], h * integration.memory[0]["power"]
+    )

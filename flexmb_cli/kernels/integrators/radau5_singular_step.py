@@ -10,8 +10,10 @@ or one that would come onto another branch, has other accelerations there.
 from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles
 from ..constrained.system import SOLVED
+from .error_norm import tolerance
+from .radau5_error import work_scale
 from .radau5_projection import moved, project_state
-from .radau5_step import START, place_stages, place_trial, predict, prepare, work_scale
+from .radau5_step import START, place_stages, place_trial, predict, prepare
 from .radau5_table import STAGES, TIMES
 from .singular_ahead import blur, most_declined
 
@@ -80,9 +82,7 @@ def _unexpected(integration, expected):
     clock, n, total = integration.clock[0], expected.shape[0], 0.0
     first = integration.z.shape[0] - 1 - n
     for k in range(n):
-        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(
-            integration.trial[first + k]
-        )
+        scale = tolerance(clock, integration.units[first + k], abs(integration.trial[first + k]))
         total += ((integration.rates[START + STAGES, k] - expected[k]) / scale) ** 2
     return (total / n) ** 0.5
 
@@ -90,7 +90,7 @@ def _unexpected(integration, expected):
 @kernel
 def _spread_power(integration, power):
     """Powers of the stages between that at the start and that at the end; returns the change."""
-    before = integration.clock[0]["power"]
+    before = integration.memory[0]["power"]
     for stage in range(STAGES):
         integration.powers[stage] = before + TIMES[stage] * (power - before)
     return power - before

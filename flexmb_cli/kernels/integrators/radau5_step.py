@@ -28,13 +28,13 @@ from ..constrained.report import coordinates_and_speeds
 from ..constrained.system import FORCES, GAMMA, PRODUCT, SOLVED, UNKNOWN
 from ..constrained.tangent import add_stiff
 from ..linalg.complex_ldl import factorise_symmetric, solve_symmetric
-from ..linalg.rank_revealing_lu import cholesky, cholesky_solve
+from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, row_times
+from .error_norm import displacement_tolerance, tolerance
 from .generalised_alpha_step import turn_exactly
 from .radau5_table import (
     COMPLEX,
     COMPLEX_LEFT,
     COMPLEX_RIGHT,
-    ERROR,
     REAL,
     REAL_LEFT,
     REAL_RIGHT,
@@ -102,7 +102,7 @@ def solve_step(system, work, integration, h):
     if not prepare(integration, work.jacobian.shape[1] - work.rank[0], h):
         return False
     predict(system, integration, h)
-    left, before = clock["left"] ** CAUTION, 0.0
+    left, before = integration.memory[0]["left"] ** CAUTION, 0.0
     for iteration in range(MOST_ITERATIONS):
         for stage in range(STAGES):
             clock["evaluations"] += 1
@@ -117,7 +117,7 @@ def solve_step(system, work, integration, h):
             weakest = SECOND if iteration == 1 else 1.0
             if not (contraction < weakest or size < FLOOR / clock["rtol"]):
                 return False
-            left = clock["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
+            left = integration.memory[0]["left"] = max(contraction / (1.0 - min(contraction, 0.5)), LEAST)
         enough = max(min(0.03, clock["rtol"] ** 0.5), FLOOR / clock["rtol"])
         if left * size < enough * blur(work, clock["rtol"]):
             return True
@@ -172,7 +172,7 @@ def place_stages(system, integration, h):
                 change += WEIGHTS[stage, j] * rates[1 + j, k]
             change = u[k] + h * change - speeds[stage, k]
             speeds[stage, k] += change
-            scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(u[k])
+            scale = tolerance(clock, integration.units[first + k], abs(u[k]))
             total += (change / scale) ** 2
         set_slope(system.masses.shape[0], shifts[stage], speeds[stage], slopes[stage])
     for stage in range(STAGES):
@@ -182,7 +182,7 @@ def place_stages(system, integration, h):
                 change += WEIGHTS[stage, j] * slopes[j, k]
             change = h * change - shifts[stage, k]
             shifts[stage, k] += change
-            total += (change / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
+            total += (change / displacement_tolerance(clock, system.speed_scale[k])) ** 2
     return (total / (2.0 * STAGES * n)) ** 0.5
 
 
@@ -211,10 +211,7 @@ def _evaluate(system, work, integration, stage, t):
     fill_gamma(system, work, q, u, t)
     gaps, product, missing = work.rows[GAMMA], work.vectors[PRODUCT], integration.missing
     for row in range(gaps.shape[0]):
-        total = 0.0
-        for k in range(n):
-            if work.jacobian[row, k] != 0.0:
-                total += work.jacobian[row, k] * ud[k] / system.speed_scale[k]
+        total = row_times(work.jacobian, work.columns, row, ud, system.speed_scale)
         gaps[row] -= total * system.row_scale[row]
     mass_times(inertia_of(system, work), ud, product)
     for k in range(n):
@@ -249,66 +246,3 @@ def _correct(system, work, integration):
         for k in range(integration.steps.shape[1]):
             integration.rates[1 + stage, k] += integration.steps[stage, k]
             integration.powers[stage] += integration.steps[stage, k] * integration.momenta[stage, k]
-
-
-@kernel
-def step_error(system, work, integration, h):
-    """Error of the step in tolerances, of order 3: stiff motions are taken out by the matrix."""
-    clock, n, rank, m = integration.clock[0], integration.rates.shape[1], work.rank[0], work.jacobian.shape[0]
-    u = coordinates_and_speeds(system, integration.z)[1]
-    of_speed, of_position, y = integration.rest[0], integration.rest[1], integration.real_part
-    for f in range(n - rank):
-        k = work.order[m + rank + f]
-        of_speed[f], of_position[f] = REAL * h * integration.rates[START, k], REAL * h * u[k]
-        for stage in range(STAGES):
-            of_speed[f] += ERROR[stage] * (integration.speeds[stage, k] - u[k])
-            of_position[f] += ERROR[stage] * integration.shifts[stage, k]
-        of_speed[f] /= system.speed_scale[k]
-        of_position[f] /= system.speed_scale[k]
-    for f in range(n - rank):
-        y[f] = 0.0
-        for g in range(n - rank):
-            i, j = max(f, g), min(f, g)
-            y[f] += integration.matrices[MASS, i, j] * of_speed[g]
-            y[f] -= REAL * h * integration.matrices[STIFFNESS, i, j] * of_position[g]
-    cholesky_solve(integration.newton.reduced, n - rank, y)
-    speeds, shifts = integration.steps[0], integration.steps[1]
-    speeds[:] = 0.0
-    shifts[:] = 0.0
-    for f in range(n - rank):
-        of_position[f] += REAL * h * y[f]
-    add_free(system, work, integration.motions[STAGES - 1], y, speeds)
-    add_free(system, work, integration.motions[STAGES - 1], of_position, shifts)
-    total, first = 0.0, integration.z.shape[0] - 1 - n
-    for k in range(n):
-        scale = clock["atol"] * integration.units[first + k] + clock["rtol"] * max(
-            abs(u[k]), abs(integration.speeds[STAGES - 1, k])
-        )
-        total += (speeds[k] / scale) ** 2
-        total += (shifts[k] / ((clock["atol"] + clock["rtol"]) * system.speed_scale[k])) ** 2
-    return (total / (2.0 * n)) ** 0.5
-
-
-@kernel
-def work_error(integration, h):
-    """Error of the work in the step, of order 3, in tolerances: its own, and what those of speeds allow."""
-    clock = integration.clock[0]
-    error = REAL * h * clock["power"]
-    for stage in range(STAGES):
-        for j in range(STAGES):
-            error += h * ERROR[stage] * WEIGHTS[stage, j] * integration.powers[j]
-    return abs(error) / work_scale(integration)
-
-
-@kernel
-def work_scale(integration):
-    """The work that the tolerance allows to be wrong, J: its own, and what that of the speeds allows."""
-    clock, u, last = integration.clock[0], integration.speeds[STAGES - 1], integration.z.shape[0] - 1
-    scale, first = (
-        clock["atol"] * integration.units[last] + clock["rtol"] * abs(integration.z[last]),
-        last - u.shape[0],
-    )
-    for k in range(u.shape[0]):
-        tolerance = clock["atol"] * integration.units[first + k] + clock["rtol"] * abs(u[k])
-        scale += abs(integration.momenta[STAGES - 1, k]) * tolerance
-    return scale

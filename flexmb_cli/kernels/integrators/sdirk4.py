@@ -15,40 +15,24 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..linalg.profile_ldl import set_profile_times
-from ..tree.implicit_matrix import Stiff, factorise, renew, set_mass_times, solve_stiff, stiff_work
-from ..tree.kane import SOLVED
-from ..tree.motion import derivative, normalise_attitudes
-from ..tree.projection import strayed
+from ..linalg.copying import copy
+from ..tree.implicit_matrix import Stiff, stiff_work
+from ..tree.motion import normalise_attitudes
 from ..tree.stiff_projection import project_stiffly
+from .clock import READY
+from .error_norm import strayed
+from .hermite import cubic, quintic
+from .sdirk4_step import STAGES, prepare_matrix, solve_stages, step_error
+from .time_loop import Method, time_loop
+from .tree_dop853 import observe_trial
 
-STEPPED, PAUSED, VANISHED, FAULTED = 0, 1, 2, 3
-
-STAGES, GAMMA = 5, 0.25
-TIMES = np.array([1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0])
-WEIGHTS = np.array(
-    [
-        [1 / 4, 0.0, 0.0, 0.0, 0.0],
-        [1 / 2, 1 / 4, 0.0, 0.0, 0.0],
-        [17 / 50, -1 / 25, 1 / 4, 0.0, 0.0],
-        [371 / 1360, -137 / 2720, 15 / 544, 1 / 4, 0.0],
-        [25 / 24, -49 / 48, 125 / 16, -85 / 12, 1 / 4],
-    ]
-)
-# Weights of the last stage, which is the step, less those of the embedded method.
-ERROR = np.array([-3 / 16, -27 / 32, 25 / 32, 0.0, 1 / 4])
-
-MOST_ITERATIONS = 8
-ITERATED = 0.02  # share of the tolerance at which an iteration ends
-CAUTION = 0.8
-LEAST = 1e-3  # contraction that is trusted: a smaller one may be round-off
 SLOW = 0.2  # contraction at which b is renewed for the next step
 KEPT = 1.3  # a growth up to this factor is not worth a new matrix
 SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 5.0
 
 MEMORY = np.dtype(
     [
-        ("length", np.float64),  # step length of the matrix, 0 for none
+        ("matrix_length", np.float64),  # step length of the matrix, 0 for none
         ("fresh", np.int64),  # whether b is that of the present state
         ("stale", np.int64),  # whether b is to be renewed before the next step
         ("contraction", np.float64),  # worst of the present step
@@ -58,8 +42,10 @@ MEMORY = np.dtype(
 
 
 class Implicit(NamedTuple):
-    """Work space for states of n numbers, NS of them speeds."""
+    """What an integration keeps from call to call, for states of n numbers, NS of them speeds."""
 
+    clock: np.ndarray  # one record of CLOCK
+    z: np.ndarray  # (n,) state at the time t
     memory: np.ndarray  # one record of MEMORY
     slopes: np.ndarray  # (5, n) of the stages
     before: np.ndarray  # (n,) slope at the start of the step
@@ -73,12 +59,15 @@ class Implicit(NamedTuple):
     stiff: Stiff  # the matrix of an iteration
 
 
-def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
-    """Blank work space for (R,) closures; the first step computes b."""
+def implicit_work(clock: np.ndarray, z: np.ndarray, speeds: int, closures: np.ndarray) -> Implicit:
+    """An integration of the state z for (R,) closures; the first step computes b."""
+    n = z.size
     memory = np.zeros(1, MEMORY)
     memory["stale"], memory["left"] = 1, 1.0
     states = [np.zeros(n) for _ in range(6)]
     return Implicit(
+        clock,
+        z,
         memory,
         np.zeros((STAGES, n)),
         *states,
@@ -89,51 +78,34 @@ def implicit_work(n: int, speeds: int, closures: np.ndarray) -> Implicit:
 
 
 @kernel
-def integrate_implicitly(until, budget, tree, work, coordinates, clocks, z, s):
-    """Step the state z from clock["t"] to the first step's end at or after `until`, or to the stop.
-
-    `s.before` holds the slope at z.  Pauses after `budget` evaluations.  The last step began at
-    clock["step_start"] from `s.old` with the slope `s.old_slope`.
-    """
-    clock = clocks[0]
-    spent = clock["evaluations"] + budget
-    while clock["t"] < until and clock["t"] < clock["stop"]:
-        if clock["evaluations"] >= spent:
-            return PAUSED
-        h = min(clock["step"], clock["stop"] - clock["t"])
-        if not h > 1e-15 * max(abs(clock["t"]), 1e-3):
-            return FAULTED if clock["fault"] != SOLVED else VANISHED
-        if not _prepare_matrix(tree, work, coordinates, z, h, s):
-            clock["step"] = h / 4.0
-            continue
-        if not _solve_stages(tree, work, coordinates, clock, z, h, s):
-            _retreat(clock, h, s)
-            continue
-        error = _step_error(tree, clock, z, h, s)
-        factor = SAFETY * error**-0.25 if error > 0.0 else FASTEST
-        factor = min(FASTEST, max(SLOWEST, factor)) if error < 1e10 else SLOWEST
-        if not error < 1.0:
-            clock["rejections"] += 1
-            clock["rejected"], clock["strayed"] = 1, 0
-            clock["step"] = h * factor
-            continue
-        _accept(tree, clock, z, h, factor, s)
-        if tree.closures.shape[0] > 0:
-            _close_loops(tree, work, coordinates, clock, z, h, s)
-    return STEPPED
+def _length(s, tree, work, coordinates):
+    return min(s.clock[0]["step"], s.clock[0]["stop"] - s.clock[0]["t"])
 
 
 @kernel
-def _prepare_matrix(tree, work, coordinates, z, h, s):
-    """Renew b where it is stale and the factors where b or the step length is another one."""
-    memory = s.memory[0]
-    if memory["stale"] != 0:
-        renew(tree, work, coordinates, z, s.stiff)
-        memory["stale"], memory["fresh"], memory["length"], memory["left"] = 0, 1, 0.0, 1.0
-    if memory["length"] == h:
-        return True
-    memory["length"] = h
-    return factorise(tree, GAMMA * h, s.stiff)
+def _attempt(s, h, tree, work, coordinates):
+    """Find the end of a step of length h; the factor on the next length, or minus that of another try."""
+    clock, z = s.clock[0], s.z
+    if not prepare_matrix(tree, work, coordinates, z, h, s):
+        clock["step"] = h / 4.0
+        return -0.25
+    if not solve_stages(tree, work, coordinates, clock, z, h, s):
+        _retreat(clock, h, s)
+        return -0.25
+    error = clock["error"] = step_error(tree, clock, z, h, s)
+    factor = SAFETY * error**-0.25 if error > 0.0 else FASTEST
+    factor = min(FASTEST, max(SLOWEST, factor)) if error < 1e10 else SLOWEST
+    if error < 1.0:
+        return factor
+    clock["rejections"] += 1
+    clock["rejected"], clock["strayed"] = 1, 0
+    clock["step"] = h * factor
+    return -factor
+
+
+@kernel
+def _reject(s, h, factor, tree, work, coordinates):
+    """Leave the clock as it is: not every failed attempt is followed by a shorter one."""
 
 
 @kernel
@@ -147,122 +119,9 @@ def _retreat(clock, h, s):
 
 
 @kernel
-def _solve_stages(tree, work, coordinates, clock, z, h, s):
-    """Slopes of all stages; s.trial is the state of the last one.  False when an iteration fails."""
-    n = z.shape[0]
-    s.memory[0]["contraction"] = 0.0
-    for stage in range(STAGES):
-        for i in range(n):
-            total = 0.0
-            for j in range(stage):
-                total += WEIGHTS[stage, j] * s.slopes[j, i]
-            s.known[i] = z[i] + h * total
-            s.slopes[stage, i] = s.before[i] if stage == 0 else s.slopes[stage - 1, i]
-        if not _solve_stage(
-            tree, work, coordinates, clock, clock["t"] + TIMES[stage] * h, h, s.slopes[stage], s
-        ):
-            return False
-    return True
-
-
-@kernel
-def _solve_stage(tree, work, coordinates, clock, t, h, slope, s):
-    """Iterate the slope of one stage."""
-    memory = s.memory[0]
-    # A first iteration is trusted somewhat less than those before it were.
-    left, last = memory["left"] ** CAUTION, 0.0
-    for iteration in range(MOST_ITERATIONS):
-        _place_trial(h, slope, s)
-        clock["evaluations"] += 1
-        clock["fault"] = derivative(tree, work, coordinates, t, s.trial, s.rate)
-        if clock["fault"] != SOLVED:
-            return False
-        size = _correct(tree, clock, h, slope, s)
-        if iteration > 0:
-            contraction = size / last if last > 0.0 else 0.0
-            if not contraction < 1.0:
-                return False
-            memory["contraction"] = max(memory["contraction"], contraction)
-            left = memory["left"] = max(contraction / (1.0 - contraction), LEAST)
-        if left * size < ITERATED:
-            break
-        last = size
-        if iteration == MOST_ITERATIONS - 1:
-            return False
-    _place_trial(h, slope, s)
-    return True
-
-
-@kernel
-def _place_trial(h, slope, s):
-    """Speeds from their slopes, coordinates from the speeds, the rest as it is."""
-    speeds = s.change.shape[0]
-    for i in range(slope.shape[0]):
-        if speeds <= i < 2 * speeds:
-            slope[i] = s.trial[i - speeds]
-        s.trial[i] = s.known[i] + GAMMA * h * slope[i]
-
-
-@kernel
-def _correct(tree, clock, h, slope, s):
-    """Newton's correction of the slopes, and its size against the tolerance."""
-    speeds = s.change.shape[0]
-    for m in range(speeds):
-        s.product[m] = 0.0 if tree.given[m] else s.rate[m] - slope[m]
-        if tree.given[m]:
-            slope[m] = s.rate[m]
-    set_mass_times(tree, s.product, s.stiff, s.change)
-    solve_stiff(tree, s.product, s.change, s.stiff)
-    total, g = 0.0, GAMMA * h
-    for m in range(speeds):
-        slope[m] += s.change[m]
-        total += (g * s.change[m] / _scale(clock, s.trial[m])) ** 2
-        total += (g * g * s.change[m] / _scale(clock, s.trial[speeds + m])) ** 2
-    last = slope.shape[0] - 1
-    for i in range(2 * speeds, slope.shape[0]):
-        if i < last:
-            total += (g * (s.rate[i] - slope[i]) / _scale(clock, s.trial[i])) ** 2
-        slope[i] = s.rate[i]
-    return (total / last) ** 0.5
-
-
-@kernel
-def _scale(clock, value):
-    return clock["atol"] + clock["rtol"] * abs(value)
-
-
-@kernel
-def _step_error(tree, clock, z, h, s):
-    """Error of the step against the tolerance, what the matrix calls stiff taken out."""
-    speeds, last = s.change.shape[0], z.shape[0] - 1
-    for i in range(z.shape[0]):
-        total = 0.0
-        for j in range(STAGES):
-            total += ERROR[j] * s.slopes[j, i]
-        s.rate[i] = h * total
-    set_profile_times(s.stiff.stiff, s.stiff.stiff_ends, s.rate[speeds : 2 * speeds], s.product)
-    set_mass_times(tree, s.rate[:speeds], s.stiff, s.change)
-    for m in range(speeds):
-        s.change[m] -= GAMMA * h * s.product[m]
-        if tree.given[m]:
-            s.change[m] = 0.0
-    solve_stiff(tree, s.rate[:speeds], s.change, s.stiff)
-    for m in range(speeds):
-        s.rate[m] = s.change[m]
-        s.rate[speeds + m] += GAMMA * h * s.change[m]
-    total = worst = 0.0
-    for i in range(last):
-        share = s.rate[i] / (clock["atol"] + clock["rtol"] * max(abs(z[i]), abs(s.trial[i])))
-        total += share * share
-        # `not <=` lets a nan through as the worst place.
-        if not abs(share) <= worst:
-            worst = abs(share)
-            clock["worst"] = i
-    return (total / last) ** 0.5
-
-
-@kernel
-def _accept(tree, clock, z, h, factor, s):
+def _accept(s, factor, tree, work, coordinates):
+    """Make the end of a step the state, and close its loops; a code."""
+    clock, z, h = s.clock[0], s.z, s.clock[0]["length"]
     clock["step_start"], clock["step_length"] = clock["t"], h
     last = h >= clock["stop"] - clock["t"]
     clock["t"] = clock["stop"] if last else clock["t"] + h
@@ -273,17 +132,21 @@ def _accept(tree, clock, z, h, factor, s):
     if clock["rejected"] != 0:
         factor = min(1.0, factor)
     clock["rejected"] = 0
+    clock["steps"] += 1
     memory = s.memory[0]
     memory["fresh"] = 0
     memory["stale"] = 1 if memory["contraction"] > SLOW else 0
     if not last and not 1.0 <= factor < KEPT:
         clock["step"] = h * factor
+    if tree.closures.shape[0] > 0:
+        _close_loops(tree, work, coordinates, clock, z, h, s)
+    return READY
 
 
 @kernel
 def _close_loops(tree, work, coordinates, clock, z, h, s):
     """Close the loops at the end of a step; the step is taken back where that moves it too far."""
-    _copy(z, s.trial)
+    copy(z, s.trial)
     project_stiffly(tree, work, coordinates, z, s.stiff)
     place = strayed(s.trial, z, clock)
     if place < 0:
@@ -291,9 +154,33 @@ def _close_loops(tree, work, coordinates, clock, z, h, s):
     clock["t"], clock["step"] = clock["step_start"], h / 4.0
     clock["worst"], clock["rejected"], clock["strayed"] = place, 1, 1
     clock["rejections"] += 1
-    _copy(s.old, z)
-    _copy(s.old_slope, s.before)
+    clock["steps"] -= 1
+    copy(s.old, z)
+    copy(s.old_slope, s.before)
     s.memory[0]["stale"] = 1
+
+
+@kernel
+def _fill_row(s, t, report, tree, work, coordinates):
+    """Fill a report row at a time up to the present one; a code."""
+    clock = s.clock[0]
+    copy(s.z, s.trial)
+    if t > clock["step_start"]:
+        h = clock["step_length"]
+        between((t - clock["step_start"]) / h, h, s.z, s, s.trial)
+    return observe_trial(s, s.rate, t, report, tree, work, coordinates)
+
+
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
+
+
+@kernel
+def integrate_rows(tree, work, coordinates, integration, report, budget):
+    """Fill the rows of `report`, at most `budget` evaluations and the rest of a step; a code.
+
+    `march.before` holds the slope at z.
+    """
+    return _advance(integration, report, budget, tree, work, coordinates)
 
 
 @kernel
@@ -305,28 +192,15 @@ def between(x, h, z, s, out):
     """
     speeds = s.change.shape[0]
     for i in range(2 * speeds, z.shape[0]):
-        out[i] = _cubic(x, s.old[i], z[i], h * s.old_slope[i], h * s.before[i])
+        out[i] = cubic(x, s.old[i], z[i], h * s.old_slope[i], h * s.before[i])
     for m in range(speeds):
-        a, b = s.old[speeds + m], z[speeds + m]
-        v, w = h * s.old[m], h * z[m]
-        p, r = h * h * s.old_slope[m], h * h * s.before[m]
-        rest = b - a - v - 0.5 * p
-        slope, bend = w - v - p, r - p
-        c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
-        c4 = -15.0 * rest + 7.0 * slope - bend
-        c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
-        out[speeds + m] = a + x * (v + x * (0.5 * p + x * (c3 + x * (c4 + x * c5))))
-        out[m] = (v + x * (p + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h
-
-
-@kernel
-def _copy(a, b):
-    """b = a."""
-    for i in range(a.shape[0]):
-        b[i] = a[i]
-
-
-@kernel
-def _cubic(x, a, b, da, db):
-    change = b - a
-    return a + x * (da + x * (3.0 * change - 2.0 * da - db + x * (da + db - 2.0 * change)))
+        out[speeds + m], out[m] = quintic(
+            x,
+            s.old[speeds + m],
+            z[speeds + m],
+            h * s.old[m],
+            h * z[m],
+            h * h * s.old_slope[m],
+            h * h * s.before[m],
+        )
+        out[m] /= h

@@ -9,9 +9,8 @@ stages at a distance.
 import math
 
 from .._jit import allocating, kernel
-from ..constrained.accelerations import evaluate_jacobian
+from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.speeds import coordinate_rates, normalise
-from ..linalg.rank_revealing_lu import factorise
 
 LOOK = 3.5  # steps
 CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
@@ -96,7 +95,7 @@ def _factorise_ahead(system, work, integration, ud, way):
         place[i] += way * rates[i]
     normalise(bodies, place)
     evaluate_jacobian(system, work, place)
-    factorise(work.jacobian, work.order, work.rank[0], work.factors)
+    factorise_order(work)
 
 
 @kernel

@@ -6,12 +6,15 @@ order found is kept from step to step, so that the same equations stay in charge
 needs no search, and is found anew when its pivots get small.
 
 Entries are scaled to pure numbers.  J (m, n); `order` (m + n,): the rows in pivot order, then the
-columns; the first r of each are the independent equations and the dependent speeds.
+columns; the first r of each are the independent equations and the dependent speeds.  A row holds the
+speeds of two bodies or few more: only entries that may be other than zero are visited.
 """
 
 import math
 
-from .._jit import kernel
+import numpy as np
+
+from .._jit import allocating, kernel
 
 RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 GOOD_ENOUGH = 0.1  # of the largest entry left: may be a pivot, and the one that spares most zeros is
@@ -20,6 +23,7 @@ WORN = 0.1  # of the quality of the factors when the order was chosen: asks for 
 # Pivot below which the equations leave a second motion free but for round-off: two branches, 1e-16 of
 # gap apart, come as near as a pivot of 1e-8.
 BRANCHING = 1e-6
+FIRST_ENTRY = 3  # column of `entries` where the places begin
 
 
 @kernel
@@ -102,33 +106,87 @@ def _clear_below(left, order, k):
                     left[row, column] -= factor * left[pivot_row, column]
 
 
-@kernel
-def factorise(jacobian, order, rank, factors):
+@allocating
+def factorise(jacobian, columns, order, rank, factors, entries):
     """Factors of the first `rank` rows in the order at hand: factors (m, n), columns in pivot order.
 
     The leading block (rank, rank) becomes L with unit diagonal below, U above; the columns behind it
-    L⁻¹ times those of the free speeds.  Returns the smallest pivot over the largest multiplier, at
-    least 1: small where the order is a bad one, 0 where a pivot vanishes.
+    L⁻¹ times those of the free speeds.  columns (m, 1 + c): how many entries of a row of the Jacobian may
+    be other than zero, and their columns.  entries (m, n + 2) receives the nonzero places of every row:
+    where those left of the diagonal end, those right of it in the leading block, those behind it, then the
+    places.  factors and entries must come from the last call, or be zeros.  Returns the smallest pivot over
+    the largest multiplier, at least 1: small where the order is a bad one, 0 where a pivot vanishes.
     """
     m, n = jacobian.shape
+    places, following = np.empty(n, np.int64), np.empty(n + 1, np.int64)
+    for j in range(n):
+        places[order[m + j]] = j
+    growth, smallest, end = 1.0, 1e300, rank
     for i in range(rank):
-        for j in range(n):
-            factors[i, j] = jacobian[order[i], order[m + j]]
-    growth, smallest = 1.0, 1e300
-    for k in range(rank):
-        pivot = factors[k, k]
-        if not abs(pivot) > TINY:
-            return 0.0
-        smallest = min(smallest, abs(pivot))
-        for i in range(k + 1, rank):
-            if factors[i, k] != 0.0:
-                factor = factors[i, k] / pivot
-                factors[i, k] = factor
-                growth = max(growth, abs(factor))
-                for j in range(k + 1, n):
-                    if factors[k, j] != 0.0:
-                        factors[i, j] -= factor * factors[k, j]
-    return smallest / growth
+        _take_row(jacobian, columns, order[i], places, factors, entries, i, following)
+        growth = max(growth, _eliminate(factors, entries, i, min(i, end), rank, following))
+        if i < end:
+            smallest = min(smallest, abs(factors[i, i]))
+            if not abs(factors[i, i]) > TINY:
+                end = i
+    return smallest / growth if end == rank else 0.0
+
+
+@kernel
+def _take_row(jacobian, columns, row, places, factors, entries, i, following):
+    """Put a row of the Jacobian in row i of the factors.
+
+    following (n + 1,) becomes the chain of its places in order: that after place j, n behind the last; the
+    first one is following[n].
+    """
+    n = factors.shape[1]
+    factors[i, i] = 0.0
+    for p in range(FIRST_ENTRY, entries[i, 2]):
+        factors[i, entries[i, p]] = 0.0
+    following[n] = n
+    for p in range(1, 1 + columns[row, 0]):
+        place = places[columns[row, p]]
+        factors[i, place] = jacobian[row, columns[row, p]]
+        if factors[i, place] != 0.0:
+            at = n
+            while following[at] < place:
+                at = following[at]
+            following[place] = following[at]
+            following[at] = place
+
+
+@kernel
+def _eliminate(factors, entries, i, end, rank, following):
+    """Take multiples of the rows before `end` from row i; they stay. Returns the largest."""
+    n, largest, count = factors.shape[1], 0.0, FIRST_ENTRY
+    k = following[n]
+    while k < end:
+        if factors[i, k] != 0.0:
+            factor = factors[i, k] / factors[k, k]
+            factors[i, k] = factor
+            largest = max(largest, abs(factor))
+            entries[i, count] = k
+            count += 1
+            at = k
+            for p in range(entries[k, 0], entries[k, 2]):
+                j = entries[k, p]
+                factors[i, j] -= factor * factors[k, j]
+                while following[at] < j:
+                    at = following[at]
+                if following[at] != j:
+                    following[j] = following[at]
+                    following[at] = j
+        k = following[k]
+    entries[i, 0] = entries[i, 1] = count
+    while k < n:
+        if factors[i, k] != 0.0 and k != i:
+            entries[i, count] = k
+            count += 1
+            if k < rank:
+                entries[i, 1] = count
+        k = following[k]
+    entries[i, 2] = count
+    return largest
 
 
 @kernel
@@ -141,7 +199,7 @@ def smallest_pivot(factors, rank):
 
 
 @kernel
-def free_motions(factors, order, rank, m, motions):
+def free_motions(factors, entries, order, rank, m, motions):
     """Fill motions (n, n - rank): its columns span the speeds that the equations leave free."""
     n = factors.shape[1]
     for f in range(n - rank):
@@ -150,14 +208,14 @@ def free_motions(factors, order, rank, m, motions):
         motions[order[m + rank + f], f] = 1.0
         for i in range(rank - 1, -1, -1):
             total = -factors[i, rank + f]
-            for j in range(i + 1, rank):
-                if factors[i, j] != 0.0:
-                    total -= factors[i, j] * motions[order[m + j], f]
+            for p in range(entries[i, 0], entries[i, 1]):
+                j = entries[i, p]
+                total -= factors[i, j] * motions[order[m + j], f]
             motions[order[m + i], f] = total / factors[i, i]
 
 
 @kernel
-def dependent_speeds(factors, order, rank, m, right_side, x):
+def dependent_speeds(factors, entries, order, rank, m, right_side, x):
     """Fill x (n,) with a solution of the independent equations whose free speeds are zero.
 
     right_side (m,) in the order of the equations.
@@ -167,30 +225,58 @@ def dependent_speeds(factors, order, rank, m, right_side, x):
         x[order[m + j]] = 0.0
     for i in range(rank):
         total = right_side[order[i]]
-        for j in range(i):
-            if factors[i, j] != 0.0:
-                total -= factors[i, j] * x[order[m + j]]
+        for p in range(FIRST_ENTRY, entries[i, 0]):
+            j = entries[i, p]
+            total -= factors[i, j] * x[order[m + j]]
         x[order[m + i]] = total
     for i in range(rank - 1, -1, -1):
         total = x[order[m + i]]
-        for j in range(i + 1, rank):
-            if factors[i, j] != 0.0:
-                total -= factors[i, j] * x[order[m + j]]
+        for p in range(entries[i, 0], entries[i, 1]):
+            j = entries[i, p]
+            total -= factors[i, j] * x[order[m + j]]
         x[order[m + i]] = total / factors[i, i]
 
 
-@kernel
-def transposed_solution(factors, rank, y):
+@allocating
+def transposed_solution(factors, entries, rank, y):
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
-    for i in range(rank):
-        for j in range(i):
-            if factors[j, i] != 0.0:
-                y[i] -= factors[j, i] * y[j]
-        y[i] /= factors[i, i]
+    for j in range(rank):
+        y[j] /= factors[j, j]
+        for p in range(entries[j, 0], entries[j, 1]):
+            i = entries[j, p]
+            y[i] -= factors[j, i] * y[j]
+    starts, rows = _rows_below(entries, rank)
     for i in range(rank - 1, -1, -1):
-        for j in range(i + 1, rank):
-            if factors[j, i] != 0.0:
-                y[i] -= factors[j, i] * y[j]
+        for p in range(starts[i], starts[i + 1]):
+            y[i] -= factors[rows[p], i] * y[rows[p]]
+
+
+@allocating
+def _rows_below(entries, rank):
+    """The rows with an entry below the diagonal, column by column, and where each column begins and ends."""
+    starts = np.zeros(rank + 2, np.int64)
+    for i in range(rank):
+        for p in range(FIRST_ENTRY, entries[i, 0]):
+            starts[entries[i, p] + 2] += 1
+    for k in range(2, rank + 2):
+        starts[k] += starts[k - 1]
+    rows = np.empty(starts[rank + 1], np.int64)
+    for i in range(rank):
+        for p in range(FIRST_ENTRY, entries[i, 0]):
+            k = entries[i, p] + 1
+            rows[starts[k]] = i
+            starts[k] += 1
+    return starts, rows
+
+
+@kernel
+def row_times(jacobian, columns, row, x, scale):
+    """Product of a row of the Jacobian and x / scale, both (n,)."""
+    total = 0.0
+    for p in range(1, 1 + columns[row, 0]):
+        k = columns[row, p]
+        total += jacobian[row, k] * x[k] / scale[k]
+    return total
 
 
 @kernel

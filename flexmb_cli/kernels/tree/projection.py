@@ -16,8 +16,6 @@ from .unit_forces import respond, respond_nodes
 CLOSED = 1e-13  # m and m/s: as good as closed
 MOST_CORRECTIONS = 5
 LONGEST = 0.5  # correction of one coordinate, rad or m
-MOST_MOVED = 10.0  # tolerances by which closing the loops may move the end of a step
-ROUND_OFF = 1e-10  # share of a state that closing may move whatever the tolerance: that of CLOSED, and more
 
 
 @kernel
@@ -48,24 +46,6 @@ def project(tree, work, coordinates, z):
         _close_gaps(tree, work, coordinates, z)
     evaluate_gaps(tree, work, coordinates, z)
     _close_rates(tree, work, coordinates, z)
-
-
-@kernel
-def strayed(open_end, closed_end, clock):
-    """Place in z that closing the loops moved too far at the end of a step, or -1.
-
-    A step that was good left the loops but for its error.  One across a singular position may land on
-    the other motion that begins there: then closing is what moves the tree, not the equations.
-    """
-    worst, place = 1.0, -1
-    for i in range(open_end.shape[0] - 1):
-        size = abs(closed_end[i])
-        most = MOST_MOVED * (clock["atol"] + clock["rtol"] * size) + ROUND_OFF * (1.0 + size)
-        share = abs(closed_end[i] - open_end[i]) / most
-        # `not <=` lets a nan through as the worst place.
-        if not share <= worst:
-            worst, place = share, i
-    return place
 
 
 @kernel

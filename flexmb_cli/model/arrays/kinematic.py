@@ -11,7 +11,7 @@ import numpy as np
 from ...quick_dataclass import dataclass
 from ..attitudes import Attitudes, held_coordinate
 from ..equations import Equation, joint_equations
-from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, SIMPLIFIED
+from ..joints import BY_NAME, DISTANCE, DRIVER, NORMALISATION, PITCH, SIMPLIFIED
 from ..mechanism import Driver, Joint, Mechanism
 from ..vectors import cross, dot, rotated, rotation_matrix, unit
 
@@ -142,12 +142,12 @@ class _Rows:
 def _add_joint(rows, mechanism, joint: Joint):
     kind = BY_NAME[joint.kind]
     values = {"P_i": joint.P_i, "P_j": joint.P_j}
-    if joint.kind != "spherical":
+    if "Q_i" in kind.points:
         values |= {"s_i": unit(joint.s_i), "s_j": unit(joint.s_j)}
         values["a_i"], values["b_i"] = across(values["s_i"])
-    if joint.kind == "translational":
+    if "H_i" in kind.points and kind.size != PITCH:
         values |= {"h_i": unit(joint.h_i), "h_j": unit(joint.h_j)}
-    if joint.kind == "screw":
+    if kind.size == PITCH:
         values |= _screw_values(mechanism, joint, values["s_i"])
         values["screw"] = len(rows.screw_angles)
         rows.screw_angles.append(values.pop("theta"))

@@ -4,7 +4,8 @@ import numpy as np
 
 from ...quick_dataclass import dataclass, replace
 from ..flexible_mechanism import NodePoint, PointJoint
-from ..joint_elements import ANGLE, COORDINATES_OF, STROKE, CompositeJoint, JointElements
+from ..joint_elements import COORDINATES_OF, CompositeJoint, JointElements
+from ..joints import ANGLE, STROKE
 from ..loads import DynamicModel
 from ..mechanism import Joint, Mechanism
 from ..time_functions import integral_of

@@ -127,6 +127,14 @@ def pairs(a: str, b: str) -> Iterator[Pair]:
             yield Pair(name, files_a.get(name), files_b.get(partner))
 
 
+def are_same(a: str, b: str) -> bool:
+    """Whether `a` and `b` are one file or the same files: such a comparison proves nothing."""
+    if not is_many(a):
+        return os.path.exists(a) and os.path.exists(b) and os.path.samefile(a, b)
+    found = [(pair.a, pair.b) for pair in pairs(a, b)]
+    return bool(found) and all(one and other and os.path.samefile(one, other) for one, other in found)
+
+
 def _result_of(name):
     """Name of the HDF5 result from which an export comes; None for other files."""
     path = PurePath(name)

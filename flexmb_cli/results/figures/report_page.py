@@ -1,6 +1,6 @@
 """One self-contained HTML page on a result: status, moving picture, curves, audit, deck and its echo.
 
-The viewer is the package's own (`viewer/viewer.js`, WebGL 2, 20 kB), and curves are SVG: a page needs no
+The viewer is the package's own (`viewer/`, 25 kB, drawn without WebGL), and curves are SVG: a page needs no
 network and no library.  The page's content security policy names the one script by its hash and forbids
 everything else, network included; whatever comes from the file is escaped besides.
 """
@@ -38,7 +38,7 @@ def report_page(result: h5py.File) -> str:
         raise ResultError(result.filename, "this is no result of a run: it has no deck", id="RESULT-001")
     scene = report_scene(result)
     check_shapes(result, AUDITED, {})
-    script = _viewer("viewer.js")
+    script = viewer_script()
     return Template(_viewer("page.html")).substitute(
         hashes=_hash(script),
         title=_shown(_title(result)),
@@ -53,6 +53,11 @@ def report_page(result: h5py.File) -> str:
         figures=_json({"scene": scene}),
         script=script,
     )
+
+
+def viewer_script() -> str:
+    """Return the script of the page."""
+    return _viewer("raster.js") + _viewer("viewer.js")
 
 
 def _viewer(name):

@@ -9,9 +9,10 @@ import base64
 import h5py
 import numpy as np
 
+from .body_shapes import BodyShape
 from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces, triangles
-from .scene import Scene, read_scene
+from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
 
 # Okabe and Ito's colours, distinguished by everyone.
@@ -49,7 +50,8 @@ def report_scene(result: h5py.File) -> dict | None:
 
 def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict:
     """The viewer's data of a scene, whose bodies among `surfaces` are drawn by their elements."""
-    drawn = [body for body in scene.bodies if body.number not in {one.number for one in surfaces}]
+    shown = {one.number for one in (*surfaces, *scene.shapes)}
+    drawn = [body for body in scene.bodies if body.number not in shown]
     every = scene.places
     view = view_of(every, scene.gravity)
     seconds = float(scene.time[-1] - scene.time[0])
@@ -60,7 +62,7 @@ def scene_data(scene: Scene, surfaces: list[ElementBody]) -> dict:
         "box": {"low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist()},
         "view": {"eye": list(view.eye), "up": list(view.up)},
         "bodies": [_lines(body) for body in drawn],
-        "surfaces": [_surface(body) for body in surfaces],
+        "surfaces": [*map(_surface, surfaces), *map(_rigid_surface, scene.shapes)],
         "joints": {"marks": _numbers(scene.joints), "names": list(scene.joint_names)},
         "traces": _traces(scene),
     }
@@ -77,7 +79,7 @@ def rounded(times: np.ndarray) -> list[str]:
 
 def _lines(body):
     marks = body.marks[:1] if body.still else body.marks
-    colour = GREY if body.still else COLOURS[(body.number - 1) % len(COLOURS)]
+    colour = GREY if body.still else colour_of(body)
     data = {"name": body.name, "colour": colour, "still": body.still, "places": body.marks.shape[1]}
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
@@ -90,7 +92,7 @@ def _surface(body: ElementBody):
     faces = place[faces]
     return {
         "name": body.name,
-        "colour": COLOURS[(body.number - 1) % len(COLOURS)],
+        "colour": colour_of(body),
         "modes": body.amplitude.shape[1],
         "numbers": body.node_numbers[nodes].tolist(),
         "nodes": _numbers(with_centres(body.undeformed[nodes], faces)),
@@ -102,6 +104,29 @@ def _surface(body: ElementBody):
         "triangles": _integers(_fans(faces, len(nodes)) if faces.shape[1] == 8 else triangles(faces)),
         "edges": _integers(face_edges(faces)),
     }
+
+
+def _rigid_surface(shape: BodyShape):
+    """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
+    return {
+        "name": shape.name,
+        "colour": colour_of(shape),
+        "modes": 0,
+        "numbers": [],
+        "nodes": _numbers(shape.vertices),
+        "shape": "",
+        "stress": "",
+        "amplitude": "",
+        "origin": _numbers(shape.origin),
+        "turn": _numbers(shape.turn),
+        "triangles": _integers(shape.triangles),
+        "edges": "",
+    }
+
+
+def colour_of(body: DrawnBody | ElementBody | BodyShape) -> str:
+    """Return the colour of a body: its own among eight, grey for the ground."""
+    return COLOURS[(body.number - 1) % len(COLOURS)] if body.number else GREY
 
 
 def with_centres(values: np.ndarray, faces: np.ndarray) -> np.ndarray:

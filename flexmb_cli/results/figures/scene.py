@@ -10,6 +10,7 @@ import numpy as np
 from ...quick_dataclass import dataclass, replace
 from ..hdf5.stored_result import Damaged, check_shapes, texts
 from ..quantities.quantities import ResultError
+from .body_shapes import BodyShape, body_shapes
 from .gabriel_graph import different, gabriel_edges
 
 # A letter a dataset's axis: time, body, joint, point, node, mode, or its length.
@@ -59,11 +60,13 @@ class Scene:
     origin: np.ndarray | None = None  # (T, b, 3) of the body frames, and their motion where it is known
     velocity: np.ndarray | None = None  # (T, b, 3)
     spin: np.ndarray | None = None  # (T, b, 3)
+    shapes: tuple[BodyShape, ...] = ()
 
     @property
     def places(self) -> np.ndarray:
         """All places (N, 3) at which anything is at any time."""
         parts = [*(body.marks for body in self.bodies), self.joints, self.points]
+        parts += [shape.corners for shape in self.shapes]
         return np.concatenate([part.reshape(-1, 3) for part in parts])
 
 
@@ -94,6 +97,7 @@ def read_scene(result: h5py.File, rows: slice = slice(None)) -> Scene:
         origin=motion.position,
         velocity=_series(result, "body/velocity", rows),
         spin=_series(result, "body/angular_velocity", rows),
+        shapes=tuple(body_shapes(result, motion.names, motion.position, motion.turn)),
     )
     numbered = [(number, motion.marks(number)) for number in range(len(motion.names) + 1)]
     extent = _extent([scene.places, *(marks.reshape(-1, 3) for _, marks in numbered)])

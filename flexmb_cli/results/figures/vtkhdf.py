@@ -9,6 +9,7 @@ import io
 import h5py
 import numpy as np
 
+from ...quick_dataclass import replace
 from .element_bodies import element_bodies
 from .scene import Scene, read_scene
 from .vtkhdf_cells import write_cells
@@ -20,14 +21,16 @@ CELLS = ("Vertices", "Lines", "Strips", "Polygons")
 def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     """The file's bytes: bodies as lines, their marks as vertices; body numbers and displacements as arrays.
 
-    Bodies whose elements the result holds are cells of an unstructured grid.  `displacement` is from the
-    first row, m; `body` is the number in the deck, 0 for the ground.
+    Bodies with shapes are polygons; with bodies whose elements the result holds, all are cells of a grid.
+    `displacement` is from the first row, m; `body` is the number in the deck, 0 for the ground.
     """
     scene = read_scene(result, rows)
     bodies = list(element_bodies(result, scene.body_names, rows))
     if bodies:
         return _grid(scene, bodies)
-    points = np.concatenate([body.marks for body in scene.bodies], axis=1)
+    shaped = {shape.number for shape in scene.shapes}
+    scene = replace(scene, bodies=tuple(body for body in scene.bodies if body.number not in shaped))
+    points = _points(scene)
     stream = io.BytesIO()
     with h5py.File(stream, "w", libver=("v108", "v108")) as file:
         root = file.create_group("VTKHDF")
@@ -35,9 +38,17 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
         # VTK wants a string of fixed length.
         root.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", 8))
         _write_points(root, scene, points)
-        _write_cells(root, scene, points.shape[1])
+        _write_cells(root, scene)
         _write_steps(root, scene, points.shape[1])
     return stream.getvalue()
+
+
+def _points(scene):
+    """Marks of bodies (T, n, 3), and behind them the vertices of shapes."""
+    parts = [body.marks for body in scene.bodies]
+    for shape in scene.shapes:
+        parts.append(np.stack([shape.places(row) for row in range(len(scene.time))]))
+    return np.concatenate(parts, axis=1)
 
 
 def _grid(scene, bodies):
@@ -55,18 +66,22 @@ def _write_points(root, scene: Scene, points):
     root["Points"] = points.reshape(-1, 3)
     data = root.create_group("PointData")
     data["displacement"] = (points - points[:1]).reshape(-1, 3)
-    owner = [body.number for body in scene.bodies for _ in range(body.marks.shape[1])]
-    data["body"] = np.array(owner, np.int32)
+    owners = [(body.number, body.marks.shape[1]) for body in scene.bodies]
+    owners += [(shape.number, len(shape.vertices)) for shape in scene.shapes]
+    data["body"] = np.repeat(*np.array(owners, np.int32).T)
 
 
-def _write_cells(root, scene, count):
-    """A vertex for every point, a line for every edge; the same for all steps."""
-    edges, first = [], 0
+def _write_cells(root, scene):
+    """A vertex for every mark, a line for every edge, the triangles of shapes; the same for all steps."""
+    edges, triangles, first = [np.zeros((0, 2), int)], [np.zeros((0, 3), int)], 0
     for body in scene.bodies:
         edges.append(body.edges + first)
         first += body.marks.shape[1]
-    lines = np.concatenate(edges)
-    cells = {"Vertices": np.arange(count).reshape(-1, 1), "Lines": lines}
+    marks = np.arange(first).reshape(-1, 1)
+    for shape in scene.shapes:
+        triangles.append(shape.triangles + first)
+        first += len(shape.vertices)
+    cells = {"Vertices": marks, "Lines": np.concatenate(edges), "Polygons": np.concatenate(triangles)}
     for kind in CELLS:
         group, members = root.create_group(kind), cells.get(kind, np.zeros((0, 1), int))
         group["NumberOfCells"] = np.array([len(members)], np.int64)

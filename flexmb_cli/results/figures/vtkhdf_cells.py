@@ -8,25 +8,28 @@ import h5py
 import numpy as np
 
 from ..hdf5.stress import von_mises
+from .body_shapes import BodyShape
 from .element_bodies import ElementBody
 from .scene import GROUND, Scene
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
-VERTEX, LINE = 1, 3
+VERTEX, LINE, TRIANGLE = 1, 3, 5
 # Name of the point data: components of a point.
 FIELDS = {"displacement": 3, "deformation": 3, "velocity": 3, "stress": 6, "von_mises": 1}
 
 
 def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> None:
-    """Fill the group VTKHDF: elements as cells, other bodies of the scene as lines between their marks.
+    """Fill the group VTKHDF: elements as cells, triangles of shapes, other bodies as lines between marks.
 
     `displacement` is from the first row, `deformation` the elastic one, m, `velocity` m/s, in global axes;
     `stress` xx yy zz xy yz zx in the axes of its body, Pa, nan where a body has none.
     """
-    drawn = [body for body in scene.bodies if body.number not in {one.number for one in bodies}]
+    shown = {one.number for one in (*bodies, *scene.shapes)}
+    drawn = [body for body in scene.bodies if body.number not in shown]
     counts = [len(body.undeformed) for body in bodies] + [body.marks.shape[1] for body in drawn]
-    _write_topology(root, bodies, drawn, counts)
+    counts += [len(shape.vertices) for shape in scene.shapes]
+    _write_topology(root, (*bodies, *drawn, *scene.shapes), counts)
     steps, count = len(scene.time), sum(counts)
     points = root.create_dataset("Points", (steps * count, 3), "f8")
     data = root.create_group("PointData")
@@ -43,17 +46,19 @@ def write_cells(root: h5py.Group, scene: Scene, bodies: list[ElementBody]) -> No
         points[at] = places
         for name, field in fields.items():
             field[at] = values[name]
-    owners = [body.number for body in (*bodies, *drawn)]
+    owners = [body.number for body in (*bodies, *drawn, *scene.shapes)]
     data["body"] = np.repeat(np.array(owners, np.int32), counts)
     _write_steps(root, scene.time, count)
 
 
 def _row(scene, bodies, drawn, row):
     """Points of a row and their data, but for the displacement."""
-    places = [body.places(row) for body in bodies] + [body.marks[row] for body in drawn]
-    rest = sum(body.marks.shape[1] for body in drawn)
+    rigid = [(body.number, body.marks[row]) for body in drawn]
+    rigid += [(shape.number, shape.places(row)) for shape in scene.shapes]
+    places = [body.places(row) for body in bodies] + [own for _, own in rigid]
+    rest = sum(len(own) for _, own in rigid)
     velocities = [body.velocities(row) for body in bodies]
-    velocities += [_rigid_velocities(scene, body, row) for body in drawn]
+    velocities += [_rigid_velocities(scene, number, own, row) for number, own in rigid]
     stress = np.concatenate([*(body.stress(row) for body in bodies), np.full((rest, 6), np.nan)])
     deformation = [body.deformation(row) for body in bodies] + [np.zeros((rest, 3))]
     return np.concatenate(places), {
@@ -64,24 +69,29 @@ def _row(scene, bodies, drawn, row):
     }
 
 
-def _rigid_velocities(scene, body, row):
-    if body.number == GROUND or scene.velocity is None:
-        return np.zeros_like(body.marks[row])
-    one = body.number - 1
-    arms = body.marks[row] - scene.origin[row, one]
+def _rigid_velocities(scene, number, places, row):
+    if number == GROUND or scene.velocity is None:
+        return np.zeros_like(places)
+    one = number - 1
+    arms = places - scene.origin[row, one]
     return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)
 
 
-def _write_topology(root, bodies, drawn, counts):
+def _cells_of(body):
+    """Type and nodes (m, k) of the cells of a body, of its lines or single marks, or of its shapes."""
+    if isinstance(body, ElementBody):
+        return CELL_TYPES[body.cells.shape[1]], body.cells
+    if isinstance(body, BodyShape):
+        return TRIANGLE, body.triangles
+    return (LINE, body.edges) if len(body.edges) else (VERTEX, np.arange(body.marks.shape[1])[:, None])
+
+
+def _write_topology(root, bodies, counts):
     connectivity, lengths, types = [], [], []
     firsts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
-    for body, first in zip(bodies, firsts, strict=False):
-        kind = CELL_TYPES[body.cells.shape[1]]
-        _add(body.cells + first, kind, connectivity, lengths, types)
-    for body, first in zip(drawn, firsts[len(bodies) :], strict=True):
-        lone = np.arange(body.marks.shape[1])[:, None] if not len(body.edges) else np.zeros((0, 1), int)
-        _add(body.edges + first, LINE, connectivity, lengths, types)
-        _add(lone + first, VERTEX, connectivity, lengths, types)
+    for body, first in zip(bodies, firsts, strict=True):
+        kind, cells = _cells_of(body)
+        _add(cells + first, kind, connectivity, lengths, types)
     joined = np.concatenate(connectivity).astype(np.int64)
     root["NumberOfPoints"] = np.array([sum(counts)], np.int64)
     root["NumberOfCells"] = np.array([len(lengths)], np.int64)

@@ -2,7 +2,7 @@
 
 from ...model.arrays.young_elements import reported_coordinates
 from ...model.element_names import element_names
-from ...model.joint_elements import ANGLE
+from ...model.joints import ANGLE
 from ...model.loads import DynamicModel
 from ...quick_dataclass import replace
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, effort_series

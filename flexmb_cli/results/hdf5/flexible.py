@@ -7,6 +7,7 @@ from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units,
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
+from .shapes import with_shapes
 from .stress import element_axis, element_constants, stress_axes, stress_series, stress_values
 
 JOINT_VECTOR = ("joint/joint", "xyz")
@@ -66,7 +67,9 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if body.flexible.stress:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
-    return Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
+    constants = tuple(_constants(mechanism))
+    layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), constants)
+    return with_shapes(layout, mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:

@@ -5,6 +5,7 @@ from ...solvers.kinematics.rows import Rows
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, mechanism_geometry
+from .shapes import with_shapes
 
 AUDIT = {
     "constraint_residual": Series(
@@ -33,13 +34,14 @@ def kinematic_layout(mechanism: Mechanism) -> Layout:
     axes = (XYZ, EULER_PARAMETER, *([SIDE] if mechanism.joints else []), *axes)
     present = {axis.path for axis in axes}
     series = (BODY_MOTION | POINT_MOTION | AUDIT).values()
-    return Layout(
+    layout = Layout(
         "kinematic",
         mechanism.time.rows,
         axes,
         tuple(item for item in series if present.issuperset(item.axes)),
         mechanism_geometry(mechanism),
     )
+    return with_shapes(layout, mechanism.shapes)
 
 
 def kinematic_values(rows: Rows) -> Values:

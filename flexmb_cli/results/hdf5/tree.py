@@ -9,6 +9,7 @@ from ...model.tree import ELASTIC, ROTATION, Tree
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, tree_geometry
+from .shapes import with_shapes
 
 COORDINATES = {
     "q": ("coordinate/q", "rad or m", "generalized coordinate"),
@@ -51,7 +52,8 @@ def tree_layout(tree: Tree, points: list[str]) -> Layout:
         series += [Series(path, (), *rest) for path, *rest in GAPS.values()]
         long_name = "force of the closure on its second body (KB), opposite on the first, global axes"
         series.append(Series(REACTION, ("joint/joint", "xyz"), "N", long_name))
-    return Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
+    layout = Layout("dynamic", tree.time.rows, tuple(axes), tuple(series), tree_geometry(tree))
+    return with_shapes(layout, tree.shapes)
 
 
 def tree_values(tree: Tree, rows, points) -> Values:

@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ...model.loads import DynamicModel
 from ...model.vectors import rotation_matrix
+from ...quick_dataclass import fields
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.
 
@@ -97,8 +98,9 @@ def _foreign(model) -> Iterator[tuple]:
     for spring in model.springs:
         if GROUND in (spring.i, spring.j):
             yield "springs to body 0 do not convert: end them on a grounded body", spring.place, spring.name
-    if model.elements:
-        yield "elements at joints do not convert", None, "deck"
+    groups = (getattr(model.elements, field.name) for field in fields(model.elements))
+    for item in (item for group in groups if isinstance(group, tuple) for item in group):
+        yield "elements at joints do not convert", item.place, item.name
 
 
 GROUND = -1  # body 0 of the cards

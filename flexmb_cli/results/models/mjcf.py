@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import Fault, ModelError
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
-from ...model.vectors import rotation_matrix
+from ...model.vectors import euler_parameters, rotation_matrix
 
 STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
 
@@ -83,7 +83,7 @@ def _add_body(parent, tree, k):
     turned = rotation_matrix(hinge.frame)
     if not hinge.rotations:
         turned = turned @ rotation_matrix(hinge.attitude)
-    about = {"name": body.name, "pos": _numbers(hinge.point), "quat": _numbers(_quaternion(turned))}
+    about = {"name": body.name, "pos": _numbers(hinge.point), "quat": _numbers(euler_parameters(turned))}
     element = ElementTree.SubElement(parent, "body", about)
     ElementTree.SubElement(element, "inertial", _inertial(body))
     # With no free rotation the body's frame is turned against P_k, along whose axes it slides.
@@ -133,23 +133,10 @@ def _start(tree):
             qvel.append(tree.y[place[k, motion, axis]])
         if ball:
             turned = rotation_matrix(hinge.attitude)
-            qpos += list(_quaternion(turned))
+            qpos += list(euler_parameters(turned))
             # The tree has the relative angular velocity in the axes of P_k, MuJoCo in those of the body.
             qvel += list(turned.T @ np.array([tree.y[place[k, ROTATION, axis]] for axis in (1, 2, 3)]))
     return qpos, qvel
-
-
-def _quaternion(A: np.ndarray) -> np.ndarray:
-    """Euler parameters of a rotation matrix, from its largest component: no division by a small one."""
-    K = np.array([
-        [A[0, 0] + A[1, 1] + A[2, 2], A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]],
-        [0, A[0, 0] - A[1, 1] - A[2, 2], A[0, 1] + A[1, 0], A[0, 2] + A[2, 0]],
-        [0, 0, A[1, 1] - A[0, 0] - A[2, 2], A[1, 2] + A[2, 1]],
-        [0, 0, 0, A[2, 2] - A[0, 0] - A[1, 1]],
-    ])  # fmt: skip
-    _, vectors = np.linalg.eigh(K, UPLO="U")
-    p = vectors[:, -1]
-    return p if p[0] >= 0 else -p
 
 
 def _numbers(values) -> str:

@@ -25,6 +25,12 @@ from .quantity_names import TIME, families, folded, time_family
 NOTHING = "an empty name"
 TIMES_AT_ONCE = 2**20
 SHOWS_ALL = "; --list shows all"
+# Quantities that results hold where the deck asks for them.
+_SELECTED = {
+    "coordinate": "; angles and strokes of joints are stored where the deck has the card JOINTS",
+    "stress": "; stresses are stored where the deck has the cards MATL and OUTS",
+    "element": "; springs, stops and other elements at joints are stored where the deck has some",
+}
 
 
 class ResultError(FlexmbError):
@@ -257,4 +263,7 @@ def _unknown(known, pattern):
     forms = [[slot.spellings for slot in form] for family in known for form in family.forms]
     close = nearest(pattern.split("."), forms)
     hint = f"; near it are {', '.join(close)}" if close else ""
+    group = folded(pattern.partition(".")[0])
+    if not any(family.path.startswith(f"{group}/") for family in known):
+        hint += _SELECTED.get(group, "")
     return f"{pattern or NOTHING}: the result has no such quantity{hint}{SHOWS_ALL}"

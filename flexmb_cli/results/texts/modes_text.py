@@ -13,7 +13,9 @@ NAMED = 0.1  # of the largest part
 def modes_text(report) -> str:
     """Return what `flexmb modes` found (`run.modes.ModesReport`): flexible bodies, then the mechanism."""
     dialect = report.deck.dialect.upper()
-    lines = [f"{visible(report.outcome.deck)}: {dialect} deck, flexible bodies {len(report.bodies)}"]
+    # Those of trees, which have no modes of their own here, are not counted.
+    count = f", flexible bodies {len(report.bodies)}" if report.bodies else ""
+    lines = [f"{visible(report.outcome.deck)}: {dialect} deck{count}"]
     for body in report.bodies:
         lines += body_lines(body, precision=True)
     if report.mechanism:

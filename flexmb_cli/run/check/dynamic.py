@@ -7,13 +7,16 @@ from ...model.loads import DynamicModel
 from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
-from .parts import before_and_after, gaps_of, parts_of
+from .parts import before_and_after, gaps_of, parts_of, refuse_jacobian
 
 
 def check(report: CheckReport, model: DynamicModel, run: Run, jacobian: str | None) -> None:
     """Fill the `CheckReport`; raises FlexmbError for what cannot be run."""
     run.warn(unit_doubts(model))
     if model.analysis == "forward" or model.elements:
+        refuse_jacobian(
+            jacobian, "it is printed of kinematics and inverse dynamics without elements at joints"
+        )
         _check_forward(report, model, run)
         return
     from . import kinematic

@@ -45,7 +45,7 @@ def kane_analysis(tree: Tree, run: Run):
     """Return the analysis by Kane's equations."""
     from ...solvers.tree.analysis import TreeAnalysis
 
-    tell_of_compiling(run.listener, "integrators.tree_dop853.call")
+    tell_of_compiling(run.listener, "integrators.tree_dop853.integrate_rows")
     return TreeAnalysis(tree)
 
 

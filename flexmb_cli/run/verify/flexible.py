@@ -37,7 +37,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     dialect = dialect_named(deck.dialect)
     if not dialect.second_model:
         message = f"decks of dialect {dialect.name} have no second model to compare with"
-        raise ModelError([Fault("error", message, id="RUN-011")])
+        raise ModelError([Fault("error", message, id="RUN-041")])
     second = dialect.part(dialect.second_model)(deck, folder_of(run), mechanism)
     (one, unique), (other, _) = (_rows(_finely(model, run.options)) for model in (mechanism, second))
     run.outcome.rows = one["time"].size

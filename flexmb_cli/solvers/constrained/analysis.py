@@ -7,11 +7,11 @@ import numpy as np
 from ...errors import AnalysisError, Fault
 from ...kernels.constrained.angle_unwrapping import EXPECTED, NEW, OLD, fill_angles
 from ...kernels.constrained.system import NO_INERTIA
-from ...kernels.integrators import constrained_dop853
+from ...kernels.integrators import clock as codes
 from ...model.arrays.function_table import break_times
 from ...model.arrays.system import SystemArrays
 from ...model.mechanism import TimeGrid
-from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported
+from ..checkpoint import arrays_in, faults_reported, fill_arrays, reported, row_of
 from ..singular.dynamic_singularities import (
     SINGULAR,
     PassedDynamicSingularities,
@@ -124,11 +124,11 @@ class ConstrainedMotion:
         """
         self.start()
         self.row, self.resumed, self.singularities = (
-            int(checkpoint["row"]),
+            row_of(checkpoint),
             True,
             PassedDynamicSingularities(self),
         )
-        self.warnings[:] = faults_reported(checkpoint["warnings"])
+        self.warnings[:] = faults_reported(checkpoint)
         fill_arrays(checkpoint, integration=self.integration, work=self.work)
         self.singularities.restore(checkpoint)
 
@@ -136,20 +136,20 @@ class ConstrainedMotion:
         """Reports of as many rows as a call fills, up to all `times`; raises AnalysisError."""
         while times.size:
             report = blank_report(self.arrays, times[:LARGEST_BLOCK])
-            answer = self._call(constrained_dop853.INTEGRATION, report)
+            answer = self._call(codes.INTEGRATION, report)
             filled = int(self.clock["row"][0])
             times = times[filled:]
             if filled:
                 yield report._replace(**_first(report, filled))
-            if answer == constrained_dop853.STEP_SHORT:
+            if answer == codes.STEP_SHORT:
                 self._excuse_short_steps()
-            elif answer not in (constrained_dop853.ROWS_FULL, constrained_dop853.PAUSED):
+            elif answer not in (codes.ROWS_FULL, codes.PAUSED):
                 raise self._failure(answer, times[0] if times.size else np.inf)
 
     def _excuse_short_steps(self):
         """Go on where steps are short for a load or a spring; raises AnalysisError at a singular position."""
         if is_singular(self, self.integration.z[: self._first.size], self._first):
-            raise self._failure(constrained_dop853.STEP_VANISHED)
+            raise self._failure(codes.STEP_VANISHED)
         self.clock["excused"] = 1
 
     def _breakpoints(self, end) -> list[float]:
@@ -208,8 +208,8 @@ class ConstrainedMotion:
         self._warn_of_fine_tables()
         self.clock["t"] = grid.start
         self.clock["stop"] = grid.time(grid.rows - 1)
-        answer = self._call(constrained_dop853.BEGIN, blank_report(self.arrays, np.zeros(0)))
-        if answer != constrained_dop853.READY:
+        answer = self._call(codes.BEGIN, blank_report(self.arrays, np.zeros(0)))
+        if answer != codes.READY:
             raise self._failure(answer)
         return found
 
@@ -229,8 +229,8 @@ class ConstrainedMotion:
         clock = self.clock[0]
         t, step = float(clock["t"]), float(clock["step"])
         norms = {"reached": t, "step": step}
-        if answer == constrained_dop853.CONTRADICTION:
-            worst = self.arrays.equations[int(clock["worst"])]
+        if answer == codes.CONTRADICTION:
+            worst = self.arrays.equations[int(clock["equation"])]
             gap = Gap(worst, float(clock["gap"]) * worst.scale)
             reason = (
                 "they did so at the start only, which is a singular position (rods in line); begin elsewhere"

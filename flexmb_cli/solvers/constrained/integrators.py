@@ -4,52 +4,68 @@ Each imports its own kernels when it is used.
 """
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import NamedTuple
 
 from ...errors import Fault
 
+KERNELS = "flexmb_cli.kernels.integrators"
 
-class ExplicitSteps:
-    """DOP853: steps chosen by the tolerance."""
 
-    entry = "integrators.constrained_dop853.integrate_rows"  # the kernel that is compiled
+class Steps:
+    """Steps whose lengths a method chooses by the tolerance.
+
+    `module`, of `kernels/integrators`, has new_integration(work, angles) and the kernel integrate_rows(task,
+    system, work, integration, report, budget).
+    """
+
     chosen = True  # whether the lengths of its steps are its own choice
 
-    @property
-    def integrate_rows(self):
-        """The kernel."""
-        from ...kernels.integrators import constrained_dop853
+    def __init__(self, module: str):
+        self._module = f"{KERNELS}.{module}"
 
-        return constrained_dop853.integrate_rows
+    @property
+    def entry(self) -> str:
+        """Name of the kernel that is compiled."""
+        return f"{self._module.partition('.kernels.')[2]}.integrate_rows"
+
+    @property
+    def integrate_rows(self) -> Callable:
+        """The kernel."""
+        return import_module(self._module).integrate_rows
 
     def new_integration(self, work, angles: int):
-        """An integration at time 0 with an empty state for a mechanism with this work and so many angles."""
-        from ...kernels.integrators import constrained_dop853
-
-        return constrained_dop853.new_integration(2 * work.jacobian.shape[1] + work.mass.shape[0] + 1, angles)
+        """Return an integration at time 0 with an empty state, for this work and so many angles."""
+        return import_module(self._module).new_integration(work, angles)
 
     def doubts(self, clock) -> list[Fault]:
         """Return what is doubtful about the steps taken."""
         return []
 
 
-class GeneralisedAlpha:
+class ExplicitSteps(Steps):
+    """DOP853."""
+
+    def __init__(self):
+        super().__init__("constrained_dop853")
+
+
+class RadauSteps(Steps):
+    """Radau IIA of order 5, however stiff modes, springs and dampers are."""
+
+    def __init__(self):
+        super().__init__("radau5")
+
+
+class GeneralisedAlpha(Steps):
     """Steps of `length` seconds, or chosen by the tolerance where it is 0.
 
     `radius`: the spectral radius at infinity, 1 for no numerical damping, 0 for the most.
     """
 
-    entry = "integrators.generalised_alpha.integrate_rows"
-
     def __init__(self, radius: float = 0.9, length: float = 0.0):
+        super().__init__("generalised_alpha")
         self.radius, self.length = radius, length
-
-    @property
-    def integrate_rows(self):
-        """The kernel."""
-        from ...kernels.integrators import generalised_alpha
-
-        return generalised_alpha.integrate_rows
 
     @property
     def chosen(self) -> bool:
@@ -57,11 +73,9 @@ class GeneralisedAlpha:
         return self.length == 0.0
 
     def new_integration(self, work, angles: int):
-        """An integration at time 0 with an empty state; see `generalised_alpha.new_integration`."""
-        from ...kernels.integrators import generalised_alpha
-
-        integration = generalised_alpha.new_integration(work, angles)
-        integration.clock["rho"], integration.clock["fixed"] = self.radius, self.length
+        """Return an integration with the settings of the method."""
+        integration = super().new_integration(work, angles)
+        integration.memory["rho"], integration.memory["fixed"] = self.radius, self.length
         return integration
 
     def doubts(self, clock) -> list[Fault]:
@@ -73,30 +87,6 @@ class GeneralisedAlpha:
             "steps were divided; take a smaller step"
         )
         return [Fault("warning", message, id="SOLVE-006")]
-
-
-class RadauSteps:
-    """Radau IIA of order 5: steps chosen by the tolerance, however stiff modes, springs and dampers are."""
-
-    entry = "integrators.radau5.integrate_rows"
-    chosen = True
-
-    @property
-    def integrate_rows(self):
-        """The kernel."""
-        from ...kernels.integrators import radau5
-
-        return radau5.integrate_rows
-
-    def new_integration(self, work, angles: int):
-        """An integration at time 0 with an empty state; see `radau5.new_integration`."""
-        from ...kernels.integrators import radau5
-
-        return radau5.new_integration(work, angles)
-
-    def doubts(self, clock) -> list[Fault]:
-        """Return what is doubtful about the steps taken."""
-        return []
 
 
 class Method(NamedTuple):

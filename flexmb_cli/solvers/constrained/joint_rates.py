@@ -3,7 +3,8 @@
 import numpy as np
 
 from ...model.equations import Equation
-from ...model.joint_elements import ANGLE, JointRate
+from ...model.joint_elements import JointRate
+from ...model.joints import ANGLE
 from ...model.mechanism import Mechanism
 from ...model.vectors import rotation_matrix
 

@@ -39,12 +39,20 @@ def start_speeds(analysis, q, t: float) -> np.ndarray:
     given, wanted = analysis.given_speeds(q)
     motions = np.linalg.svd(J)[2][rank:].T
     rest = (wanted / scale - particular)[given]
-    free = np.linalg.lstsq(motions[given], rest, rcond=1e-12)[0]
+    free = _nearest(motions[given], rest)
     u = (particular + motions @ free) * scale
     if np.max(_changes(analysis, u, wanted, given), initial=0.0) > 0.0:
         u = _after_impulse(analysis, q, particular, motions, wanted, given)
     _doubt_change(analysis, u, wanted, given)
     return u
+
+
+def _nearest(motions, rest):
+    """Return the smallest shares of `motions`, columns of which some speeds are known, that give `rest`."""
+    # What moves none of the known speeds but by round-off has no share in them.
+    if np.linalg.norm(motions) <= SINGULAR_VALUE:
+        return np.zeros(motions.shape[1])
+    return np.linalg.lstsq(motions, rest, rcond=1e-12)[0]
 
 
 def _after_impulse(analysis, q, particular, motions, wanted, given):
@@ -57,7 +65,8 @@ def _after_impulse(analysis, q, particular, motions, wanted, given):
     u = particular.copy()
     for (weights, smallest), aim in zip(stages, aims, strict=True):
         left, values, right = np.linalg.svd(weights @ motions)
-        rank = int(np.sum(values > smallest * values[0])) if values.size else 0
+        # Against the weights: where they do not feel the motions left, the largest value is round-off.
+        rank = int(np.sum(values > smallest * np.linalg.norm(weights, 2))) if values.size else 0
         shares = left[:, :rank].T @ (weights @ (aim - u)) / values[:rank]
         u += motions @ (right[:rank].T @ shares)
         motions = motions @ right[rank:].T

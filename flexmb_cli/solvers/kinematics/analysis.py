@@ -8,7 +8,7 @@ from ...errors import AnalysisError, Fault
 from ...kernels.kinematics import continuation
 from ...model.arrays.kinematic import KinematicArrays, kinematic_arrays
 from ...model.mechanism import Mechanism
-from ..checkpoint import faults_reported, reported
+from ..checkpoint import faults_reported, reported, row_of, taken
 from ..singular.kinematic_singularities import PassedKinematicSingularities
 from ..singular.lockup import singular_start, step_failure
 from ..singular.mobility import CLOSED, mobility, moves_freely
@@ -110,12 +110,13 @@ class KinematicAnalysis:
         That is solved anew, because it decides which equations repeat others.
         """
         first = self._first_row()
-        self.row = int(checkpoint["row"])
+        self.row = row_of(checkpoint)
         self.state, self.motion, self.clock = (
-            np.array(checkpoint[name]) for name in ("state", "motion", "clock")
+            np.array(taken(checkpoint, name, like.shape))
+            for name, like in (("state", self.state), ("motion", self.motion), ("clock", self.clock))
         )
-        self.singularities.reported = int(checkpoint["reported"])
-        self.warnings[:] = faults_reported(checkpoint["warnings"])
+        self.singularities.reported = int(taken(checkpoint, "reported", (), np.int64))
+        self.warnings[:] = faults_reported(checkpoint)
         return first
 
     def _next_block(self, row) -> tuple[Rows | None, AnalysisError | None]:

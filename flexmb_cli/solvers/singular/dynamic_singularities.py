@@ -8,6 +8,7 @@ import numpy as np
 from ...kernels.constrained.accelerations import evaluate_jacobian
 from ...kernels.constrained.speeds import move
 from ...model.by_size import by_size
+from ..checkpoint import OtherRun, taken
 from ..constrained.flexible_start import PositionGaps
 from ..constrained.system import new_work
 from .mobility import about
@@ -121,11 +122,15 @@ class PassedDynamicSingularities:
 
     def restore(self, checkpoint: Mapping) -> None:
         """Go on from what was seen up to a checkpoint."""
-        self.row, self.reported = map(int, checkpoint["seen/counts"])
-        values, times = checkpoint["seen/values"].tolist(), checkpoint["seen/times"].tolist()
+        self.row, self.reported = taken(checkpoint, "seen/counts", (2,), np.int64).tolist()
+        values, times = (taken(checkpoint, f"seen/{name}", (None,)).tolist() for name in ("values", "times"))
+        size = self.analysis.arrays.coordinate_scale.size
+        positions = taken(checkpoint, "seen/positions", (len(times), size) if times else (0,))
         old = len(values) - len(times)
+        if old < 0:
+            raise OtherRun("seen/values")
         self.sorted = sorted(values)
-        last = zip(times, checkpoint["seen/positions"], values[old:], strict=True)
+        last = zip(times, positions, values[old:], strict=True)
         self.seen = [*((np.nan, None, value) for value in values[:old]), *last]
 
     def look(self, times, states) -> None:

@@ -9,11 +9,14 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from ...errors import AnalysisError, Fault
+from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.kane import SOLVED
+from ...kernels.tree.report import Report
 from ...kernels.tree.work import FRAME_WORK, tree_work
 from ...model.arrays.tree import CLOSURE_ROW, TreeArrays, initial_attitudes, tree_arrays
 from ...model.tree import Table, Tree
+from ..checkpoint import row_of, taken
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
 
@@ -56,14 +59,14 @@ class TreeAnalysis:
         """Where to go on after the rows that have been yielded: the start of the last step.
 
         The same steps follow.  The integrators of scipy keep a memory of steps: with them it is the last
-        breakpoint.  `clock` is one record of `tree_dop853.CLOCK`, `state` (n,) the state at that time,
+        breakpoint.  `clock` is one record of CLOCK, `state` (n,) the state at that time,
         `attitude` (N, 4) the Euler parameters of the last row, whose signs the next ones continue.
         """
         clock = self.clock.copy()
         clock["t"], clock["step"] = clock["step_start"], clock["step_length"]
         clock["rejected"] = clock["step_rejected"]
         return {
-            "row": self.row,
+            "row": np.array(self.row),
             "clock": clock,
             "state": self.integration.old.copy(),
             "attitude": self.attitude,
@@ -72,8 +75,10 @@ class TreeAnalysis:
     def restore(self, checkpoint: Mapping) -> None:
         """Go on behind the rows that were yielded up to a checkpoint."""
         self.resumed = True
-        self.row, self.attitude = int(checkpoint["row"]), checkpoint["attitude"]
-        self.clock[:], self.integration.z[:] = checkpoint["clock"], checkpoint["state"]
+        self.row = row_of(checkpoint)
+        self.attitude = taken(checkpoint, "attitude", (len(self.tree.bodies), 4))
+        self.clock[:] = taken(checkpoint, "clock", self.clock.shape, self.clock.dtype)
+        self.integration.z[:] = taken(checkpoint, "state", self.integration.z.shape)
 
     @property
     def stopped_at(self) -> tuple[float, float, float, float, np.ndarray]:
@@ -95,25 +100,33 @@ class TreeAnalysis:
             self._start_interval(stop)
             method = self.tree.integration.method
             if method == "dop853":
-                yield from self._integrated_rows()
+                yield from self.rows_of_steps(self.integrate_rows)
             elif method == "sdirk4":
                 from .implicit import implicit_rows
 
-                yield from implicit_rows(self, stop)
+                yield from implicit_rows(self)
             else:
                 from .scipy_integrators import library_rows
 
                 yield from library_rows(self, stop)
 
-    def _integrated_rows(self):
-        """Report rows up to the next breakpoint by the compiled integration."""
-        status = tree_dop853.PAUSED
-        while self.row < self.tree.time.rows and status != tree_dop853.AT_STOP:
-            status, block = self._advance()
-            if block is not None:
-                yield block
-            if status == tree_dop853.STEP_VANISHED:
+    def rows_of_steps(self, integrate_rows: Callable) -> Iterator[TreeRows]:
+        """Yield report rows up to the next breakpoint by a compiled integrator, `integrate_rows(report)`."""
+        code = codes.PAUSED
+        while self.row < self.tree.time.rows and code != codes.AT_STOP:
+            report = self._blank_report(self._times_of_block())
+            code = integrate_rows(report)
+            filled = int(self.clock["row"][0])
+            if filled:
+                yield self._rows_of(Report(*(part[:filled] for part in report)))
+            if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
                 raise self.failure()
+
+    def _times_of_block(self):
+        grid = self.tree.time
+        most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
+        last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
+        return np.array([grid.time(k) for k in range(self.row, last)])
 
     def due_times(self, t: float) -> list[float]:
         """Report times that have no row yet and do not lie past t."""
@@ -129,10 +142,10 @@ class TreeAnalysis:
         for time in times:
             report = self._blank_report(np.array([time]))
             self.clock["t"], self.state[:] = time, state_at(time)
-            self.call(tree_dop853.INTEGRATION, report)
+            self.integrate_rows(report)
             reports.append(report)
         self.clock["t"], self.state[:] = t, state
-        return self._rows_of(tree_dop853.Report(*map(np.concatenate, zip(*reports, strict=True))))
+        return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
 
     def _rows_of(self, report):
         block = tree_rows(self.tree, self.arrays, report, self.attitude)
@@ -140,17 +153,20 @@ class TreeAnalysis:
         self.row += len(block.time)
         return block
 
-    def call(self, task: int, report: tree_dop853.Report | None = None) -> int:
-        """Have the kernel do one of the tasks of `tree_dop853`; its answer."""
-        report = report or self._blank_report(np.zeros(0))
+    def call(self, task: int) -> int:
+        """Have the kernel do one of the tasks of `tree_dop853` that make no steps; its code."""
+        return tree_dop853.begin(task, self.arrays, self.work, self.coordinates, self.integration)
+
+    def integrate_rows(self, report: Report) -> int:
+        """Fill report rows by DOP853; its code."""
         budget = 1 + CALL_WORK // (1 + len(self.coordinates))
-        return tree_dop853.call(
-            task, budget, self.arrays, self.work, self.coordinates, self.integration, report
+        return tree_dop853.integrate_rows(
+            self.arrays, self.work, self.coordinates, self.integration, report, budget
         )
 
     def _blank_report(self, times):
         rows, n = times.size, len(self.coordinates)
-        return tree_dop853.Report(
+        return Report(
             times,
             np.zeros((rows, self.state.size)),
             np.zeros((rows, self.work.size), FRAME_WORK),
@@ -165,27 +181,15 @@ class TreeAnalysis:
         if self.resumed:
             task = tree_dop853.GO_ON
         else:
-            task = tree_dop853.BEGIN
+            task = codes.BEGIN
             if self.row == 0:
                 assemble_tree(self)
         self.resumed = False
         self.integration.old[:] = self.integration.z
-        if self.call(task) == tree_dop853.NO_INERTIA:
+        if self.call(task) == codes.NO_INERTIA:
             raise self.failure()
         if self.repeated is None:
             self.repeated = pivot_shares(self.arrays) == 0.0
-
-    def _advance(self):
-        """One call of the kernel: its status, and the rows it filled (None for none)."""
-        grid = self.tree.time
-        most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
-        last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
-        report = self._blank_report(np.array([grid.time(k) for k in range(self.row, last)]))
-        status = self.call(tree_dop853.INTEGRATION, report)
-        filled = int(self.clock["row"][0])
-        if not filled:
-            return status, None
-        return status, self._rows_of(tree_dop853.Report(*(part[:filled] for part in report)))
 
     def failure(self) -> AnalysisError:
         """Return what the clock says went wrong."""

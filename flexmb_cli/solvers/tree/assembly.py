@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...errors import AnalysisError, Fault, ModelError
+from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from ...kernels.tree.loop_closures import IMMOBILE
 from ...model.arrays.tree import TreeArrays
@@ -38,7 +39,7 @@ def _close(analysis, kept):
     gap = np.inf
     for _ in range(MOST_ITERATIONS):
         before = gap
-        if analysis.call(tree_dop853.CLOSE) != tree_dop853.READY:
+        if analysis.call(tree_dop853.CLOSE) != codes.READY:
             break
         gap = analysis.clock["gap"][0]
         if gap <= CLOSED and not gap < before / 2:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...kernels.integrators.tree_dop853 import Report
+from ...kernels.tree.report import Report
 from ...model.arrays.tree import TreeArrays, body_frames
 from ...model.tree import ELASTIC, Tree
 from ...quick_dataclass import dataclass

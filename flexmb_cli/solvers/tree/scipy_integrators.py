@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import LSODA, Radau
 
 from ...errors import AnalysisError, Fault
+from ...kernels.integrators import clock as codes
 from ...kernels.integrators import tree_dop853
 from .rows import TreeRows
 
@@ -58,7 +59,7 @@ def library_rows(analysis, stop: float) -> Iterator[TreeRows]:
 
 def _slope(analysis, t, z):
     analysis.clock["t"], analysis.state[:] = t, z
-    if analysis.call(tree_dop853.GO_ON) == tree_dop853.NO_INERTIA:
+    if analysis.call(tree_dop853.GO_ON) == codes.NO_INERTIA:
         raise analysis.failure()
     return analysis.integration.slopes[0].copy()
 

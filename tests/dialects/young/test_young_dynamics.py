@@ -31,6 +31,49 @@ def test_prose_behind_the_last_number_stays_prose():
     assert deck.section("mass") == []
 
 
+NO_OPENING = [
+    "DYNAMIC inverse",
+    "DINAMICS inverse",
+    "DINAMICA forward",
+    "dynamics: inverse",
+    "DYNAMICS = forward { motion }",
+    "DYNAMICS inverse # masses below",
+    "DYNAMICS foward",
+    "DYNAMICS",
+]
+
+
+@pytest.mark.parametrize("line", NO_OPENING)
+def test_a_line_near_dynamics_that_opens_no_cards_is_named(line):
+    deck = read(f"END OF DATA\n  {line}\nMASS 1 1 0 0 0 1 1 1\n")
+    assert deck.section("mass") == []
+    (warning,) = deck.warnings
+    assert (warning.severity, warning.place[:2]) == ("warning", (5, 3))
+    assert "DYNAMICS inverse or DYNAMICS forward, alone on its line," in warning.message
+
+
+@pytest.mark.parametrize("opening", ["", "masses follow\n"])
+def test_a_card_that_nothing_opens_is_named(opening):
+    deck = read(f"{opening}mass 1 2.5 0 0 0 1 1 1 {{ a rod }}\n{{ MASS 1\nMASS 2 1 }}\nforce 5 and 6\n")
+    (warning,) = deck.warnings
+    assert warning.place[:2] == (4 + opening.count("\n"), 1)
+    assert warning.message.startswith("MASS is read as prose: a card needs the line DYNAMICS inverse")
+
+
+def test_a_card_behind_end_is_named():
+    deck = read("DYNAMICS forward\nMASS 1 2 0 0 0 1 1 1\nEND\nof MASS 1\n SPRING 0 1 0 0 0 1 0 0 5 1\n")
+    (warning,) = deck.warnings
+    assert warning.place[:2] == (8, 2)
+    assert warning.message == "SPRING stands behind END and is not read: put it before END"
+
+
+@pytest.mark.parametrize(
+    "prose", ["Dynamic analysis of a mechanism", "mechanics", "dynamo", "MASS in kg", "END 1"]
+)
+def test_prose_that_speaks_of_dynamics_is_no_slip(prose):
+    assert read(f"{prose}\n").warnings == ()
+
+
 def test_a_card_gives_its_numbers_names_and_places():
     deck = read("DYNAMICS forward\nmass 1 2.5 0.1 0.2 0.3 { slender }\n 1 2 2.5\nEND of cards\n")
     mass = deck.section("mass")[0]
@@ -129,10 +172,3 @@ def test_every_dynamic_deck_stands_in_the_readme():
         for stem in ("IN4-BAR-MASS", "IN-RSSR-MASS", "IN-BRICARD", "IN-ANDREWS", "IN-ARM")
         if f"`{stem}`" in text
     }
-
-
-def test_a_line_that_nearly_opens_cards_is_told():
-    deck = read("DYNAMICS invers\nMASS 1 1 0 0 0 1 1 1\n")
-    assert deck.section("mass") == []
-    assert [(f.severity, f.place.line, f.place.column) for f in deck.warnings] == [("warning", 4, 1)]
-    assert "DYNAMICS inverse or DYNAMICS forward opens cards" in deck.warnings[0].message

@@ -9,7 +9,6 @@ from flexmb_cli.deck.text import read_text
 from flexmb_cli.dialects.young.reader import read_young
 from flexmb_cli.dialects.young.sections import COUNTS, YOUNG_SECTIONS
 from flexmb_cli.errors import DeckError, Place
-from flexmb_cli.model.joints import DISTANCE, DRIVER, JOINT_TYPES, SIMPLIFIED
 from tests.dialects.young.young_decks import PENDULUM, faults, pendulum, read
 
 DECKS = sorted((Path(__file__).parents[3] / "decks" / "young").glob("*.dat"))
@@ -47,15 +46,6 @@ def test_sections_have_the_order_and_sizes_of_the_dissertation():
         for section in YOUNG_SECTIONS
     }
     assert list(sizes.items()) == list(SIZES.items())
-
-
-def test_the_joint_types_and_the_deck_sections_agree():
-    sections = {section.name: section for section in YOUNG_SECTIONS}
-    for kind in (*JOINT_TYPES, SIMPLIFIED, DISTANCE, DRIVER):
-        section = sections[kind.name]
-        assert section.count == kind.young_count
-        points = tuple(column.key[:-2] for column in section.columns if column.key.endswith(".x"))
-        assert points == kind.points
 
 
 def test_every_section_is_announced_by_one_count():

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from flexmb_cli.kernels.integrators import generalised_alpha, radau5_rows, sdirk4
+from flexmb_cli.kernels.integrators import sdirk4
+from flexmb_cli.kernels.integrators.clock import new_clock
+from flexmb_cli.kernels.integrators.dop853 import interpolate, set_dense
 from flexmb_cli.kernels.integrators.dop853_table import DENSE_TERMS, STAGE_TIMES
-from flexmb_cli.kernels.integrators.runge_kutta import interpolate, set_dense
+from flexmb_cli.kernels.integrators.hermite import cubic, quintic
 from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
 from flexmb_cli.model.arrays.tree import CLOSURE_ROW
 
@@ -24,18 +26,17 @@ def at(functions, t, order=0):
 
 
 @pytest.mark.parametrize("x", INSIDE)
-@pytest.mark.parametrize("kernels", [generalised_alpha, radau5_rows, sdirk4], ids=lambda k: k.__name__)
-def test_a_cubic_with_its_slopes_is_met(kernels, x):
+def test_a_cubic_with_its_slopes_is_met(x):
     f = polynomials(3, 1)[0].convert(domain=[0, 1], window=[0, 1])
     ends = f(0.0), f(1.0), f.deriv()(0.0), f.deriv()(1.0)
-    assert kernels._cubic(x, *ends) == pytest.approx(f(x), rel=1e-13)
+    assert cubic(x, *ends) == pytest.approx(f(x), rel=1e-13)
 
 
 @pytest.mark.parametrize("x", INSIDE)
 def test_a_quintic_with_its_first_and_second_derivatives_is_met(x):
     f = polynomials(5, 1)[0].convert(domain=[0, 1], window=[0, 1])
     ends = [d(t) for d in (f, f.deriv(), f.deriv(2)) for t in (0.0, 1.0)]
-    assert radau5_rows._quintic(x, *ends) == pytest.approx((f(x), f.deriv()(x)), rel=1e-12)
+    assert quintic(x, *ends) == pytest.approx((f(x), f.deriv()(x)), rel=1e-12)
 
 
 @pytest.mark.parametrize("x", INSIDE)
@@ -48,7 +49,7 @@ def test_a_row_inside_an_implicit_step_lies_on_the_quintic_of_its_coordinates(x)
             [at(coordinates, t, order + 1), at(coordinates, t, order), at(others, t, order)]
         )
 
-    s = implicit_work(10, 3, np.zeros(0, CLOSURE_ROW))
+    s = implicit_work(new_clock(), np.zeros(10), 3, np.zeros(0, CLOSURE_ROW))
     s.old[:], s.old_slope[:], s.before[:] = state(T), state(T, 1), state(T + H, 1)
     found = np.empty(10)
     sdirk4.between(x, H, state(T + H), s, found)

@@ -78,7 +78,7 @@ def test_accelerations_found_at_the_end_of_a_singular_step_bend_those_of_its_sta
 
 
 def test_the_power_of_a_singular_step_changes_evenly(integration):
-    integration.clock["power"] = 2.0
+    integration.memory["power"] = 2.0
     assert _spread_power(integration, 5.0) == 3.0
     np.testing.assert_allclose(integration.powers, 2.0 + 3.0 * TIMES, rtol=1e-15)
 

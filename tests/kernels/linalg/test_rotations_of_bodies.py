@@ -76,7 +76,7 @@ def test_rows_and_right_sides_on_speeds_follow_those_on_coordinates(path):
     """A row g of coordinates changes by g q' on the path, and g q'' is what no acceleration makes."""
     random = np.random.default_rng(7)
     rows, bodies = random.uniform(-1, 1, (4, 14)), np.array([[0, 1], [1, 0], [0, 1], [1, 0]])
-    jacobian, gamma, q = np.empty((4, path.u.size)), np.zeros(4), path.q(0.0)
+    jacobian, gamma, q = np.zeros((4, path.u.size)), np.zeros(4), path.q(0.0)
     speed_jacobian(bodies, q, rows, jacobian)
     add_turning(bodies, q, path.u, rows, gamma)
     qd, qdd = path.difference(FIRST, 1), path.difference(SECOND, 2)

@@ -52,22 +52,75 @@ def test_independent_rows_are_found_and_solved(seed):
     m, n, rank = *J.shape, 4
     order, factors, motions = np.zeros(m + n, np.int64), np.zeros((m, n)), np.zeros((n, n))
     assert rows.choose(J, np.zeros((m, n)), order, m) == rank
-    assert rows.factorise(J, order, rank, factors) > 0.0
-    rows.free_motions(factors, order, rank, m, motions)
+    columns, entries = np.tile([n, *range(n)], (m, 1)), np.zeros((m, n + 2), np.int64)
+    assert rows.factorise(J, columns, order, rank, factors, entries) > 0.0
+    rows.free_motions(factors, entries, order, rank, m, motions)
     Z = motions[:, : n - rank]
     np.testing.assert_allclose(J @ Z, 0.0, atol=1e-12)
     np.testing.assert_allclose(Z[order[m + rank :]], np.eye(n - rank))
     x = np.full(n, np.nan)
     right_side = J @ np.arange(1.0, n + 1)
-    rows.dependent_speeds(factors, order, rank, m, right_side, x)
+    rows.dependent_speeds(factors, entries, order, rank, m, right_side, x)
     np.testing.assert_allclose(J @ x, right_side, rtol=1e-10)
     assert not x[order[m + rank :]].any()
     B = J[np.ix_(order[:rank], order[m : m + rank])]
     y = np.arange(1.0, rank + 1)
-    rows.transposed_solution(factors, rank, y)
+    rows.transposed_solution(factors, entries, rank, y)
     np.testing.assert_allclose(B.T @ y, np.arange(1.0, rank + 1), rtol=1e-10)
     pivots = np.abs(np.diag(np.linalg.qr(B)[1]))
     assert np.prod(np.abs(np.diag(factors[:rank]))) == pytest.approx(np.prod(pivots), rel=1e-10)
+
+
+def sparse_rows(random, columns, n):
+    """Rows with entries in the places of `columns` alone, of which every third is zero all the same."""
+    J = np.zeros((len(columns), n))
+    for row, places in enumerate(columns[:, 1:]):
+        J[row, places] = random.uniform(0.5, 2.0, places.size) * random.choice([-1.0, 0.0, 1.0], places.size)
+    return J
+
+
+def product_of(factors, rank):
+    """What elimination has taken apart: L U, the free columns behind."""
+    lower = np.tril(factors[:rank, :rank], -1) + np.eye(rank)
+    return lower @ np.triu(factors[:rank])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_factors_of_sparse_rows_hold_nothing_of_other_rows_and_orders(seed):
+    """Arrays serve again and again: what an earlier Jacobian and its order left must not be seen."""
+    random, m, n = np.random.default_rng(seed), 12, 15
+    columns = np.array([[5, *sorted(random.choice(n, 5, replace=False))] for _ in range(m)])
+    factors, entries, order = np.zeros((m, n)), np.zeros((m, n + 2), np.int64), np.zeros(m + n, np.int64)
+    for _ in range(4):
+        J = sparse_rows(random, columns, n)
+        rank = rows.choose(J, np.zeros((m, n)), order, m)
+        assert rank == np.linalg.matrix_rank(J)
+        assert rows.factorise(J, columns, order, rank, factors, entries) > 0.0
+        wanted = J[np.ix_(order[:rank], order[m:])]
+        np.testing.assert_allclose(product_of(factors, rank), wanted, atol=1e-13)
+        for i in range(rank):
+            places = [*entries[i, 3 : entries[i, 2]], i]
+            assert sorted(places) == list(np.flatnonzero(factors[i]))
+            assert all(entries[i, 3 : entries[i, 0]] < i) and all(
+                entries[i, entries[i, 1] : entries[i, 2]] >= rank
+            )
+        y, x = random.uniform(-1.0, 1.0, rank), np.zeros(n)
+        borne = y.copy()
+        rows.transposed_solution(factors, entries, rank, borne)
+        np.testing.assert_allclose(wanted[:, :rank].T @ borne, y, atol=1e-12)
+        rows.dependent_speeds(factors, entries, order, rank, m, J @ np.ones(n), x)
+        np.testing.assert_allclose(J @ x, J @ np.ones(n), atol=1e-12)
+
+
+def test_a_vanishing_pivot_is_told_and_those_before_it_are_right():
+    J = np.array([[2.0, 1.0, 0.0], [4.0, 2.0, 3.0], [0.0, 5.0, 1.0]])
+    columns, order, factors = np.tile([3, 0, 1, 2], (3, 1)), np.array([0, 1, 2, 0, 1, 2]), np.zeros((3, 3))
+    entries = np.zeros((3, 5), np.int64)
+    assert rows.factorise(J, columns, order, 3, factors, entries) == 0.0
+    assert (factors[0, 0], factors[1, 1], factors[1, 0]) == (2.0, 0.0, 2.0)
+    J[1, 1] = 3.0
+    assert rows.factorise(J, columns, order, 3, factors, entries) > 0.0
+    np.testing.assert_allclose(product_of(factors, 3), J, atol=1e-14)
 
 
 @pytest.mark.parametrize("count", [1, 4, 9])

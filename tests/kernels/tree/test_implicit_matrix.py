@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmb_cli.kernels.integrators.sdirk4 import GAMMA, _correct, implicit_work
-from flexmb_cli.kernels.integrators.tree_dop853 import CLOCK
+from flexmb_cli.kernels.integrators.clock import new_clock
+from flexmb_cli.kernels.integrators.sdirk4 import implicit_work
+from flexmb_cli.kernels.integrators.sdirk4_step import GAMMA, _correct
 from flexmb_cli.kernels.linalg.profile_ldl import factorise_profile, set_profile_times, substitute_profile
 from flexmb_cli.kernels.tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff, stiff_work
 from flexmb_cli.model.tree import ELASTIC, ROTATION, Prescribed
@@ -97,11 +98,8 @@ def test_correction_of_a_stage_is_that_of_newton_and_its_size_counts_tolerances(
     Hairer, Nørsett and Wanner I (II.4.11) of what moves speeds, coordinates and attitudes in the stage."""
     recursion = Recursion(random_tree(seed))
     arrays, z, n = recursion.arrays, initial_state(recursion.tree), len(recursion.tree.q)
-    s, clock, random = (
-        implicit_work(len(z), n, arrays.closures),
-        np.zeros(1, CLOCK),
-        np.random.default_rng(seed),
-    )
+    clock, random = new_clock(), np.random.default_rng(seed)
+    s = implicit_work(clock, z.copy(), n, arrays.closures)
     clock["rtol"], clock["atol"] = 0.2, 0.1
     renew(arrays, recursion.work, recursion.coordinates, z, s.stiff)
     assert factorise(arrays, F, s.stiff)

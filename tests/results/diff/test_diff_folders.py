@@ -57,6 +57,14 @@ def test_equal_folders_have_no_difference(folders):
     assert done.exit_code == 0
 
 
+@pytest.mark.parametrize(("wild", "code"), [("", 2), ("/*.h5", 2), ("/one.h5", 0)])
+def test_what_is_compared_with_itself_is_named(folders, wild, code):
+    """One wrong variable of a pipeline would make a comparison of folders that never fails."""
+    done = compared(f"{folders[0]}{wild}", f"{folders[0]}/../old{wild}")
+    assert done.exit_code == code
+    assert "are the same, so that nothing can differ" in done.stderr
+
+
 def test_one_difference_in_one_file_is_told_with_its_place_and_ends_with_1(folders):
     changed(folders[1] / "inner" / "two.h5")
     done = compared(*folders)

@@ -242,9 +242,9 @@ def browser():
     options.binary_location = BROWSER
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1200,1300"):
         options.add_argument(argument)
-    # There is no graphics card in CI: WebGL by software.
-    options.add_argument("--use-angle=swiftshader")
-    options.add_argument("--enable-unsafe-swiftshader")
+    # The viewer needs neither a graphics card nor WebGL.
+    options.add_argument("--disable-gpu")
+    options.add_argument("--disable-3d-apis")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = selenium.Chrome(options=options, service=selenium.ChromeService(DRIVER))
     yield driver
@@ -317,6 +317,27 @@ def test_the_picture_is_not_blank(page):
     picture = pixels(page)
     orange = (picture[..., 0] > 90) & (picture[..., 0] > 1.6 * picture[..., 1]) & (picture[..., 2] < 40)
     assert np.sum(orange) > 100
+
+
+@pytest.mark.processes
+def test_a_tube_has_its_colour_its_width_and_its_name(page):
+    """Tubes are 0.8 % of the diagonal of the box around the mechanism in radius, joints 1.2 %."""
+    rest(page)
+    reported = page.execute_script(
+        "const v = window.flexmb.viewer, camera = v.camera(), bar = v.lines.findIndex(one => !one.still);"
+        "const e = v.lines[bar].edges, [p, q] = [0, 1].map(k => v.placed(camera, v.lines[bar].marks, e[k]));"
+        "const middle = [0, 1].map(i => (p[i] + q[i]) / 2), across = [q[1] - p[1], p[0] - q[0]];"
+        "const size = Math.hypot(...across), {low, high} = v.scene.box; let wide = 0;"
+        "for (let d = -200; d <= 200; d++) wide += "
+        "v.raster.owner[Math.floor(middle[1] + d * across[1] / size)"
+        " * v.raster.width + Math.floor(middle[0] + d * across[0] / size)] === bar + 1;"
+        "return [v.lines[bar].name, v.names[v.raster.ownerAt(...middle, 1) - 1], wide,"
+        " camera.radius, Math.hypot(...high.map((x, k) => x - low[k])) * Math.hypot(...camera.rows[0])]"
+    )
+    name, picked, wide, radius, diagonal = reported
+    assert picked == name
+    assert radius == pytest.approx(0.008 * diagonal, rel=1e-6)
+    assert abs(wide - 2 * radius) <= 2
 
 
 @pytest.mark.processes
@@ -403,3 +424,33 @@ def test_positions_that_are_no_numbers_are_not_drawn(tmp_path):
         file["body/position"][3, 1] = np.nan
     with pytest.raises(ResultError, match="not finite"):
         page_on(path)
+
+
+RASTER = """
+const done = arguments[0], canvas = document.createElement("canvas"), raster = new Raster(canvas);
+raster.begin(100, 80, [1, 1, 1]);
+// A wall through the picture, which a square in front of its left half crosses at x = 50.
+const wall = new Float32Array([10, 10, 0, 90, 10, 0, 90, 70, 0, 10, 70, 0]);
+const tilted = new Float32Array([20, 20, 30, 80, 20, -30, 80, 60, -30, 20, 60, 30]);
+const square = new Uint32Array([0, 2, 1, 0, 3, 2]);
+raster.triangles(wall, square, palette([[1, 0, 0]]), null, true, 1);
+raster.triangles(tilted, square, palette([[0, 1, 0]]), null, true, 2);
+raster.triangles(tilted, new Uint32Array([0, 1, 2]), palette([[0, 0, 1]]), null, true, 3);
+raster.tube([50, 40, -600], [50, 40, -600], 500, palette([[0, 0, 1]]), 4);
+const counts = [0, 0, 0, 0, 0];
+for (const owner of raster.owner) counts[owner]++;
+done([counts, raster.owner[40 * 100 + 49], raster.owner[40 * 100 + 51]]);
+"""
+
+
+@pytest.mark.processes
+def test_what_is_nearer_hides_what_is_behind_and_inner_sides_are_not_drawn(page):
+    """Areas in pixels: the wall 80 x 60, the tilted square 60 x 40 that is in front of it up to its
+    middle.
+    """
+    counts, left, right = page.execute_async_script(RASTER)
+    assert (left, right) == (2, 1)
+    assert counts[1] == 80 * 60 - 30 * 40
+    assert counts[2] == 30 * 40
+    assert counts[3] == 0
+    assert counts[4] == 100 * 80 - 80 * 60

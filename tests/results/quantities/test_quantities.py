@@ -2,11 +2,13 @@
 
 import errno
 import io
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+from flexmb_cli.interface import solve
 from flexmb_cli.results.quantities.quantities import ResultError, names, open_result, read, resolve
 from tests.results.results import SERIES, value, write_result
 
@@ -142,6 +144,15 @@ def test_an_unknown_name_is_answered_with_near_ones(result, pattern, near):
     assert caught.value.exit_code == 2
     hint = str(caught.value).partition("near it are ")[2].partition(";")[0].split(", ")
     assert near in hint
+
+
+@pytest.mark.parametrize(("name", "card"), [("coordinate", "JOINTS"), ("stress", "MATL and OUTS")])
+def test_a_quantity_that_decks_must_ask_for_is_answered_with_the_card(name, card, tmp_path):
+    """A plain deck of YOUNG, which has neither joint coordinates nor elements nor stresses."""
+    solve(Path(__file__).parents[3] / "decks/young/IN1-1-1.dat").save(tmp_path / "plain.h5")
+    told = pytest.raises(ResultError, match=f"stored where.*{card}")
+    with h5py.File(tmp_path / "plain.h5") as file, told:
+        resolve(file, [name])
 
 
 def test_all_unknown_names_are_told_at_once(result):

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli.diff import diff
+from flexmb_cli.cli.export import export
 from flexmb_cli.cli.table import table
 from flexmb_cli.results.quantities.quantities import ResultError, open_result
 from flexmb_cli.study.table import Column, TableHead, write_table
@@ -48,7 +49,13 @@ def test_cases_are_rows_with_parameters_and_results_and_every_digit(study):
     assert [lines[0][2], lines[1][2], lines[2][2]] == [repr(1 / 3), "nan", "-4.0"]
     assert [line[3] for line in lines] == ["0", "1", "0"]
     assert "note: series are shown where they are named: result.path" in reported
-    assert "note: 1 of 3 cases failed; the column message says why" in reported
+    assert "note: 1 of 3 cases failed and have nan for results; the column message says why" in reported
+
+
+@pytest.mark.parametrize("form", ["csv", "mat"])
+def test_an_export_says_how_many_cases_failed(study, form, tmp_path):
+    done = CliRunner().invoke(export, [str(study), "--to", form, "-o", str(tmp_path / f"s.{form}")])
+    assert "note: 1 of 3 cases failed and have nan for results" in done.stderr
 
 
 def test_series_and_messages_are_printed_when_named(study):

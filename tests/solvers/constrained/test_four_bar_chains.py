@@ -7,6 +7,7 @@ stopped at 1e-10 for N = 2 (t = 6.54 s) and N = 5 (t = 3.19 s), and by RAD5 at 1
 
 import math
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,12 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parents[3] / "scripts/bench"))
 from four_bars import deck_of, energy_error, run
+
+from flexmb_cli.deck.text import read_text
+from flexmb_cli.dialects.young.build_dynamics import build_young_dynamics
+from flexmb_cli.dialects.young.dynamic_cards import read_young_deck
+from flexmb_cli.kernels.constrained.accelerations import accelerations, choose_order, evaluate_jacobian
+from flexmb_cli.solvers.constrained.young_dynamics import ForwardDynamics
 
 pytestmark = pytest.mark.long_motion
 
@@ -43,14 +50,46 @@ def held(count, method, tolerance, end=10.0):
 @pytest.mark.parametrize(("count", "tolerance"), [(1, 1e-6), (1, 1e-11), (2, 1e-10), (5, 1e-10), (5, 1e-11)])
 def test_the_explicit_method_passes_at_every_tolerance(count, tolerance):
     blocks = held(count, "DOP853", tolerance)
-    time = np.concatenate([block.time for block in blocks])
+    times = np.concatenate([block.time for block in blocks])
     speed = np.concatenate([block.angular_velocity[:, 1, 2] for block in blocks])
-    assert speed == pytest.approx(cranks(count, time)[1], abs=1e5 * tolerance)
+    assert speed == pytest.approx(cranks(count, times)[1], abs=1e5 * tolerance)
 
 
 @pytest.mark.parametrize(("count", "tolerance"), [(1, 1e-6), (1, 1e-9), (1, 1e-11), (2, 1e-10)])
 def test_radaus_method_passes_at_every_tolerance(count, tolerance):
     held(count, "RAD5", tolerance)
+
+
+def turned(count, angle):
+    """Coordinates of the chain's bodies with all cranks at an angle from the ground."""
+    q = np.zeros((2 * count + 2, 7))
+    q[0, 3] = 1.0
+    for k in range(count + 1):
+        q[2 * k + 1] = [k, 0.0, 0.0, math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle)]
+        if k < count:
+            q[2 * k + 2] = [k + math.cos(angle), math.sin(angle), 0.0, 1.0, 0.0, 0.0, 0.0]
+    return q.ravel()
+
+
+def time_of_accelerations(count, tmp_path):
+    """The least time, s, of many evaluations of the accelerations of a chain."""
+    path = tmp_path / f"IN{count}.dat"
+    path.write_text(deck_of(count, "DOP853", 1e-6))
+    analysis = ForwardDynamics(build_young_dynamics(read_young_deck(read_text(str(path))))[0])
+    system, work, q = analysis.system, analysis.work, turned(count, 1.3)
+    evaluate_jacobian(system, work, q)
+    choose_order(work, len(analysis.arrays.equations))
+    u, found = np.zeros((2, work.jacobian.shape[1])), []
+    for _ in range(30):
+        begin = time.perf_counter()
+        accelerations(system, work, q, u[0], 0.0, u[1])
+        found.append(time.perf_counter() - begin)
+    return min(found)
+
+
+def test_an_evaluation_costs_as_many_times_more_as_there_are_more_bars(tmp_path):
+    """Dense elimination took 10 times longer for 20 four-bars than for 5; it is to be about 4, or less."""
+    assert time_of_accelerations(20, tmp_path) < 6.0 * time_of_accelerations(5, tmp_path)
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-6])

@@ -49,7 +49,7 @@ def test_a_young_deck_settles_and_swings():
 def test_the_text_names_what_moves_and_where_it_rests():
     done = flexmb("-", "--equilibrium", deck=PENDULUM)
     assert done.stdout.splitlines() == [
-        "-: YOUNG deck, flexible bodies 0",
+        "-: YOUNG deck",
         "  small motions about the equilibrium at t = 0 s: freedoms 1",
         "    body 1: 0 0 0 1 0 0 0",
         "    body 2: 0 0 0 0.707107 0 0.707107 0",

@@ -1,53 +1,12 @@
-"use strict";
-// The report's viewer: bodies as tubes and finite-element surfaces, by WebGL 2 alone.
-// Positions of surfaces are superposed from modes here: u = sum of shape times amplitude.
+// The report's viewer: bodies as tubes, as finite-element surfaces and by their shapes.
+// Displacements and stresses of surfaces are superposed from modes here: u = sum of shape times amplitude.
 
-const TUBE = `#version 300 es
-in vec3 corner; in vec3 start; in vec3 end; in vec4 paint;
-uniform mat4 camera; uniform float radius; out vec3 place; out vec4 colour;
-void main() {
-  vec3 along = end - start;
-  vec3 axis = length(along) > 0.0 ? normalize(along) : vec3(0.0, 0.0, 1.0);
-  vec3 side = normalize(cross(axis, abs(axis.x) < 0.9 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
-  place = start + along * corner.z + radius * paint.a * (corner.x * side + corner.y * cross(axis, side));
-  colour = vec4(paint.rgb, 1.0);
-  gl_Position = camera * vec4(place, 1.0);
-}`;
-const SURFACE = `#version 300 es
-in vec3 node; in float value; uniform mat4 camera; uniform vec4 plain; uniform vec2 range;
-out vec3 place; out vec4 colour;
-// Viridis (van der Walt and Smith, 2015) as a polynomial.
-vec3 viridis(float t) {
-  vec3 c = vec3(-5.4354, 4.6459, 26.3124);
-  c = c * t + vec3(4.7763, -13.7452, -65.3530);
-  c = c * t + vec3(6.2284, 14.1800, 56.6906);
-  c = c * t + vec3(-4.6342, -5.7991, -19.3324);
-  c = c * t + vec3(-0.3309, 0.2148, 0.0951);
-  c = c * t + vec3(0.1051, 1.4046, 1.3846);
-  return clamp(c * t + vec3(0.2777, 0.0054, 0.3341), 0.0, 1.0);
-}
-void main() {
-  place = node;
-  colour = plain.a > 0.0 ? vec4(plain.rgb, 1.0) : vec4(viridis(clamp((value - range.x) / range.y, 0.0, 1.0)), 1.0);
-  gl_Position = camera * vec4(node, 1.0);
-}`;
-const SHADED = `#version 300 es
-precision highp float; in vec3 place; in vec4 colour; uniform vec3 eye; uniform float lit; out vec4 seen;
-void main() {
-  vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
-  float light = lit > 0.0 ? 0.55 + 0.45 * abs(dot(normal, normalize(eye))) : 1.0;
-  seen = vec4(colour.rgb * light, 1.0);
-}`;
-const SIDES = 10;
+const NAMED = {"von Mises stress": "Pa", "deformation": "m"};
+const RATIOS = [0.5, 0.7, 1, 1.4, 2], SLOW = 13, QUICK = 5, MOST_PIXELS = 4e6;
 
-function floats(text) {
-  const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-  return new Float32Array(bytes.buffer);
-}
-function integers(text) {
-  const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-  return new Uint32Array(bytes.buffer);
-}
+function bytes(text) { return Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer; }
+function floats(text) { return new Float32Array(bytes(text)); }
+function integers(text) { return new Uint32Array(bytes(text)); }
 function rgb(text) { return [1, 3, 5].map(k => parseInt(text.slice(k, k + 2), 16) / 255); }
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -57,227 +16,212 @@ const unit = a => scaled(a, 1 / (Math.hypot(...a) || 1));
 class Viewer {
   constructor(box, scene) {
     this.box = box; this.scene = scene; this.frame = 0; this.playing = false;
-    this.canvas = box.querySelector("canvas");
-    const gl = this.gl = this.canvas.getContext("webgl2", {antialias: true, preserveDrawingBuffer: true});
-    if (!gl) throw new Error("this browser has no WebGL 2");
-    this.tubes = this.program(TUBE, SHADED, ["corner", "start", "end", "paint"]);
-    this.surface = this.program(SURFACE, SHADED, ["node", "value"]);
-    this.prepareTube();
+    this.canvas = box.querySelector("canvas"); this.raster = new Raster(this.canvas);
     this.surfaces = scene.surfaces.map(one => this.prepareSurface(one));
-    this.lines = scene.bodies.map(one => ({...one, marks: floats(one.marks), edges: integers(one.edges)}));
-    this.traces = scene.traces.map(one => ({...one, marks: floats(one.marks)}));
-    this.joints = {marks: floats(scene.joints.marks), names: scene.joints.names};
+    this.contoured = this.surfaces.filter(one => one.modes);
+    this.lines = scene.bodies.map(one => ({...one, marks: floats(one.marks), edges: integers(one.edges), palette: palette([rgb(one.colour)])}));
+    this.traces = scene.traces.map(one => this.prepareTrace(one));
+    this.joints = {marks: floats(scene.joints.marks), names: scene.joints.names, palette: palette([[0.42, 0.42, 0.42]])};
+    // What the numbers in the raster stand for, from 1.
+    this.names = [...this.lines, ...this.surfaces].map(one => one.name).concat(this.joints.names);
+    this.contours = palette(Array.from({length: STEPS}, (_, k) => viridis(k / (STEPS - 1))));
     this.turn = {eye: unit(scene.view.eye), up: unit(scene.view.up)};
-    this.zoom = 1; this.shift = [0, 0]; this.magnify = 1; this.colouring = this.surfaces.length ? "von Mises stress" : "body";
+    this.zoom = 1; this.shift = [0, 0]; this.magnify = 1; this.colouring = this.contoured.length ? "von Mises stress" : "body";
+    this.ratio = 2; this.cost = 8;
     this.prepareRanges();
     this.controls();
     this.show(0);
   }
 
-  program(vertex, fragment, names) {
-    const gl = this.gl, made = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text); gl.compileShader(shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-      gl.attachShader(made, shader);
-    }
-    names.forEach((name, k) => gl.bindAttribLocation(made, k, name));
-    gl.linkProgram(made);
-    return {made, at: name => gl.getUniformLocation(made, name)};
-  }
-
-  prepareTube() {
-    const gl = this.gl, corners = [];
-    for (let k = 0; k < SIDES; k++) {
-      const [a, b] = [2 * Math.PI * k / SIDES, 2 * Math.PI * (k + 1) / SIDES];
-      const [p, q] = [[Math.cos(a), Math.sin(a)], [Math.cos(b), Math.sin(b)]];
-      corners.push(...p, 0, ...q, 0, ...q, 1, ...p, 0, ...q, 1, ...p, 1);
-      corners.push(0, 0, 0, ...q, 0, ...p, 0, 0, 0, 1, ...p, 1, ...q, 1);
-    }
-    this.tubeCount = corners.length / 3;
-    this.tubeArray = gl.createVertexArray(); this.tubeBuffer = gl.createBuffer();
-    gl.bindVertexArray(this.tubeArray);
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(corners), gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(0); gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.tubeBuffer);
-    [[1, 3, 0], [2, 3, 12], [3, 4, 24]].forEach(([place, size, offset]) => {
-      gl.enableVertexAttribArray(place); gl.vertexAttribPointer(place, size, gl.FLOAT, false, 40, offset);
-      gl.vertexAttribDivisor(place, 1);
-    });
-  }
-
   prepareSurface(one) {
-    const gl = this.gl, arrays = {};
-    for (const key of ["nodes", "shape", "stress", "amplitude", "origin", "turn"]) arrays[key] = floats(one[key]);
-    const made = {...one, ...arrays, triangles: integers(one.triangles), count: arrays.nodes.length / 3};
-    made.places = new Float32Array(3 * made.count); made.values = new Float32Array(made.count);
-    made.array = gl.createVertexArray(); made.placeBuffer = gl.createBuffer(); made.valueBuffer = gl.createBuffer();
-    gl.bindVertexArray(made.array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, made.placeBuffer); gl.enableVertexAttribArray(0); gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    gl.bindBuffer(gl.ARRAY_BUFFER, made.valueBuffer); gl.enableVertexAttribArray(1); gl.vertexAttribPointer(1, 1, gl.FLOAT, false, 0, 0);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, made.triangles, gl.STATIC_DRAW);
-    made.lines = gl.createVertexArray(); made.lineCount = integers(one.edges).length;
-    gl.bindVertexArray(made.lines);
-    gl.bindBuffer(gl.ARRAY_BUFFER, made.placeBuffer); gl.enableVertexAttribArray(0); gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, integers(one.edges), gl.STATIC_DRAW);
+    const made = {...one, triangles: integers(one.triangles), edges: integers(one.edges), palette: palette([rgb(one.colour)])};
+    for (const key of ["nodes", "shape", "stress", "amplitude", "origin", "turn"]) made[key] = floats(one[key]);
+    made.count = made.nodes.length / 3;
+    made.displaced = new Float32Array(3 * made.count); made.screen = new Float32Array(3 * made.count);
+    made.values = new Float32Array(made.count);
     return made;
+  }
+
+  prepareTrace(one) {
+    const marks = floats(one.marks), count = marks.length / 3, index = new Uint32Array(2 * Math.max(0, count - 1));
+    for (let k = 0; k < count - 1; k++) { index[2 * k] = k; index[2 * k + 1] = k + 1; }
+    return {...one, marks, index, screen: new Float32Array(marks.length), packed: packed(rgb(one.colour))};
   }
 
   // Largest values over all frames, so that colours mean the same throughout.
   prepareRanges() {
-    this.ranges = {"von Mises stress": [0, 0, "Pa"], "deformation": [0, 0, "m"]};
+    this.ranges = {};
     const every = Math.max(1, Math.floor(this.scene.time.length / 60));
-    for (const name of Object.keys(this.ranges)) for (const one of this.surfaces)
-      for (let k = 0; k < this.scene.time.length; k += every) {
+    for (const name of Object.keys(NAMED)) {
+      this.ranges[name] = 0;
+      for (const one of this.contoured) for (let k = 0; k < this.scene.time.length; k += every) {
         this.fill(one, k, name);
-        for (const value of one.values) this.ranges[name][1] = Math.max(this.ranges[name][1], value);
+        for (const value of one.values) if (value > this.ranges[name]) this.ranges[name] = value;
       }
+    }
   }
 
+  // Displacements of a frame, body axes, and the values that are coloured.
   fill(one, frame, colouring) {
-    const N = one.modes, u = one.displaced || (one.displaced = new Float32Array(3 * one.count));
+    const N = one.modes, u = one.displaced, {shape, stress, values, count} = one;
+    if (!N) return;
     const eta = one.amplitude.subarray(frame * N, (frame + 1) * N);
-    for (let r = 0, at = 0; r < 3 * one.count; r++) {
+    for (let r = 0, at = 0; r < 3 * count; r++) {
       let sum = 0;
-      for (let k = 0; k < N; k++) sum += one.shape[at++] * eta[k];
+      for (let k = 0; k < N; k++) sum += shape[at++] * eta[k];
       u[r] = sum;
     }
-    const A = one.turn.subarray(9 * frame, 9 * frame + 9), o = one.origin.subarray(3 * frame, 3 * frame + 3);
-    for (let n = 0; n < one.count; n++) {
-      const x = one.nodes[3 * n] + this.magnify * u[3 * n], y = one.nodes[3 * n + 1] + this.magnify * u[3 * n + 1];
-      const z = one.nodes[3 * n + 2] + this.magnify * u[3 * n + 2];
-      for (let i = 0; i < 3; i++) one.places[3 * n + i] = o[i] + A[3 * i] * x + A[3 * i + 1] * y + A[3 * i + 2] * z;
-    }
     if (colouring === "deformation")
-      for (let n = 0; n < one.count; n++) one.values[n] = Math.hypot(u[3 * n], u[3 * n + 1], u[3 * n + 2]);
+      for (let n = 0; n < count; n++) values[n] = Math.hypot(u[3 * n], u[3 * n + 1], u[3 * n + 2]);
     if (colouring === "von Mises stress")
-      for (let n = 0, at = 0, s = [0, 0, 0, 0, 0, 0]; n < one.count; n++) {
-        for (let c = 0; c < 6; c++) { let sum = 0; for (let k = 0; k < N; k++) sum += one.stress[at++] * eta[k]; s[c] = sum; }
-        const direct = (s[0] - s[1]) ** 2 + (s[1] - s[2]) ** 2 + (s[2] - s[0]) ** 2;
-        one.values[n] = Math.sqrt(direct / 2 + 3 * (s[3] ** 2 + s[4] ** 2 + s[5] ** 2));
+      for (let n = 0, at = 0; n < count; n++) {
+        let xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
+        for (let k = 0; k < N; k++, at++) {
+          const part = eta[k];
+          xx += stress[at] * part; yy += stress[at + N] * part; zz += stress[at + 2 * N] * part;
+          xy += stress[at + 3 * N] * part; yz += stress[at + 4 * N] * part; zx += stress[at + 5 * N] * part;
+        }
+        at += 5 * N;
+        const direct = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2;
+        values[n] = Math.sqrt(direct / 2 + 3 * (xy * xy + yz * yz + zx * zx));
       }
   }
 
+  // Axes of the picture and pixels a metre.
   camera() {
-    const {low, high} = this.scene.box, size = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1;
-    const back = this.turn.eye, right = unit(cross(this.turn.up, back)), up = cross(back, right);
+    const {low, high} = this.scene.box, {eye, up: wanted} = this.turn, right = unit(cross(wanted, eye)), up = cross(eye, right);
+    const size = Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) || 1, middle = low.map((x, k) => (x + high[k]) / 2);
     let wide = 0, tall = 0;
-    const middle = low.map((x, k) => (x + high[k]) / 2);
     for (let k = 0; k < 8; k++) {
       const c = [0, 1, 2].map(i => ((k >> i) & 1 ? high[i] : low[i]) - middle[i]);
       wide = Math.max(wide, Math.abs(dot(c, right))); tall = Math.max(tall, Math.abs(dot(c, up)));
     }
-    const aspect = this.canvas.width / this.canvas.height;
-    const half = 1.12 * Math.max(tall, wide / aspect, 0.02 * size) / this.zoom;
-    this.scale = {half, aspect, right, up, middle};
-    const rows = [scaled(right, 1 / (half * aspect)), scaled(up, 1 / half), scaled(back, -1 / (2 * size))], m = [];
-    for (let c = 0; c < 3; c++) m.push(rows[0][c], rows[1][c], rows[2][c], 0);
-    m.push(-dot(rows[0], middle) + this.shift[0], -dot(rows[1], middle) + this.shift[1], -dot(rows[2], middle), 1);
-    return new Float32Array(m);
+    const {width, height} = this.raster, half = 1.12 * Math.max(tall, wide * height / width, 0.02 * size) / this.zoom;
+    const scale = height / 2 / half, x = (1 + this.shift[0]) * width / 2, y = (1 - this.shift[1]) * height / 2;
+    const rows = [scaled(right, scale), scaled(up, -scale), scaled(eye, scale)];
+    const offset = [x - dot(rows[0], middle), y - dot(rows[1], middle), -dot(rows[2], middle)];
+    return {rows, offset, radius: 0.008 * size * scale};
+  }
+
+  // The place in the picture of a mark.
+  placed(camera, marks, k) {
+    const p = [marks[3 * k], marks[3 * k + 1], marks[3 * k + 2]];
+    return [0, 1, 2].map(i => dot(camera.rows[i], p) + camera.offset[i]);
   }
 
   show(frame) {
     this.frame = frame;
-    const gl = this.gl, ratio = window.devicePixelRatio || 1;
-    const [w, h] = [Math.round(this.canvas.clientWidth * ratio), Math.round(this.canvas.clientHeight * ratio)];
-    if (this.canvas.width !== w || this.canvas.height !== h) { this.canvas.width = w; this.canvas.height = h; }
+    const begun = performance.now(), {clientWidth, clientHeight} = this.canvas;
+    // At rest there is time for more pixels than are shown, which smooths the edges.
+    const most = Math.sqrt(MOST_PIXELS / Math.max(1, clientWidth * clientHeight)), ratio = Math.min(most, this.playing ? this.ratio : 2);
+    const ground = getComputedStyle(document.documentElement).getPropertyValue("--canvas").trim();
+    this.raster.begin(Math.max(1, Math.round(clientWidth * ratio)), Math.max(1, Math.round(clientHeight * ratio)), rgb(ground));
+    this.shown = ratio;
     const camera = this.camera();
-    gl.viewport(0, 0, w, h); gl.enable(gl.DEPTH_TEST);
-    const ground = rgb(getComputedStyle(document.documentElement).getPropertyValue("--canvas").trim());
-    gl.clearColor(...ground, 1); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    this.drawTubes(camera); this.drawSurfaces(camera);
+    this.drawSurfaces(camera); this.drawTubes(camera);
+    this.raster.end();
     this.tell();
+    if (this.playing) this.adapt(performance.now() - begun);
+  }
+
+  // Fewer pixels where frames take long, more where there is time.
+  adapt(spent) {
+    this.cost += 0.2 * (spent - this.cost);
+    const at = RATIOS.indexOf(this.ratio), next = this.cost > SLOW ? at - 1 : this.cost < QUICK ? at + 1 : at;
+    if (next === at || next < 0 || next >= RATIOS.length || RATIOS[next] > Math.max(1, window.devicePixelRatio)) return;
+    this.ratio = RATIOS[next]; this.cost = (SLOW + QUICK) / 2;
   }
 
   drawTubes(camera) {
-    const gl = this.gl, data = [];
-    for (const body of this.lines) {
-      const n = body.places, first = body.still ? 0 : 3 * n * this.frame, colour = rgb(body.colour);
-      const at = k => [body.marks[first + 3 * k], body.marks[first + 3 * k + 1], body.marks[first + 3 * k + 2]];
-      for (let e = 0; e < body.edges.length; e += 2) data.push(...at(body.edges[e]), ...at(body.edges[e + 1]), ...colour, body.still ? 0.6 : 1);
+    const {raster, frame} = this;
+    this.lines.forEach((body, k) => {
+      const first = body.still ? 0 : body.places * frame, radius = camera.radius * (body.still ? 0.6 : 1);
+      for (let e = 0; e < body.edges.length; e += 2)
+        raster.tube(this.placed(camera, body.marks, first + body.edges[e]), this.placed(camera, body.marks, first + body.edges[e + 1]), radius, body.palette, k + 1);
+    });
+    const {marks, names} = this.joints, before = this.lines.length + this.surfaces.length;
+    names.forEach((_, k) => {
+      const p = this.placed(camera, marks, names.length * frame + k);
+      p[2] += camera.radius;
+      raster.tube(p, p, 1.5 * camera.radius, this.joints.palette, before + k + 1);
+    });
+    for (const trace of this.part("traces").checked ? this.traces : []) {
+      this.project(camera, trace.marks, trace.screen);
+      raster.lines(trace.screen, trace.index, trace.packed, 0, Math.max(1, Math.round(1.5 * this.shown)));
     }
-    for (const trace of this.traces) {
-      const colour = rgb(trace.colour), m = trace.marks;
-      for (let k = 0; k + 5 < m.length; k += 3) data.push(m[k], m[k + 1], m[k + 2], m[k + 3], m[k + 4], m[k + 5], ...colour, 0.3);
-    }
-    const j = this.joints, count = j.names.length, axis = scaled(this.turn.eye, 1.2 * this.radius());
-    for (let k = 0; k < count; k++) {
-      const at = 3 * (count * this.frame + k), p = [j.marks[at], j.marks[at + 1], j.marks[at + 2]];
-      data.push(p[0] - axis[0], p[1] - axis[1], p[2] - axis[2], p[0] + axis[0], p[1] + axis[1], p[2] + axis[2], 0.35, 0.35, 0.35, 1.5);
-    }
-    gl.useProgram(this.tubes.made); gl.bindVertexArray(this.tubeArray);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.tubeBuffer); gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(data), gl.DYNAMIC_DRAW);
-    gl.uniformMatrix4fv(this.tubes.at("camera"), false, camera); gl.uniform1f(this.tubes.at("radius"), this.radius());
-    gl.uniform3fv(this.tubes.at("eye"), this.turn.eye); gl.uniform1f(this.tubes.at("lit"), 1);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, this.tubeCount, data.length / 10);
   }
 
-  radius() {
-    const {low, high} = this.scene.box;
-    return 0.008 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  project(camera, marks, screen) {
+    const [[a, b, c], [d, e, f], [g, h, i]] = camera.rows, [x0, y0, z0] = camera.offset;
+    for (let k = 0; k < marks.length; k += 3) {
+      const x = marks[k], y = marks[k + 1], z = marks[k + 2];
+      screen[k] = a * x + b * y + c * z + x0; screen[k + 1] = d * x + e * y + f * z + y0; screen[k + 2] = g * x + h * y + i * z + z0;
+    }
+  }
+
+  // Places in the picture of all nodes: rotation, scale and view in one matrix.
+  carry(camera, one) {
+    const A = one.turn.subarray(9 * this.frame, 9 * this.frame + 9), o = one.origin.subarray(3 * this.frame, 3 * this.frame + 3);
+    const rows = camera.rows.map(row => [0, 1, 2].map(j => row[0] * A[j] + row[1] * A[3 + j] + row[2] * A[6 + j]));
+    const offset = camera.rows.map((row, i) => dot(row, o) + camera.offset[i]);
+    if (one.modes && this.magnify) {
+      const {nodes, displaced, screen} = one, magnify = this.magnify;
+      for (let k = 0; k < screen.length; k++) screen[k] = nodes[k] + magnify * displaced[k];
+      this.project({rows, offset}, screen, screen);
+    } else this.project({rows, offset}, one.nodes, one.screen);
   }
 
   drawSurfaces(camera) {
-    const gl = this.gl, range = this.ranges[this.colouring];
-    gl.useProgram(this.surface.made);
-    gl.uniformMatrix4fv(this.surface.at("camera"), false, camera);
-    gl.uniform3fv(this.surface.at("eye"), this.turn.eye); gl.uniform1f(this.surface.at("lit"), 1);
-    if (range) gl.uniform2f(this.surface.at("range"), range[0], (range[1] - range[0]) || 1);
-    for (const one of this.surfaces) {
+    this.surfaces.forEach((one, k) => {
+      const most = one.modes ? this.ranges[this.colouring] : undefined, coloured = most !== undefined;
       this.fill(one, this.frame, this.colouring);
-      gl.uniform4f(this.surface.at("plain"), ...rgb(one.colour), range ? 0 : 1);
-      gl.bindVertexArray(one.array);
-      gl.bindBuffer(gl.ARRAY_BUFFER, one.placeBuffer); gl.bufferData(gl.ARRAY_BUFFER, one.places, gl.DYNAMIC_DRAW);
-      gl.bindBuffer(gl.ARRAY_BUFFER, one.valueBuffer); gl.bufferData(gl.ARRAY_BUFFER, one.values, gl.DYNAMIC_DRAW);
-      gl.enable(gl.POLYGON_OFFSET_FILL); gl.polygonOffset(1, 1);
-      gl.drawElements(gl.TRIANGLES, one.triangles.length, gl.UNSIGNED_INT, 0);
-      gl.disable(gl.POLYGON_OFFSET_FILL);
-      if (!this.part("mesh").checked) continue;
-      gl.uniform4f(this.surface.at("plain"), 0.1, 0.1, 0.12, 1); gl.uniform1f(this.surface.at("lit"), 0);
-      gl.bindVertexArray(one.lines);
-      gl.drawElements(gl.LINES, one.lineCount, gl.UNSIGNED_INT, 0);
-      gl.uniform1f(this.surface.at("lit"), 1);
-    }
+      this.carry(camera, one);
+      if (coloured) for (let n = 0, scale = most ? (STEPS - 1e-3) / most : 0; n < one.count; n++) one.values[n] *= scale;
+      // Triangles of STL files may face either way; those of elements face outwards.
+      this.raster.triangles(one.screen, one.triangles, coloured ? this.contours : one.palette, coloured ? one.values : null, one.modes > 0, this.lines.length + k + 1);
+      if (one.edges.length && this.part("mesh").checked) this.raster.lines(one.screen, one.edges, 0, 1, 1);
+    });
   }
 
   tell() {
     this.part("time").textContent = `t = ${this.scene.labels[this.frame]} s`;
     this.part("slider").value = this.frame;
-    const range = this.ranges[this.colouring], legend = this.part("legend");
-    legend.hidden = !range || !this.surfaces.length;
-    if (range) this.part("legend-text").textContent = `${this.colouring}: 0 to ${range[1].toPrecision(3)} ${range[2]}`;
+    const range = this.ranges[this.colouring];
+    this.part("legend").hidden = range === undefined || !this.contoured.length;
+    this.part("legend-text").textContent = range === undefined ? "" : `${this.colouring}, 0 to ${range.toPrecision(3)} ${NAMED[this.colouring]}`;
   }
 
   part(name) { return this.box.querySelector(`[data-part="${name}"]`); }
 
   controls() {
-    const slider = this.part("slider"), last = this.scene.time.length - 1;
+    const slider = this.part("slider"), last = this.scene.time.length - 1, again = () => this.show(this.frame);
     slider.max = last;
-    slider.addEventListener("input", () => { this.pause(); this.show(Number(slider.value)); });
-    this.part("play").addEventListener("click", () => this.playing ? this.pause() : this.play());
-    this.part("back").addEventListener("click", () => { this.pause(); this.show(Math.max(0, this.frame - 1)); });
-    this.part("forward").addEventListener("click", () => { this.pause(); this.show(Math.min(last, this.frame + 1)); });
+    const stepped = (name, event, frame) => this.part(name).addEventListener(event, () => { this.pause(); this.show(Math.min(last, Math.max(0, frame()))); });
+    stepped("slider", "input", () => Number(slider.value));
+    stepped("back", "click", () => this.frame - 1);
+    stepped("forward", "click", () => this.frame + 1);
+    this.part("play").addEventListener("click", () => { if (this.playing) { this.pause(); again(); } else this.play(); });
     this.part("view").addEventListener("change", event => this.look(event.target.value));
-    this.part("colour").addEventListener("change", event => { this.colouring = event.target.value; this.show(this.frame); });
-    this.part("scale").addEventListener("change", event => { this.magnify = Number(event.target.value) || 0; this.show(this.frame); });
-    this.part("mesh").addEventListener("change", () => this.show(this.frame));
-    for (const name of ["colour", "scale", "mesh"]) this.part(name).parentElement.hidden = !this.surfaces.length;
+    this.part("colour").addEventListener("change", event => { this.colouring = event.target.value; again(); });
+    this.part("scale").addEventListener("change", event => { this.magnify = Number(event.target.value) || 0; again(); });
+    for (const name of ["mesh", "traces"]) this.part(name).addEventListener("change", again);
+    for (const name of ["colour", "scale", "mesh"]) this.part(name).parentElement.hidden = !this.contoured.length;
+    this.part("traces").parentElement.hidden = !this.traces.length;
     this.part("shade").addEventListener("click", () => {
       const root = document.documentElement, dark = root.dataset.shade ? root.dataset.shade === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-      root.dataset.shade = dark ? "light" : "dark"; this.show(this.frame);
+      root.dataset.shade = dark ? "light" : "dark"; again();
     });
-    new ResizeObserver(() => this.show(this.frame)).observe(this.canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
+    new ResizeObserver(again).observe(this.canvas);
     this.mouse();
   }
 
   mouse() {
     const held = new Map(); let apart = 0;
-    this.canvas.addEventListener("pointerdown", event => { held.set(event.pointerId, event); this.canvas.setPointerCapture(event.pointerId); });
-    this.canvas.addEventListener("pointerup", event => { held.delete(event.pointerId); apart = 0; });
+    const released = event => { held.delete(event.pointerId); apart = 0; };
+    this.canvas.addEventListener("pointerdown", event => { held.set(event.pointerId, event); this.canvas.setPointerCapture(event.pointerId); this.name(event); });
+    this.canvas.addEventListener("pointerup", released); this.canvas.addEventListener("pointercancel", released);
+    this.canvas.addEventListener("pointerleave", () => { this.part("name").textContent = ""; });
     this.canvas.addEventListener("pointermove", event => {
       const before = held.get(event.pointerId);
       if (!before) return this.name(event);
@@ -310,32 +254,33 @@ class Viewer {
     this.show(this.frame);
   }
 
-  // The name of what lies nearest under the pointer.
+  // The name of what is drawn under the pointer; of a finite-element body its nearest node, too.
   name(event) {
-    const bounds = this.canvas.getBoundingClientRect(), m = this.camera(), label = this.part("name");
-    const x = 2 * (event.clientX - bounds.left) / bounds.width - 1, y = 1 - 2 * (event.clientY - bounds.top) / bounds.height;
-    let best = "", least = 0.05;
-    const near = (p, name) => {
-      const u = m[0] * p[0] + m[4] * p[1] + m[8] * p[2] + m[12], v = m[1] * p[0] + m[5] * p[1] + m[9] * p[2] + m[13];
-      const gap = Math.hypot((u - x) * this.scale.aspect, v - y);
-      if (gap < least) { least = gap; best = name; }
-    };
-    this.joints.names.forEach((name, k) => near(this.joints.marks.subarray(3 * (this.joints.names.length * this.frame + k)), name));
-    for (const body of this.lines) {
-      const first = body.still ? 0 : 3 * body.places * this.frame;
-      for (let e = 0; e < body.edges.length; e += 2) for (let t = 0; t <= 1; t += 0.125)
-        near([0, 1, 2].map(i => (1 - t) * body.marks[first + 3 * body.edges[e] + i] + t * body.marks[first + 3 * body.edges[e + 1] + i]), body.name);
+    const bounds = this.canvas.getBoundingClientRect(), label = this.part("name"), {raster} = this;
+    const x = (event.clientX - bounds.left) * raster.width / bounds.width, y = (event.clientY - bounds.top) * raster.height / bounds.height;
+    const owner = raster.ownerAt(x, y, 4 * this.shown);
+    label.textContent = owner ? this.names[owner - 1] + this.nodeAt(owner - 1 - this.lines.length, x, y) : "";
+    label.style.left = `${Math.min(event.clientX - bounds.left + 12, bounds.width - label.offsetWidth - 4)}px`;
+    label.style.top = `${event.clientY - bounds.top + 12}px`;
+  }
+
+  nodeAt(surface, x, y) {
+    const one = this.surfaces[surface];
+    let found = "", least = Infinity, height = -Infinity;
+    for (let n = 0; one && n < one.numbers.length; n++) {
+      const gap = (one.screen[3 * n] - x) ** 2 + (one.screen[3 * n + 1] - y) ** 2, z = one.screen[3 * n + 2];
+      if (gap < least - 1 || (gap < least + 1 && z > height)) { least = gap; height = z; found = ` node ${one.numbers[n]}`; }
     }
-    for (const one of this.surfaces) for (let n = 0; n < one.numbers.length; n++) near(one.places.subarray(3 * n, 3 * n + 3), `${one.name} node ${one.numbers[n]}`);
-    label.textContent = best;
-    label.style.left = `${event.clientX - bounds.left + 12}px`; label.style.top = `${event.clientY - bounds.top + 12}px`;
+    return found;
   }
 
   play() {
     this.playing = true; this.part("play").textContent = "pause";
+    this.ratio = RATIOS.includes(this.ratio) && this.ratio <= 1 ? this.ratio : 1;
     const time = this.scene.time, last = time.length - 1;
     if (this.frame === last) this.frame = 0;
     let begun = performance.now(), from = this.frame;
+    this.part("speed").onchange = () => { begun = performance.now(); from = this.frame; };
     const step = now => {
       if (!this.playing) return;
       const span = (time[last] - time[0]) || 1, speed = this.scene.seconds / Number(this.part("speed").value);
@@ -344,7 +289,7 @@ class Viewer {
       while (frame < last && time[frame + 1] <= t) frame++;
       if (frame !== this.frame) this.show(frame);
       if (frame === last) {
-        if (!this.part("loop").checked) return this.pause();
+        if (!this.part("loop").checked) { this.pause(); return this.show(last); }
         begun = now; from = 0; this.show(0);
       }
       requestAnimationFrame(step);

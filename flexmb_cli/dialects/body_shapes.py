@@ -1,0 +1,76 @@
+"""Cards of shapes, the same in all dialects: primitives by their sizes, and STL files, on rigid bodies."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..deck.record import Record
+from ..fe.formats.matrix_file import FEFileFault
+from ..fe.formats.stl import read_stl
+from ..model.diagnostics import Findings
+from ..model.shapes import Shape, fault_of_sizes, moved, primitive
+from ..quick_dataclass import dataclass
+
+OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
+ANGLES = ("alpha", "beta", "gamma")
+
+
+@dataclass(frozen=True)
+class Keys:
+    """What a dialect calls the numbers of a shape: body, sizes, offset (m) and angles (rad)."""
+
+    body: str = "body"
+    sizes: tuple[str, ...] = ("a", "b", "c")
+    offset: tuple[str, ...] = OFFSET
+    angles: tuple[str, ...] = ANGLES
+
+
+def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: Findings) -> bool:
+    """Whether the body of a card exists and does not deform; else a fault.  `rigid`: of bodies 1, 2, ..."""
+    number = record.at(keys.body)
+    if not 0 <= number.value <= len(rigid):
+        message = f"body number {number.value} is outside 0..{len(rigid)}"
+        findings.error(record.subject, message, number.place, id="DECK-020")
+        return False
+    if number.value and not rigid[number.value - 1]:
+        message = (
+            f"body {number.value} is flexible: its nodes and elements are drawn; shapes are for rigid ones"
+        )
+        findings.error(record.subject, message, number.place, id="DECK-017")
+        return False
+    return True
+
+
+def primitive_of(record: Record, kind: str, keys: Keys, findings: Findings) -> Shape | None:
+    """Return the primitive of a card; None with a fault noted."""
+    sizes = _three(record, keys.sizes)
+    wrong = fault_of_sizes(kind, sizes)
+    if wrong:
+        number = record.at(keys.sizes[wrong[0]])
+        message = f"{number.key} of a {kind} {wrong[1]}; read {number.text or 'an empty field'}"
+        findings.error(record.subject, message, number.place, id="DECK-018")
+        return None
+    return primitive(record[keys.body], kind, sizes, *_placed(record, keys))
+
+
+def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -> Shape | None:
+    """Return the surface in the STL `file` of a card, in units of `unit` m; None with a fault noted."""
+    unit, name = record.at("unit"), record.at("file")
+    if not unit.value > 0:
+        message = f"the unit must be above zero, 0.001 for a file in mm; read {unit.text}"
+        findings.error(record.subject, message, unit.place, id="DECK-019")
+        return None
+    try:
+        vertices, triangles = read_stl(folder / name.value.replace("\\", "/"))
+    except FEFileFault as fault:
+        findings.error(record.subject, str(fault), name.place, id=fault.id)
+        return None
+    return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
+
+
+def _placed(record, keys):
+    return _three(record, keys.offset), _three(record, keys.angles)
+
+
+def _three(record, keys):
+    x, y, z = (float(record[key]) for key in keys)
+    return x, y, z

@@ -1,0 +1,319 @@
+"""A rigid open chain as a DAFMS deck: frames at the hinges, numbers as the columns of 1992 hold them.
+
+Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C.  A body that turns about one or two axes of its
+hinge gets axes that lie in those of P_k at the start, where all coordinates are 0; other bodies keep theirs.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...deck.fortran_fields import filled
+from ...errors import Fault, ModelError
+from ...model.exchange.chain import Link, chain_of
+from ...model.exchange.functions import points_of, polynomial_of, value_of
+from ...model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
+from ...model.joint_elements import ANGLE
+from ...model.vectors import euler_parameters
+from ...quick_dataclass import dataclass
+
+# Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
+_FREE = {
+    "fixed": ((), ()), "revolute": ((0,), ()), "universal": ((1, 2), ()), "spherical": ((1, 2, 3), ()),
+    "translational": ((), (0,)), "cylindrical": ((0,), (0,)), "free": ((1, 2, 3), (1, 2, 3)),
+}  # fmt: skip
+_ALONG = 1e-12  # of a unit vector: an axis of the body that lies in that of its hinge
+_APART = 1e-9  # m: of the point of a force from O_k
+_IMPLICIT = 2  # METH
+
+
+def rigid_deck(model: RigidModel, title: str, units: str) -> str:
+    """Return the deck's text; raises ModelError with all that a tree of rigid bodies cannot have."""
+    made = _Deck(model)
+    made.refuse_foreign()
+    lines = made.lines() if not made.refusals.items else []
+    faults = [
+        Fault("error", message, place, name, id="DAFMS-151") for message, place, name in made.refusals.items
+    ]
+    if faults:
+        raise ModelError(faults)
+    rounding = f"Numbers are rounded to their columns, relatively by {made.rounding:.1g} at most."
+    notes = [f"Units: {units}.", *(f"{note}." for note in model.notes), *made.notes(), rounding]
+    return "\n".join([*lines, "END ", "STAR", "STOP", *notes, ""]).replace("DFMB", f"DFMB {title}", 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Hanging:
+    """A body of the tree: its link, type of hinge, P_k in the parent, and frames as matrices (3, 3).
+
+    `own`: axes of O_k, `frame`: those of P_k, global at the start; `origin` (3,): O_k, global.  `axis`: the
+    number of the axis of P_k that a hinge with one axis has.
+    """
+
+    link: Link
+    kind: str
+    point: np.ndarray
+    own: np.ndarray
+    frame: np.ndarray
+    origin: np.ndarray
+    axis: int = 3
+
+    def free(self, which: int) -> tuple[int, ...]:
+        """Numbers of the free rotations (0) or translations (1)."""
+        return tuple(axis or self.axis for axis in _FREE[self.kind][which])
+
+
+class _Deck:
+    """Frames of the tree while its cards are made."""
+
+    def __init__(self, model):
+        self.model, self.refusals, self.rounding = model, Refusals(), 0.0
+        self.links = chain_of(model, self.refusals)
+        self.number = {link.body: k for k, link in enumerate(self.links, start=1)} | {GROUND: 0}
+        self.hinge_of = {link.joint: k for k, link in enumerate(self.links, start=1)}
+        self.hung: dict[int, Hanging] = {}
+
+    def notes(self) -> Iterator[str]:
+        """What the deck's reader should know of its bodies."""
+        pairs = ", ".join(f"{k} is {link.body + 1}" for k, link in enumerate(self.links, start=1))
+        yield f"Bodies here and in the order of the other deck: {pairs}."
+        if self.model.points:
+            yield "Points of interest are left out."
+
+    def refuse_foreign(self) -> None:
+        """Collect what no tree of DAFMS has."""
+        for joint in self.model.joints:
+            if joint.kind not in _FREE:
+                self.refusals.add(joint, f"DAFMS has no hinge like a {joint.kind} joint")
+        for item in self.model.drivers:
+            self.refusals.add(
+                item, "DAFMS prescribes hinge coordinates, not those of a body: drive the joint"
+            )
+        for item in self.model.springs:
+            self.refusals.add(item, "DAFMS has no springs and dampers between points")
+        for item in (*self.model.forces, *self.model.torques):
+            if item.following:
+                self.refusals.add(item, "loads in DAFMS keep to inertial axes")
+        for item in self.model.forces:
+            if value_of(item.factor) is None:
+                self.refusals.add(item, "forces in DAFMS are constant")
+
+    def lines(self):
+        """The records up to END."""
+        bodies = [self._hang(link) for link in self.links]
+        N, time = len(bodies), self.model.time
+        return [
+            _integers(N, 3), "DFMB",
+            *(self._dofs(k, hung, 1) for k, hung in enumerate(bodies, start=1)),
+            *(self._dofs(k, hung, 0) for k, hung in enumerate(bodies, start=1)),
+            *_lists([0] * N), *_lists([0] * N), _integers(time.rows - 1), self._real(time.step),
+            "CONN", *_lists([self.number[hung.link.parent] for hung in bodies]),
+            *self._bodies("MASS", [[self._own(hung).mass] for hung in bodies]),
+            *self._inertia(bodies),
+            *self._bodies("Q(k)", [hung.point for hung in bodies]),
+            *self._bodies("EULT", [_scalar_last(hung.frame.T @ hung.own) for hung in bodies]),
+            *self._bodies("EULL", [_scalar_last(self._parent(hung).T @ hung.frame) for hung in bodies]),
+            *self._state(bodies),
+            *self._bodies("RC(K", [self._centre(hung) for hung in bodies]),
+            "GRAV", f"{0:5d}" + "".join(self._real(g) for g in self.model.gravity),
+            *self._loads(bodies), *self._hinge_elements(),
+            *([] if self.model.stepping.method == EXPLICIT else ["METH", _integers(_IMPLICIT)]),
+        ]  # fmt: skip
+
+    def _hang(self, link):
+        """Frames of a body whose parent is hung."""
+        model, body, axis = self.model, self.model.bodies[link.body], 3
+        if link.joint is None:
+            kind, origin, own, frame, place = "free", body.r, body.A, np.eye(3), np.zeros(3)
+        else:
+            joint = model.joints[link.joint]
+            kind = joint.kind
+            _, s, P, s_own = link.ends(joint)
+            origin, place = (model.position(link.body, P),) * 2
+            frame, axis = _frame(kind, model.axes(link.parent), s, body.A, s_own)
+            own = frame if kind in ("revolute", "universal", "cylindrical") else body.A
+        if link.parent != GROUND:
+            parent = self.hung[link.parent]
+            place = parent.own.T @ (place - parent.origin)
+        # A free body hangs at the origin, and its coordinates are its place.
+        self.hung[link.body] = Hanging(link, kind, place, own, frame, origin, axis)
+        return self.hung[link.body]
+
+    def _own(self, hung):
+        return self.model.bodies[hung.link.body]
+
+    def _parent(self, hung):
+        return np.eye(3) if hung.link.parent == GROUND else self.hung[hung.link.parent].own
+
+    def _centre(self, hung):
+        """Mass centre from O_k, axes of O_k."""
+        body = self._own(hung)
+        return hung.own.T @ (body.r + body.A @ body.centre - hung.origin)
+
+    def _inertia(self, bodies):
+        found = []
+        for hung in bodies:
+            body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
+            found.append(turn @ body.inertia @ turn.T + body.mass * (c @ c * np.eye(3) - np.outer(c, c)))
+        products = [[J[0, 1], J[0, 2], J[1, 2]] for J in found]
+        return [
+            *self._bodies("INER", [np.diag(J) for J in found]),
+            *(self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else []),
+        ]
+
+    def _state(self, bodies):
+        """Speeds and coordinates: rotations of all bodies, then translations."""
+        speeds, coordinates = [], []
+        for turning in (True, False):
+            for hung in bodies:
+                axes = hung.free(0 if turning else 1)
+                rates = hung.frame.T @ (self._turning(hung) if turning else self._sliding(hung))
+                place = np.zeros(3) if turning or hung.kind != "free" else hung.origin
+                speeds += [rates[axis - 1] for axis in axes]
+                coordinates += [place[axis - 1] for axis in axes]
+        fields = [self._real(x) for x in (*speeds, *coordinates)]
+        rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
+        return ["Y(L)", *rows] if rows else []
+
+    def _turning(self, hung):
+        model, link = self.model, hung.link
+        return model.angular_velocity(link.body) - model.angular_velocity(link.parent)
+
+    def _sliding(self, hung):
+        """Velocity of O_k against the point of the parent where it is, global axes."""
+        model, link = self.model, hung.link
+        velocity = 0.0
+        for body, sign in ((link.body, 1.0), (link.parent, -1.0)):
+            if body != GROUND:
+                own = model.bodies[body]
+                velocity = velocity + sign * (own.velocity + np.cross(own.omega, hung.origin - own.r))
+        return velocity
+
+    def _dofs(self, k, hung, which):
+        axes = hung.free(which)
+        return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
+
+    def _loads(self, bodies):
+        """Constant forces at O_k and torques, then torques by tables."""
+        forces, torques = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
+        tables = []
+        for item in self.model.forces:
+            hung = self.hung[item.body]
+            if np.linalg.norm(self.model.position(item.body, item.point) - hung.origin) > _APART:
+                where = " ".join(f"{x:.9g}" for x in hung.origin)
+                message = f"DAFMS has forces at the origin O_k of a body only, here at {where}"
+                self.refusals.add(item, message)
+            forces[self.number[item.body] - 1] += value_of(item.factor) * np.array(item.force)
+        for item in self.model.torques:
+            value, k = value_of(item.factor), self.number[item.body]
+            if value is not None:
+                torques[k - 1] += value * np.array(item.torque)
+            else:
+                tables += self._torque_tables(item, k)
+        cards = []
+        for word, loads in (("FORC", forces), ("TOQU", torques)):
+            cards += self._bodies(word, loads) if np.any(loads) else []
+        return [*cards, *self._entries("TABL", tables)]
+
+    def _torque_tables(self, item, k):
+        points = self._points(item, item.factor)
+        return [
+            self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
+            for axis in (1, 2, 3)
+            if item.torque[axis - 1]
+        ]
+
+    def _points(self, item, function):
+        points = points_of(function)
+        if points is None:
+            self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
+        return points or []
+
+    def _table(self, k, which, points):
+        lines = [_integers(k, which, len(points))]
+        return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
+
+    def _hinge_elements(self):
+        """Springs, dampers, motors and prescribed motions."""
+        springs, dampers, motors, tables, motions = [], [], [], [], []
+        for item in self.model.joint_springs:
+            head = self._dof(item)
+            if item.stiffness:
+                springs.append(head + self._real(item.stiffness) + self._real(item.rest))
+            if item.damping:
+                dampers.append(head + self._real(item.damping))
+        for item in self.model.motors:
+            value = value_of(item.function)
+            if value is not None:
+                motors.append(self._dof(item) + self._real(value))
+            else:
+                tables.append(self._table(*self._place(item), self._points(item, item.function)))
+        for item in self.model.joint_drivers:
+            c = polynomial_of(item.function)
+            if c is None or len(c) > 3:
+                message = "DAFMS prescribes a coordinate as C + B t + A t^2/2 only"
+                self.refusals.add(item, message)
+                continue
+            C, B, half = (*c, 0.0, 0.0)[:3]
+            motions.append(self._dof(item) + "".join(self._real(x) for x in (C, B, 2.0 * half)))
+        cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
+        return [line for word, entries in cards for line in self._entries(word, entries)]
+
+    def _place(self, item):
+        """Body of the hinge, and the number of its degree of freedom."""
+        k = self.hinge_of[item.joint]
+        axis = self.hung[self.links[k - 1].body].axis
+        return k, axis if item.coordinate == ANGLE else axis + 3
+
+    def _dof(self, item):
+        return _integers(*self._place(item))
+
+    def _entries(self, word, entries):
+        return [word, _integers(len(entries)), *entries] if entries else []
+
+    def _bodies(self, word, rows):
+        """A card with a record for every body."""
+        return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
+
+    def _real(self, value):
+        """Ten columns of a number; its rounding is kept for the notes."""
+        value = float(value) + 0.0
+        # Round-off of the frames, which would fill its columns by an exponent.
+        text = "0.0" if abs(value) < 1e-15 else filled(value, 10)
+        if value and text != "0.0":
+            self.rounding = max(self.rounding, abs(float(text) - value) / max(abs(value), 1e-3))
+        return text.rjust(10)
+
+
+def _frame(kind, parent, s, own, s_own):
+    """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
+
+    `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.
+    """
+    if kind in ("spherical", "fixed"):
+        return parent, 3
+    first = parent @ np.array(s)
+    first = first / np.linalg.norm(first)
+    if kind == "universal":
+        second = own @ np.array(s_own)
+        second = second - (second @ first) * first
+        second = second / np.linalg.norm(second)
+        return np.column_stack([first, second, np.cross(first, second)]), 3
+    for axis in (1, 2, 3):
+        if np.linalg.norm(own[:, axis - 1] - first) < _ALONG:
+            return own, axis
+    side = across(first)
+    return np.column_stack([side, np.cross(first, side), first]), 3
+
+
+def _scalar_last(A):
+    e0, *e = euler_parameters(A)
+    return (*e, e0)
+
+
+def _integers(*values):
+    return "".join(f"{value:5d}" for value in values)
+
+
+def _lists(values):
+    return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

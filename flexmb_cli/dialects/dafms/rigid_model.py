@@ -1,0 +1,233 @@
+"""What a DAFMS deck of rigid bodies describes, in the terms of `model.exchange`."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...errors import Fault, ModelError
+from ...model.exchange.functions import constant
+from ...model.exchange.rigid_model import (
+    RADAU,
+    CoordinateSpring,
+    Refusals,
+    RigidBody,
+    RigidJoint,
+    RigidModel,
+    Stepping,
+    vector,
+)
+from ...model.exchange.start import Start
+from ...model.joint_elements import ANGLE, STROKE, JointDriver, JointMotor
+from ...model.loads import AppliedForce, AppliedTorque
+from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
+from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
+from ...model.vectors import rotation_matrix
+from ...quick_dataclass import dataclass, replace
+
+# Types of joints by the numbers of free rotations and translations.
+_KINDS = {
+    (0, 0): "fixed", (1, 0): "revolute", (2, 0): "universal", (3, 0): "spherical", (0, 1): "translational",
+    (1, 1): "cylindrical",
+}  # fmt: skip
+FREE = (3, 3)
+_PARALLEL = 1e-9
+_OPEN = 1e-9  # m
+
+
+@dataclass(frozen=True)
+class _Named:
+    """An item that has no name of its own, for messages."""
+
+    name: str
+    place: object = None
+
+
+def rigid_model(_deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], Start]) -> RigidModel:
+    """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
+    tree, refusals = build(), Refusals()
+    for body in tree.bodies:
+        if body.elastic is not None:
+            refusals.add(body, "the body is flexible; only rigid bodies are converted")
+    _raise(refusals)
+    made = _Conversion(tree, start(tree), refusals)
+    found = made.model()
+    _raise(refusals)
+    return found
+
+
+def _raise(refusals):
+    faults = [Fault("error", message, place, name, id="DAFMS-150") for message, place, name in refusals.items]
+    if faults:
+        raise ModelError(faults)
+
+
+class _Conversion:
+    """Collects the parts of the model."""
+
+    def __init__(self, tree, start, refusals):
+        self.tree, self.start, self.refusals = tree, start, refusals
+        self.A = [rotation_matrix(p) for p in start.p]
+        self.number: dict[int, int] = {}  # of the joint of a body's hinge
+        self.q = {
+            (c.body, c.motion, c.axis): float(q) for c, q in zip(tree.coordinates, start.q, strict=True)
+        }
+
+    def model(self):
+        tree, time = self.tree, self.tree.time
+        joints: list[RigidJoint] = []
+        for k in range(len(tree.bodies)):
+            self._add_hinge(joints, k)
+        joints += self._closures()
+        explicit = tree.integration.method in ("dop853", "lsoda")
+        stepping = Stepping(tolerance=tree.integration.rtol)
+        return RigidModel(
+            tuple(self._body(k) for k in range(len(tree.bodies))),
+            replace(time, start=0.0, end=time.end - time.start),
+            vector(tree.gravity),
+            tuple(joints),
+            joint_drivers=tuple(self._prescribed()),
+            motors=tuple(self._motors()),
+            joint_springs=tuple(self._springs()),
+            forces=tuple(
+                AppliedForce(f"force of {body.name}", k, vector(body.force), place=body.place)
+                for k, body in enumerate(tree.bodies)
+                if any(body.force)
+            ),
+            torques=tuple(self._torques()),
+            stepping=stepping if explicit else replace(stepping, method=RADAU),
+        )
+
+    def _body(self, k):
+        body, start = self.tree.bodies[k], self.start
+        c = np.array(body.centre, float)
+        inertia = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        # What the difference leaves of a thin rod's moment is round-off of the numbers given.
+        inertia[np.abs(inertia) < 1e-12 * np.abs(body.inertia).max()] = 0.0
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
+        return RigidBody(body.name, *motion, body.mass, c, inertia, body.place)
+
+    def _add_hinge(self, joints, k):
+        hinge = self.tree.hinges[k]
+        free = len(hinge.rotations), len(hinge.translations)
+        if free == FREE:
+            return
+        kind = _KINDS.get(free)
+        if kind is None or (kind == "cylindrical" and hinge.rotations != hinge.translations):
+            name = self.tree.bodies[k].name
+            reported = "free rotations {} and translations {}".format(*(_axes(a) for a in _dofs(hinge)))
+            self.refusals.add(
+                _Named(f"hinge of {name}", hinge.place), f"a hinge with {reported} is no single joint"
+            )
+            return
+        self.number[k] = len(joints)
+        joints.append(self._joint(k, hinge, kind))
+
+    def _joint(self, k, hinge, kind):
+        frame = rotation_matrix(hinge.frame)
+        axes = {ROTATION: hinge.rotations, TRANSLATION: hinge.translations}
+        first = (axes[ROTATION] or axes[TRANSLATION] or (1,))[0]
+        s_i = frame[:, first - 1]
+        if kind == "universal":
+            s_j = np.eye(3)[hinge.rotations[1] - 1]
+        else:
+            # The axis is the same in both bodies.
+            s_j = self.A[k].T @ (self._axes(hinge.parent) @ s_i)
+        names = f"hinge of {self.tree.bodies[k].name}", kind, hinge.parent, k
+        return RigidJoint(*names, vector(hinge.point), (0.0, 0.0, 0.0), vector(s_i), vector(s_j),
+                          place=hinge.place)  # fmt: skip
+
+    def _axes(self, body):
+        return np.eye(3) if body == INERTIAL else self.A[body]
+
+    def _closures(self):
+        for closure in self.tree.closures:
+            if len(closure.directions) < 3 and not self._is_planar(closure):
+                message = "a closure of some directions is converted in planar mechanisms only"
+                self.refusals.add(closure, message)
+                continue
+            yield RigidJoint(
+                closure.name, "spherical", closure.b, closure.a, vector(closure.b_point),
+                vector(closure.a_point), place=closure.place,
+            )  # fmt: skip
+
+    def _is_planar(self, closure):
+        """Whether all moves in the plane of the closed directions, so that the third is closed anyway."""
+        left = [axis for axis in (1, 2, 3) if axis not in closure.directions]
+        if len(left) != 1:
+            return False
+        normal = self._axes(closure.b)[:, left[0] - 1]
+        for hinge in self.tree.hinges:
+            F = self._axes(hinge.parent) @ rotation_matrix(hinge.frame)
+            along = [abs(F[:, axis - 1] @ normal) for axis in hinge.rotations]
+            beside = [abs(F[:, axis - 1] @ normal) for axis in hinge.translations]
+            if any(abs(x - 1.0) > _PARALLEL for x in along) or any(x > _PARALLEL for x in beside):
+                return False
+        ends = (closure.a, closure.a_point), (closure.b, closure.b_point)
+        a, b = (self._place(body, point) for body, point in ends)
+        return abs((a - b) @ normal) < _OPEN
+
+    def _place(self, body, point):
+        point = np.array(point, float)
+        return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point
+
+    def _coordinate(self, item, what):
+        """Number of the joint, its coordinate, and the value at the start; None where there is none."""
+        hinge = self.tree.hinges[item.body]
+        name = self.tree.bodies[item.body].name
+        free = len(hinge.rotations), len(hinge.translations)
+        if item.body not in self.number or free not in ((1, 0), (0, 1), (1, 1)):
+            message = f"a {what} in a hinge with several free rotations or translations is not converted"
+            self.refusals.add(_Named(f"{what} of {name}", item.place), message)
+            return None
+        coordinate = ANGLE if item.motion == ROTATION else STROKE
+        return self.number[item.body], coordinate, self.q[item.body, item.motion, item.axis]
+
+    def _prescribed(self):
+        for item in self.tree.prescribed:
+            found = self._coordinate(item, "prescribed motion")
+            if found:
+                # From 0 at the start, as joint coordinates here are.
+                function = MotionFunction(POLYNOMIAL, (0.0, item.B, 0.5 * item.A, 0.0))
+                name = f"motion of {self.tree.bodies[item.body].name}"
+                yield JointDriver(name, *found[:2], function, item.place)
+
+    def _motors(self):
+        for item in self.tree.motors:
+            found = self._coordinate(item, "motor")
+            if found:
+                name = f"motor of {self.tree.bodies[item.body].name}"
+                yield JointMotor(name, *found[:2], _function(item.function), item.place)
+
+    def _springs(self):
+        for item in self.tree.springs:
+            found = self._coordinate(item, "spring or damper")
+            if found:
+                *where, q = found
+                name = f"spring of {self.tree.bodies[item.body].name}"
+                yield CoordinateSpring(name, *where, item.stiffness, item.rest - q, item.damping, item.place)
+
+    def _torques(self):
+        for k, body in enumerate(self.tree.bodies):
+            if any(body.torque):
+                yield AppliedTorque(f"torque of {body.name}", k, vector(body.torque), place=body.place)
+        for item in self.tree.torques:
+            name = f"torque of {self.tree.bodies[item.body].name}"
+            axis = vector(np.eye(3)[item.axis - 1])
+            yield AppliedTorque(name, item.body, axis, factor=_function(item.function), place=item.place)
+
+
+def _function(table):
+    if len(table.times) == 1:
+        return constant(table.values[0])
+    return MotionFunction(
+        HELD_TABLE, times=table.times, values=table.values, curvature=(0.0,) * len(table.times)
+    )
+
+
+def _dofs(hinge):
+    return hinge.rotations, hinge.translations
+
+
+def _axes(axes):
+    return ", ".join(map(str, axes)) or "none"

@@ -1,0 +1,241 @@
+"""A rigid model as a VSDF deck, in free form, every number with all of its digits."""
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
+from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
+from ...model.joint_elements import ANGLE
+from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
+from .cards import FINAL
+from .joints import JOINT_WORDS, SLIDING, TURNING
+
+_WORDS = {joint.kind: joint for joint in JOINT_WORDS}
+_METHODS = {ALPHA: "GALF", RADAU: "RAD5"}
+_DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
+_BEYOND = 1e-9  # of the largest moment of inertia
+
+
+def rigid_deck(model: RigidModel, title: str, units: str) -> str:
+    """Return the deck's text; raises ModelError with all that VSDF does not know."""
+    made = _Deck(model)
+    cards = made.cards()
+    faults = [
+        Fault("error", message, place, name, id="VSDF-150") for message, place, name in made.refusals.items
+    ]
+    if faults:
+        raise ModelError(faults)
+    lines = [f"VSDF {title}", f"* Units: {units}.", *(f"* {note}." for note in model.notes)]
+    for word, records in cards:
+        if records:
+            lines += [word, *records]
+    return "\n".join([*lines, *(word.strip() for word in FINAL), ""])
+
+
+class _Deck:
+    """Collects nodes and tables while the cards are made."""
+
+    def __init__(self, model):
+        self.model, self.refusals = model, Refusals()
+        # Nodes on axes are as far from joints as joints from the origins of their bodies.
+        points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
+        self.arm = float(max((np.linalg.norm(P) for P in points), default=0.0)) or 1.0
+        self.nodes: dict[tuple, int] = {}
+        self.tables: list[str] = []
+        self.table_count = 0
+
+    def cards(self):
+        """Words of cards and their records, in the order of the deck."""
+        model, stepping = self.model, self.model.stepping
+        bodies = [self._body(k) for k in range(len(model.bodies))]
+        joints = [self._joint(n, joint) for n, joint in enumerate(model.joints, start=1)]
+        others = [
+            ("JOIN", joints),
+            ("MOTN", self._motions()),
+            ("FORC", self._forces()),
+            ("TORQ", self._torques()),
+            ("SPRI", [self._spring(n, item) for n, item in enumerate(model.springs, start=1)]),
+            ("JSPR", [self._joint_spring(item) for item in model.joint_springs]),
+            ("GRAV", [_record(*model.gravity)]),
+            ("TIME", [_record(model.time.end, model.time.step, stepping.step)]),
+            ("INTG", [_record(_METHODS.get(stepping.method, "RK45"), self._parameter())]),
+            ("OUTN", [_record(p.body + 1, self._node(p.body, p.s)) for p in model.points]),
+        ]
+        nodes = [_record(body + 1, number, *place) for (body, *place), number in self.nodes.items()]
+        numbered = range(1, len(bodies) + 1)
+        return [
+            ("BODY", [_record(k, "RIGD") for k in numbered]),
+            ("RIGI", [line for body in bodies for line in body["RIGI"]]),
+            *((word, [body[word] for body in bodies if body[word]]) for word in ("POSI", "EULP", "VELO")),
+            ("NODE", nodes),
+            ("TABL", self.tables),
+            *others,
+        ]
+
+    def _parameter(self):
+        stepping = self.model.stepping
+        return stepping.radius if stepping.method == ALPHA else stepping.tolerance
+
+    def _body(self, k):
+        body, J = self.model.bodies[k], self.model.bodies[k].inertia
+        self._check_mass(body)
+        moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
+        velocity = (*body.velocity, *(body.A.T @ body.omega))
+        return {
+            "RIGI": [_record(k + 1, body.mass, *body.centre), _record(*moments)],
+            "POSI": _record(k + 1, *body.r),
+            "EULP": _record(k + 1, *body.p),
+            "VELO": _record(k + 1, *velocity) if any(velocity) else "",
+        }
+
+    def _check_mass(self, body):
+        moments = np.linalg.eigvalsh(body.inertia)
+        if not body.mass > 0:
+            self.refusals.add(body, "a VSDF body needs a mass above zero")
+        elif not moments[0] > 0:
+            message = (
+                f"a VSDF body needs principal moments of inertia above zero; the least is {moments[0]:.6g} "
+                "kg m^2, as of a thin rod: give the deck a small one"
+            )
+            self.refusals.add(body, message)
+        elif moments[2] > (moments[0] + moments[1]) * (1 + _BEYOND):
+            message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
+            self.refusals.add(body, message)
+
+    def _node(self, body, place):
+        """Number of the node at a place of a body."""
+        key = (body, *(float(x) + 0.0 for x in place))
+        if key not in self.nodes:
+            self.nodes[key] = 1 + sum(1 for other in self.nodes if other[0] == body)
+        return self.nodes[key]
+
+    def _joint(self, number, joint):
+        word = _WORDS[joint.kind]
+        a, b = self._ends(joint)
+        a, b = [*a[: word.on_a], "", "", ""], [*b[: word.on_b], "", "", ""]
+        sized = joint.kind in ("screw", "revolute-spherical", "spherical-spherical")
+        bodies = joint.i + 1, joint.j + 1
+        return _record(
+            number, word.word, bodies[0], a[0], a[1], bodies[1], b[0], b[1], a[2], b[2],
+            *([joint.size] if sized else []),
+        )  # fmt: skip
+
+    def _ends(self, joint):
+        """Nodes P, Q, H on both bodies, as many as there are directions."""
+        word, model = _WORDS[joint.kind], self.model
+        if joint.kind == "fixed":
+            axis = np.eye(3)[2]
+            along = {body: model.axes(body).T @ axis for body in (joint.i, joint.j)}
+        else:
+            axis = model.axis(joint) if word.on_a > 1 else None
+            along = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
+        found = []
+        for body, P, count in ((joint.i, joint.P_i, word.on_a), (joint.j, joint.P_j, word.on_b)):
+            places = [np.array(P)]
+            if count > 1:
+                places.append(places[0] + self.arm * along[body] / np.linalg.norm(along[body]))
+            if count > 2:
+                places.append(places[0] + self.arm * (model.axes(body).T @ across(axis)))
+            found.append([self._node(body, place) for place in places])
+        return found
+
+    def _motions(self):
+        found = []
+        turned = [item.body for item in self.model.drivers if item.direction > 3]
+        for item in self.model.drivers:
+            if item.direction > 3 and turned.count(item.body) > 1:
+                self.refusals.add(item, "VSDF turns a body about one axis only")
+            found.append((item, _DIRECTIONS[item.direction - 1], item.body + 1))
+        for item in self.model.joint_drivers:
+            word = "ANGL" if item.coordinate == ANGLE else "STRK"
+            found.append((item, word, item.joint + 1))
+        return [
+            _record(n, word, target, *self._function(item))
+            for n, (item, word, target) in enumerate(found, start=1)
+        ]  # fmt: skip
+
+    def _function(self, item):
+        function = simple(item.function)
+        c = polynomial_of(function)
+        if c is not None and len(c) <= 4:
+            return (POLYNOMIAL, *c, *[0.0] * (4 - len(c)))
+        if function.kind in (SINE, SPIN_UP):
+            return function.kind, *function.c
+        if function.kind == TABLE:
+            return TABLE, float(self._table(list(zip(function.times, function.values, strict=True))))
+        message = "VSDF moves by polynomials to the third power, a spin-up, a sine or a natural spline only"
+        self.refusals.add(item, message)
+        return ("",)
+
+    def _table(self, points):
+        self.table_count += 1
+        self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
+        return self.table_count
+
+    def _factor(self, function, item):
+        """A constant factor, and the number of a table."""
+        value = value_of(function)
+        if value is not None:
+            return value, 0
+        points = points_of(function)
+        if points is None:
+            self.refusals.add(item, "VSDF varies a load by straight lines only; give its function as TABLE")
+            return 1.0, 0
+        return 1.0, self._table(without_jumps(points))
+
+    def _forces(self):
+        found = []
+        for item in self.model.forces:
+            factor, table = self._factor(item.factor, item)
+            force = [factor * x for x in item.force]
+            found.append(_record(item.body + 1, self._node(item.body, item.point), *force,
+                                 int(item.following), table))  # fmt: skip
+        return found + [line for item in self.model.motors if item.coordinate != ANGLE
+                        for line in self._motor(item)]  # fmt: skip
+
+    def _torques(self):
+        found = []
+        for item in self.model.torques:
+            factor, table = self._factor(item.factor, item)
+            torque = [factor * x for x in item.torque]
+            found.append(_record(item.body + 1, *torque, int(item.following), table))
+        return found + [line for item in self.model.motors if item.coordinate == ANGLE
+                        for line in self._motor(item)]  # fmt: skip
+
+    def _motor(self, item):
+        """A pair of loads along the axis, which turns with both bodies."""
+        joint = self.model.joints[item.joint]
+        factor, table = self._factor(item.function, item)
+        axis = self.model.axis(joint)
+        for body, P, sign in ((joint.i, joint.P_i, -1.0), (joint.j, joint.P_j, 1.0)):
+            if body != GROUND:
+                along = sign * factor * (self.model.axes(body).T @ axis)
+                where = (body + 1,) if item.coordinate == ANGLE else (body + 1, self._node(body, P))
+                yield _record(*where, *along, 1, table)
+
+    def _spring(self, number, item):
+        if item.stiffness < 0 or item.damping < 0 or item.free_length < 0:
+            self.refusals.add(item, "VSDF springs have no negative stiffness, damping or length at rest")
+        ends = (item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j))
+        return _record(number, *ends, item.stiffness, item.damping, item.free_length)
+
+    def _joint_spring(self, item):
+        kind = self.model.joints[item.joint].kind
+        known = kind in TURNING if item.coordinate == ANGLE else kind in SLIDING and kind not in TURNING
+        if not known:
+            self.refusals.add(item, f"VSDF has no spring in the {item.coordinate} of a {kind} joint")
+        elif item.stiffness < 0 or item.damping < 0:
+            self.refusals.add(item, "VSDF springs have no negative stiffness or damping")
+        return _record(item.joint + 1, item.stiffness, item.damping, item.rest)
+
+
+def _record(*values):
+    """A card in free form; the blank in front keeps a word from being read as a keyword."""
+    return "    " + ",".join(_text(value) for value in values)
+
+
+def _text(value):
+    if isinstance(value, str | int):
+        return str(value)
+    # 0.0 and no negative zero; all digits of a double.
+    return repr(float(value) + 0.0)

@@ -1,0 +1,176 @@
+"""What a VSDF deck of rigid bodies describes, in the terms of `model.exchange`."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...errors import Fault, ModelError
+from ...model.exchange.functions import constant, moved
+from ...model.exchange.rigid_model import (
+    ALPHA,
+    EXPLICIT,
+    GROUND,
+    RADAU,
+    BodyDriver,
+    CoordinateSpring,
+    Refusals,
+    RigidBody,
+    RigidJoint,
+    RigidModel,
+    Stepping,
+    vector,
+)
+from ...model.exchange.start import Pair, Start, angle_between, stroke_between
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.joint_elements import ANGLE, STROKE, JointDriver
+from ...model.loads import AppliedForce, AppliedTorque, SpringDamper
+from ...model.mechanism import Point
+from ...model.vectors import rotation_matrix
+
+_DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
+_COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
+_METHODS = {"GALF": ALPHA, "RAD5": RADAU}
+_TOLERANCE = 1e-9  # of a deck by GALF, which gives none
+
+
+def rigid_model(
+    deck: Deck, build: Callable[[], FlexibleMechanism], start: Callable[[FlexibleMechanism], Start]
+) -> RigidModel:
+    """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
+    flexible = [record for record in deck.section("body") if record["kind"] == "FLEX"]
+    message = "the body is flexible (FLEX); only rigid bodies are converted"
+    if flexible:
+        raise ModelError([Fault("error", message, r.place, r.subject, id="VSDF-152") for r in flexible])
+    mechanism, refusals = build(), Refusals()
+    made = _Conversion(mechanism, start(mechanism), refusals)
+    found = made.model()
+    _raise(refusals)
+    return found
+
+
+def _raise(refusals):
+    faults = [Fault("error", message, place, name, id="VSDF-151") for message, place, name in refusals.items]
+    if faults:
+        raise ModelError(faults)
+
+
+class _Conversion:
+    """Collects the parts of the model."""
+
+    def __init__(self, mechanism, start, refusals):
+        self.deck, self.start, self.refusals = mechanism, start, refusals
+        ground = np.zeros(3), np.eye(3)
+        self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]
+
+    def model(self):
+        deck, integrator = self.deck, self.deck.integrator
+        method = _METHODS.get(integrator.method, EXPLICIT)
+        stepping = Stepping(method, _TOLERANCE if method == ALPHA else integrator.parameter, integrator.step,
+                            integrator.parameter)  # fmt: skip
+        joints = [self._joint(joint) for joint in deck.joints]
+        drivers = [item for item in deck.motions if item.kind in _DIRECTIONS]
+        self._refuse_several_turns(drivers)
+        pins, held = self._pins()
+        return RigidModel(
+            tuple(self._body(k) for k in range(len(deck.bodies))),
+            deck.time,
+            vector(deck.gravity),
+            (*joints, *pins),
+            (*(_body_driver(motion) for motion in drivers), *held),
+            tuple(
+                JointDriver(m.name, m.target, _COORDINATES[m.kind], _from_zero(m.function), m.place)
+                for m in deck.motions
+                if m.kind in _COORDINATES
+            ),
+            (),
+            tuple(self._joint_spring(item) for item in deck.joint_springs),
+            tuple(
+                SpringDamper(s.name, s.a.body, s.b.body, vector(s.a.r0), vector(s.b.r0), s.k, s.length, s.c,
+                             s.place)
+                for s in deck.springs
+            ),
+            tuple(
+                AppliedForce(f.name, f.point.body, vector(f.force), vector(f.point.r0), f.follows, f.factor,
+                             f.place)
+                for f in deck.forces
+            ),
+            tuple(
+                AppliedTorque(t.name, t.body, vector(t.torque), t.follows, t.factor, t.place)
+                for t in deck.torques
+            ),
+            tuple(Point(p.name, p.body, vector(p.r0)) for p in deck.outputs if p.body != GROUND),
+            stepping,
+        )  # fmt: skip
+
+    def _body(self, k):
+        body, start = self.deck.bodies[k], self.start
+        c = body.s0 / body.m
+        inertia = body.J0 - body.m * (c @ c * np.eye(3) - np.outer(c, c))
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
+        return RigidBody(body.name, *motion, body.m, c, inertia, body.place)
+
+    def _joint(self, joint):
+        i, j = joint.a[0].body, joint.b[0].body
+        P_i, P_j = joint.a[0].r0, joint.b[0].r0
+        s_i, s_j = (ends[1].r0 - ends[0].r0 if len(ends) > 1 else np.zeros(3) for ends in (joint.a, joint.b))
+        size = 0.0 if math.isnan(joint.size) else joint.size
+        if joint.kind == "revolute-spherical":
+            P_i, size = self._in_plane(i, j, P_i, P_j, s_i, size)
+        ends = vector(P_i), vector(P_j), vector(s_i), vector(s_j)
+        return RigidJoint(joint.name, joint.kind, i, j, *ends, size, joint.place)
+
+    def _in_plane(self, i, j, P_i, P_j, s_i, size):
+        """Return the point of the axis in the plane of P_j, which VSDF keeps beside P_i, and its distance."""
+        s = s_i / np.linalg.norm(s_i)
+        (r_i, A_i), (r_j, A_j) = self.now[i], self.now[j]
+        beside = (r_j + A_j @ P_j - r_i - A_i @ P_i) @ (A_i @ s)
+        return P_i + beside * s, math.sqrt(size * size - beside * beside)
+
+    def _pins(self):
+        """Joints with the ground, and held coordinates of origins."""
+        joints, held = [], []
+        for pin in self.deck.pins:
+            body, r0 = pin.point.body, pin.point.r0
+            if all(pin.directions):
+                ends = vector(pin.target), vector(r0)
+                joints.append(RigidJoint(pin.name, "spherical", GROUND, body, *ends, place=pin.place))
+            elif np.any(r0):
+                message = "a pin of some directions is converted at the origin of its body only"
+                self.refusals.add(pin, message)
+            else:
+                held += [
+                    BodyDriver(pin.name, body, axis + 1, constant(float(pin.target[axis])), pin.place)
+                    for axis in range(3)
+                    if pin.directions[axis]
+                ]
+        return joints, held
+
+    def _refuse_several_turns(self, drivers):
+        turned = [item.target for item in drivers if _DIRECTIONS[item.kind] > 3]
+        for item in drivers:
+            if _DIRECTIONS[item.kind] > 3 and turned.count(item.target) > 1:
+                self.refusals.add(item, "several rotations of one body (ROTX, ROTY, ROTZ) are not converted")
+
+    def _joint_spring(self, item):
+        joint = self.deck.joints[item.joint]
+        coordinate = STROKE if joint.kind == "translational" else ANGLE
+        i, j = joint.a[0].body, joint.b[0].body
+        first, now = (Pair(*poses[i], *poses[j]) for poses in (self.first, self.now))
+        s = joint.a[1].r0 - joint.a[0].r0
+        if coordinate == ANGLE:
+            q = angle_between(s, first, now)
+        else:
+            q = stroke_between(s, joint.a[0].r0, joint.b[0].r0, first, now)
+        return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
+
+
+def _from_zero(function):
+    return moved(function, 0.0, function.at(0.0)[0])
+
+
+def _body_driver(motion):
+    direction = _DIRECTIONS[motion.kind]
+    return BodyDriver(motion.name, motion.target, direction, motion.function, motion.place)

@@ -1,0 +1,189 @@
+"""A rigid model as a YOUNG deck with DYNAMICS forward, every number with all of its digits."""
+
+import numpy as np
+
+from ...errors import Fault, ModelError
+from ...model.exchange.functions import constant, points_of, polynomial_of, simple, value_of, without_jumps
+from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
+from ...model.joint_elements import ANGLE
+from ...model.joints import JOINT_TYPES
+from ...model.time_functions import SINE
+from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
+from .sections import COUNTS
+
+_LINKS = {"revolute-spherical": "REVSPH", "spherical-spherical": "SPHSPH"}
+_KIND = {"fixed": "revolute"}  # whose angle a driver holds
+
+
+def rigid_deck(model: RigidModel, title: str, units: str) -> str:
+    """Return the deck's text; raises ModelError with all that YOUNG does not know."""
+    made = _Deck(model)
+    lines = made.lines()
+    faults = [
+        Fault("error", message, place, name, id="YOUNG-152") for message, place, name in made.refusals.items
+    ]
+    if faults:
+        raise ModelError(faults)
+    notes = [title, f"Units: {units}", *model.notes]
+    head = [f"{{ {note.replace('{', '(').replace('}', ')')} }}" for note in notes]
+    return "\n".join([*head, *lines, ""])
+
+
+class _Deck:
+    """Numbers joints and functions while the sections are made; the ground is the last body."""
+
+    def __init__(self, model):
+        self.model, self.refusals = model, Refusals()
+        self.functions: list[str] = []
+        proper = [joint for joint in model.joints if joint.kind not in _LINKS]
+        self.with_ground = any(GROUND in (joint.i, joint.j) for joint in proper)
+        self.sorted = {
+            kind.name: [joint for joint in proper if _KIND.get(joint.kind, joint.kind) == kind.name]
+            for kind in JOINT_TYPES
+        }
+        order = [joint for joints in self.sorted.values() for joint in joints]
+        self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
+
+    def lines(self):
+        """The numbers of the 1996 program, then the cards of dynamics."""
+        model, time = self.model, self.model.time
+        drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
+        loads = self._loads()
+        return [
+            _line(*self._counts()),
+            *(_line(*body.r, *body.p) for body in model.bodies),
+            *([_line(0, 0, 0, 1, 0, 0, 0)] if self.with_ground else []),
+            *(line for line, _ in drives),
+            *(_line(point.body + 1, *point.s) for point in model.points),
+            *(self._joint(joint) for joints in self.sorted.values() for joint in joints),
+            *([_line(len(model.bodies) + 1, *[0] * 6)] if self.with_ground else []),
+            _line(time.start, time.end, time.step),
+            "",
+            "DYNAMICS forward",
+            *self._masses(),
+            f"GRAVITY {_line(*model.gravity)}",
+            *self.functions,
+            *(card for _, card in drives if card),
+            *loads,
+            *self._method(),
+            "END",
+        ]
+
+    def _counts(self):
+        counts = {
+            "NBODY": len(self.model.bodies) + self.with_ground,
+            "NDRIVE": len(self.model.drivers),
+            "NPOINT": len(self.model.points),
+            "NGROUN": int(self.with_ground),
+        }
+        counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
+        return [counts.get(column.key, 0) for column in COUNTS.columns]
+
+    def _body(self, body):
+        """Number of a body of a joint proper, which the ground is, too."""
+        return len(self.model.bodies) + 1 if body == GROUND else body + 1
+
+    def _joint(self, joint):
+        kind = next(each for each in JOINT_TYPES if each.name == _KIND.get(joint.kind, joint.kind))
+        axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
+        if joint.kind == "fixed":
+            axes = {body: self.model.axes(body).T[:, 2] for body in (joint.i, joint.j)}
+        points = {"P": {joint.i: np.array(joint.P_i), joint.j: np.array(joint.P_j)}}
+        if len(kind.points) > 2:
+            points["Q"] = {body: points["P"][body] + s for body, s in axes.items()}
+        if len(kind.points) > 4:
+            axis = self.model.axis(joint)
+            g = across(axis)
+            # YOUNG keeps the two vectors across the axis at right angles.
+            sides = {joint.i: g, joint.j: np.cross(axis, g)}
+            points["H"] = {
+                body: points["P"][body] + self.model.axes(body).T @ side for body, side in sides.items()
+            }
+        numbers = [x for name in points for body in (joint.i, joint.j) for x in points[name][body]]
+        pitch = [joint.size] if joint.kind == "screw" else []
+        return _line(self._body(joint.i), self._body(joint.j), *numbers, *pitch)
+
+    def _driver(self, n, item):
+        """The record of a driver, and the card of one that follows a function."""
+        c = polynomial_of(item.function)
+        if c is not None and len(c) <= 3:
+            C, B, half = (*c, 0.0, 0.0)[:3]
+            return _line(item.body + 1, item.direction, C, B, 2.0 * half), ""
+        number = self._function(item.function, item)
+        return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
+
+    def _function(self, function, item):
+        """Number of a function card; 1 stands in where there is none."""
+        function, number = simple(function), len(self.functions) + 1
+        c, points = polynomial_of(function), points_of(function)
+        if c is not None:
+            self.functions.append(f"POLYNOMIAL {number} {_line(*c)}")
+        elif function.kind == SINE:
+            self.functions.append(f"SINE {number} {_line(*function.c)}")
+        elif points is not None:
+            numbers = [x for point in without_jumps(points) for x in point]
+            self.functions.append(f"TABLE {number} {_line(*numbers)}")
+        else:
+            self.refusals.add(item, "the law is not converted: YOUNG knows no spin-up and no natural spline")
+            return 1
+        return number
+
+    def _masses(self):
+        for k, body in enumerate(self.model.bodies, start=1):
+            J = body.inertia
+            moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
+            yield f"MASS {_line(k, body.mass, *body.centre, *moments)}"
+        for k, body in enumerate(self.model.bodies, start=1):
+            if any((*body.velocity, *body.omega)):
+                yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
+
+    def _loads(self):
+        """The cards of loads, springs and drivers at joints."""
+        model, cards = self.model, []
+        for item in model.joints:
+            if item.kind in _LINKS:
+                axis = item.s_i if item.kind == "revolute-spherical" else ()
+                ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
+                cards.append(f"{_LINKS[item.kind]} {_line(*ends, *axis, item.size)}")
+            elif item.kind == "fixed":
+                cards.append(f"ANGLE {self.joint_number[id(item)]} {self._function(constant(0.0), item)}")
+        for item in model.joint_drivers:
+            cards.append(f"{self._word(item, 'ANGLE', 'STROKE')} {self._function(item.function, item)}")
+        for item in model.motors:
+            cards.append(f"{self._word(item, 'TMOTOR', 'AMOTOR')} {self._function(item.function, item)}")
+        for item in model.joint_springs:
+            data = _line(item.stiffness, item.rest, item.damping)
+            cards.append(f"{self._word(item, 'TSPRING', 'ASPRING')} {data}")
+        for item in model.springs:
+            ends = item.i + 1, item.j + 1, *item.P_i, *item.P_j
+            cards.append(f"SPRING {_line(*ends, item.stiffness, item.free_length, item.damping)}")
+        for item in model.forces:
+            force, factor = self._factor(item.force, item)
+            numbers = _line(item.body + 1, *item.point, *force, int(item.following), factor)
+            cards.append(f"FORCE {numbers}")
+        for item in model.torques:
+            torque, factor = self._factor(item.torque, item)
+            cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
+        return cards
+
+    def _word(self, item, turning, sliding):
+        number = self.joint_number[id(self.model.joints[item.joint])]
+        return f"{turning if item.coordinate == ANGLE else sliding} {number}"
+
+    def _factor(self, load, item):
+        value = value_of(item.factor)
+        if value is not None:
+            return [value * x for x in load], 0
+        return load, self._function(item.factor, item)
+
+    def _method(self):
+        stepping = self.model.stepping
+        yield f"TOLERANCE {_line(min(max(stepping.tolerance, LEAST_TOLERANCE), MOST_TOLERANCE))}"
+        if stepping.method == ALPHA:
+            yield f"GALF {_line(stepping.step, stepping.radius)}"
+        elif stepping.method == RADAU:
+            yield "RAD5"
+
+
+def _line(*values):
+    return " ".join(str(v) if isinstance(v, int) else repr(float(v) + 0.0) for v in values)

@@ -1,0 +1,260 @@
+"""What a YOUNG deck describes, in the terms of `model.exchange`: for conversion to other dialects."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...deck.record import Deck
+from ...errors import Fault, ModelError
+from ...model.arrays.dynamic import inertia_matrix
+from ...model.attitudes import Attitudes
+from ...model.exchange.functions import constant, moved
+from ...model.exchange.rigid_model import (
+    ALPHA,
+    EXPLICIT,
+    GROUND,
+    RADAU,
+    BodyDriver,
+    CoordinateSpring,
+    Refusals,
+    RigidBody,
+    RigidJoint,
+    RigidModel,
+    Stepping,
+    vector,
+)
+from ...model.exchange.start import Pair, Start, angle_between, stroke_between
+from ...model.joint_elements import ANGLE, JointDriver, JointMotor
+from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
+from ...model.mechanism import Point, TimeGrid
+from ...model.time_functions import POLYNOMIAL, MotionFunction
+from ...model.vectors import rotation_matrix
+from ...quick_dataclass import replace
+from .dynamic_cards import analysis_of
+
+_FOREIGN = {
+    "couplings": "couplings of joint coordinates are not converted",
+    "bushings": "bushings are not converted",
+    "stops": "end stops are not converted",
+    "frictions": "dry friction is not converted",
+}
+
+
+def rigid_model(
+    deck: Deck, build: Callable[[], DynamicModel], start: Callable[[DynamicModel], Start]
+) -> RigidModel:
+    """Return the rigid model of a deck at its start; raises ModelError with all that is not converted."""
+    if analysis_of(deck) is None:
+        message = (
+            "the deck describes kinematics only, and other dialects need masses: add DYNAMICS forward and "
+            "a card MASS for each moving body"
+        )
+        raise ModelError([Fault("error", message, id="YOUNG-150")])
+    model = build()
+    made = _Conversion(model, start(model))
+    found = made.model()
+    faults = [
+        Fault("error", message, place, name, id="YOUNG-151") for message, place, name in made.refusals.items
+    ]
+    if faults:
+        raise ModelError(faults)
+    return found
+
+
+class _Conversion:
+    """Collects the parts, grounded bodies becoming the ground."""
+
+    def __init__(self, model, start):
+        self.deck, self.start, self.mechanism = model, start, model.mechanism
+        self.refusals = Refusals()
+        held = {ground.body for ground in self.mechanism.grounds}
+        moving = [k for k in range(len(self.mechanism.bodies)) if k not in held]
+        self.number = dict.fromkeys((GROUND, *held), GROUND) | {k: n for n, k in enumerate(moving)}
+        self.moving = moving
+        estimates = Attitudes(self.mechanism).estimates().reshape(-1, 7)
+        self.first = [(q[:3], rotation_matrix(q[3:])) for q in estimates]
+        self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]
+        self.joints: dict[int, int] = {}
+
+    def model(self):
+        deck, time = self.deck, self.mechanism.time
+        self._refuse_foreign()
+        joints = self._joints()
+        springs, constant_motors = self._joint_springs()
+        return RigidModel(
+            tuple(self._body(k) for k in self.moving),
+            TimeGrid(0.0, time.end - time.start, time.step, time.place),
+            vector(deck.gravity),
+            joints,
+            self._drivers(),
+            tuple(self._joint_driver(item) for item in deck.elements.drivers if item.joint in self.joints),
+            (*self._motors(), *constant_motors),
+            springs,
+            self._springs(),
+            tuple(
+                AppliedForce(f.name, self.number[f.body], vector(f.force), vector(f.point), f.following,
+                             self._function(f.factor), f.place)
+                for f in deck.forces if self.number[f.body] != GROUND
+            ),
+            tuple(
+                AppliedTorque(t.name, self.number[t.body], vector(t.torque), t.following,
+                              self._function(t.factor), t.place)
+                for t in deck.torques if self.number[t.body] != GROUND
+            ),
+            tuple(
+                Point(p.name, self.number[p.body], vector(p.s), p.place)
+                for p in self.mechanism.points if self.number[p.body] != GROUND
+            ),
+            self._stepping(),
+            self._notes(),
+        )  # fmt: skip
+
+    def _refuse_foreign(self):
+        for field, message in _FOREIGN.items():
+            for item in getattr(self.deck.elements, field):
+                self.refusals.add(item, message)
+        for item in self.mechanism.distances:
+            self.refusals.add(item, "differences of single coordinates (NSIMP2) are not converted")
+
+    def _notes(self):
+        notes = []
+        if self.mechanism.time.start:
+            notes.append(f"t = 0 is {self.mechanism.time.start!r} s of the other deck")
+        if self.moving != list(range(len(self.mechanism.bodies))):
+            pairs = ", ".join(f"{n} is {k + 1}" for n, k in enumerate(self.moving, start=1))
+            notes.append(f"bodies here and there: {pairs}; the ground is no body")
+        return tuple(notes)
+
+    def _stepping(self):
+        deck = self.deck
+        if deck.alpha_steps:
+            steps = deck.alpha_steps
+            return Stepping(ALPHA, deck.tolerance, steps.length, steps.radius)
+        return Stepping(RADAU if deck.radau else EXPLICIT, deck.tolerance)
+
+    def _body(self, k):
+        body, start = self.mechanism.bodies[k], self.start
+        mass = next((item for item in self.deck.masses if item.body == k), None)
+        data = (
+            (mass.mass, np.array(mass.centre, float), inertia_matrix(mass.inertia))
+            if mass
+            else (0.0, np.zeros(3), np.zeros((3, 3)))
+        )
+        motion = start.r[k], start.p[k], start.v[k], start.omega[k]
+        return RigidBody(f"body {k + 1}", *motion, *data, body.place)
+
+    def _point(self, body, point):
+        """A point of a body, global where the body is at rest."""
+        if self.number[body] != GROUND or body == GROUND:
+            return vector(point)
+        r, A = self.now[body]
+        return vector(r + A @ np.array(point))
+
+    def _direction(self, body, s):
+        if self.number[body] != GROUND or body == GROUND:
+            return vector(s)
+        return vector(self.now[body][1] @ np.array(s))
+
+    def _joints(self):
+        found = []
+        for k, joint in enumerate(self.mechanism.joints):
+            self._add_joint(found, joint, joint.kind, joint.pitch, k)
+        for item in self.deck.elements.composites:
+            if item.kind == "revolute-cylindrical":
+                self.refusals.add(item, "the composite joint REVCYL is not converted")
+            else:
+                self._add_joint(found, item, item.kind, item.size, None)
+        return tuple(found)
+
+    def _add_joint(self, found, joint, kind, size, k):
+        i, j = self.number[joint.i], self.number[joint.j]
+        if i == GROUND == j:
+            return
+        if k is not None:
+            self.joints[k] = len(found)
+        ends = self._point(joint.i, joint.P_i), self._point(joint.j, joint.P_j)
+        axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
+        found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
+
+    def _function(self, function):
+        return function and moved(function, self.mechanism.time.start)
+
+    def _drivers(self):
+        """Drivers, and coordinates that are held, of bodies that move."""
+        elements = self.deck.elements
+        driven = {item.item: item.function for item in elements.driven}
+        supported = {item.item: item.function for item in elements.supports}
+        found = []
+        for n, item in enumerate(self.mechanism.drivers):
+            function = driven.get(n) or MotionFunction(POLYNOMIAL, (item.C, item.B, 0.5 * item.A, 0.0))
+            found.append((item, function))
+        for n, item in enumerate(self.mechanism.simplified):
+            if item.direction > 3:
+                self.refusals.add(item, "a held Euler parameter (directions 4 to 6) is not converted")
+            found.append((item, supported.get(n) or constant(item.value)))
+        return tuple(
+            BodyDriver(
+                item.name, self.number[item.body], item.direction, self._function(function), item.place
+            )
+            for item, function in found
+            if self.number[item.body] != GROUND
+        )
+
+    def _offset(self, number, coordinate):
+        """A joint coordinate at the start: YOUNG counts it from the estimates."""
+        joint = self.mechanism.joints[number]
+        first, now = (Pair(*poses[joint.i], *poses[joint.j]) for poses in (self.first, self.now))
+        if coordinate == ANGLE:
+            return angle_between(joint.s_i, first, now)
+        return stroke_between(joint.s_i, joint.P_i, joint.P_j, first, now)
+
+    def _joint_driver(self, item):
+        # The function is met at the start, whatever number of turns it begins with.
+        time = self.mechanism.time.start
+        function = moved(item.function, time, item.function.at(time)[0])
+        return JointDriver(item.name, self.joints[item.joint], item.coordinate, function, item.place)
+
+    def _motors(self):
+        for item in self.deck.elements.motors:
+            if item.joint in self.joints:
+                yield replace(item, joint=self.joints[item.joint], function=self._function(item.function))
+
+    def _joint_springs(self):
+        """Springs without preload, and motors with the preload of those without stiffness."""
+        springs, motors = [], []
+        for item in self.deck.elements.springs:
+            if item.curve or item.damper:
+                self.refusals.add(item, "springs and dampers with functions are not converted")
+            elif item.joint in self.joints:
+                joint, name = self.joints[item.joint], item.name
+                rest = item.rest - self._offset(item.joint, item.coordinate)
+                if item.preload and not item.stiffness:
+                    function = constant(-item.preload)
+                    motors.append(JointMotor(name, joint, item.coordinate, function, item.place))
+                elif item.preload:
+                    rest -= item.preload / item.stiffness
+                springs.append(
+                    CoordinateSpring(
+                        name, joint, item.coordinate, item.stiffness, rest, item.damping, item.place
+                    )
+                )
+        return tuple(springs), tuple(motors)
+
+    def _springs(self):
+        found = [self._spring(item, item.free_length) for item in self.deck.springs]
+        for item in self.deck.elements.lines:
+            if item.slack:
+                self.refusals.add(item, "cables are not converted")
+            elif item.curve or item.damper:
+                self.refusals.add(item, "springs and dampers with functions are not converted")
+            elif item.preload and not item.stiffness:
+                self.refusals.add(item, "a preload without stiffness is not converted")
+            else:
+                shift = item.preload / item.stiffness if item.preload else 0.0
+                found.append(self._spring(item, item.rest - shift))
+        return tuple(spring for spring in found if not spring.i == GROUND == spring.j)
+
+    def _spring(self, item, rest):
+        i, j = self.number[item.i], self.number[item.j]
+        ends = self._point(item.i, item.P_i), self._point(item.j, item.P_j)
+        return SpringDamper(item.name, i, j, *ends, item.stiffness, rest, item.damping, item.place)

@@ -1,0 +1,33 @@
+"""The cards GEOM and STL: what bodies look like in pictures."""
+
+from pathlib import Path
+
+from ...deck.record import Deck
+from ...model.diagnostics import Findings
+from ...model.shapes import KINDS, Shape
+from ..body_shapes import Keys, on_rigid_body, primitive_of, stl_shape_of
+
+
+def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:
+    """Return the shapes in the order of the cards; file names are relative to `folder`."""
+    keys, rigid = Keys(), [True] * bodies
+    found = [
+        _primitive(record, keys, findings)
+        for record in deck.section("shape")
+        if on_rigid_body(record, keys, rigid, findings)
+    ]
+    found += [
+        stl_shape_of(record, keys, folder, findings)
+        for record in deck.section("shape_file")
+        if on_rigid_body(record, keys, rigid, findings)
+    ]
+    return tuple(shape for shape in found if shape is not None)
+
+
+def _primitive(record, keys, findings):
+    number = record.at("shape")
+    if not 1 <= number.value <= len(KINDS):
+        message = f"shape must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.text}"
+        findings.error(record.subject, message, number.place, id="YOUNG-155")
+        return None
+    return primitive_of(record, KINDS[number.value - 1], keys, findings)

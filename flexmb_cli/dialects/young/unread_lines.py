@@ -1,0 +1,74 @@
+"""Lines of a YOUNG deck that are not read but look as if they should be: slips of DYNAMICS, and cards.
+
+What stands behind the last number, or behind END, is prose.  A misspelt opening line there would turn a
+dynamic analysis into a kinematic one, and a card there would be lost.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+
+from ...deck.lines import Lines
+from ...deck.number import shown
+from ...errors import Fault, Place
+
+_COMMENT = re.compile(r"\{[^}]*\}")
+_OPENING = "DYNAMICS"
+# One word, one more behind it, or anything where that is the name of an analysis.
+_LIKE_OPENING = re.compile(
+    r"^[ \t]*(([A-Z]{6,10})(?:[^\w\n]{1,9}(?:INVERSE|FORWARD)\b[^\n]*|[^\w\n]*|[^\w\n]{1,9}[A-Z]+[^\w\n]*))$",
+    re.IGNORECASE | re.MULTILINE,
+)
+_LEAST_LIKENESS = 0.75  # of DYNAMICS: two letters changed
+_NUMBER = r"[-+]?\.?\d[-+.\deEdD]*"
+
+
+def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of the lines behind line `behind` of a deck without dynamic cards that look like such cards."""
+    slips = list(_like_openings(lines, behind))
+    message = (
+        "is read as prose: a card needs the line DYNAMICS inverse, DYNAMICS forward or GEOMETRY before it"
+    )
+    # Cards behind a misspelt opening line have that one cause.
+    return iter(slips) if slips else _cards(lines, behind, keywords, message)
+
+
+def _like_openings(lines, behind):
+    text, start = _without_comments(lines, behind)
+    for found in _LIKE_OPENING.finditer(text):
+        if _is_like_opening(found[2]):
+            message = (
+                f"{shown(found[1].strip())} is read as prose; DYNAMICS inverse or DYNAMICS forward, alone on "
+                "its line, opens cards with masses and loads"
+            )
+            place = Place(*lines.place_of(start + found.start(1)), len(found[1].rstrip()))
+            yield Fault("warning", message, place, id="YOUNG-019")
+
+
+def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator[Fault]:
+    """Warn of cards behind line `behind`, which holds END."""
+    yield from _cards(lines, behind, keywords, "stands behind END and is not read: put it before END")
+
+
+def _cards(lines, behind, keywords, message):
+    text, start = _without_comments(lines, behind)
+    card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
+    for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
+        place = Place(*lines.place_of(start + found.start(1)), len(found[1]))
+        yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
+
+
+def _without_comments(lines, behind):
+    """The text behind a line with blanks for comments and one kind of line end, and where it starts."""
+    start = lines.start_of(behind)
+    text = lines.text[start:].replace("\r", "\n")
+    # A crowd of braces that nothing closes would be searched to the end of the text, each of them.
+    closed = text.rfind("}") + 1
+    return _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text[:closed]) + text[
+        closed:
+    ], start
+
+
+def _is_like_opening(word):
+    from difflib import SequenceMatcher
+
+    return SequenceMatcher(None, word.upper(), _OPENING).ratio() >= _LEAST_LIKENESS

@@ -1,0 +1,88 @@
+"""STL files, text and binary: triangles whose equal corners become one vertex.
+
+3D Systems, "StereoLithography Interface Specification" (1988): a binary file has 80 bytes of title, the
+number of its triangles, and 50 bytes for each (normal, three corners, two bytes unused), little-endian.
+Writers begin binary files with "solid", too, so that the length tells the two kinds apart.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .file_text import bytes_of
+from .matrix_file import FEFileFault
+
+# Triangles of a file: more are too many for a page, and nobody sees them.
+MOST = 200_000
+LARGEST = 2**27  # bytes: a triangle takes 50 in a binary file, some 250 in text
+_HEAD, _TRIANGLE = 84, 50
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+_CORNER = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
+_FACET = re.compile(rb"\bendfacet\b")
+_ENDING = re.compile(rb"\bendsolid\b[^\n]*\s*\Z")
+
+
+def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices (n, 3) in the file's unit and triangles (m, 3) of rows of them.
+
+    Raises FEFileFault for a file that cannot be read, is damaged, or has too many triangles.
+    """
+    raw = bytes_of(path, LARGEST)
+    announced = int.from_bytes(raw[80:_HEAD], "little") if len(raw) >= _HEAD else -1
+    if len(raw) == _HEAD + _TRIANGLE * announced:
+        corners = _binary(path.name, raw, announced)
+    elif raw.lstrip().startswith(b"solid") and b"\0" not in raw[:1024]:
+        corners = _text(path.name, raw)
+    else:
+        message = "is no STL file: it neither begins with 'solid', nor has it the length of a binary one"
+        if announced >= 0:
+            message += (
+                f" (84 + 50 × {announced} bytes for the {announced} triangles that it announces; it has "
+                f"{len(raw)}); write it again"
+            )
+        raise FEFileFault(f"{path.name} {message}", id="FE-075")
+    if not np.isfinite(corners).all():
+        raise FEFileFault(f"{path.name} has corners that are not finite; write it again", id="FE-076")
+    return _joined(path.name, corners)
+
+
+def _binary(name, raw, count):
+    _check_count(name, count)
+    return np.frombuffer(raw, _RECORD, count, _HEAD)["corners"].reshape(-1, 3).astype(float)
+
+
+def _text(name, raw):
+    facets = sum(1 for _ in _FACET.finditer(raw))
+    _check_count(name, facets)
+    if not _ENDING.search(raw):
+        raise FEFileFault(
+            f"{name} does not end with 'endsolid': the file was cut off; write it again", id="FE-077"
+        )
+    words = [word for found in _CORNER.finditer(raw) for word in found.groups()]
+    if len(words) != 9 * facets:
+        message = f"{name} has {len(words) // 3} corners and {facets} triangles, which have three each"
+        raise FEFileFault(message, id="FE-078")
+    try:
+        return np.array(words, dtype=bytes).astype(float).reshape(-1, 3)
+    except ValueError as fault:
+        raise FEFileFault(f"{name} has a corner that is no number: {fault}", id="FE-079") from None
+
+
+def _check_count(name, count):
+    if not count:
+        raise FEFileFault(f"{name} has no triangles", id="FE-080")
+    if count > MOST:
+        message = f"{name} has {count} triangles; at most {MOST} are drawn: write a coarser file"
+        raise FEFileFault(message, id="FE-081")
+
+
+def _joined(name, corners):
+    """Vertices that differ, and triangles with three of them."""
+    vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
+    triangles = index.reshape(-1, 3)
+    a, b, c = triangles.T
+    kept = triangles[(a != b) & (b != c) & (c != a)]
+    if not len(kept):
+        raise FEFileFault(f"{name} has no triangle whose corners differ", id="FE-082")
+    return vertices, kept

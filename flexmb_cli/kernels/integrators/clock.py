@@ -1,0 +1,50 @@
+"""The clock of an integration, the same for every method, and the codes that integrators return."""
+
+import numpy as np
+
+# Tasks: start at the state z, or integrate on to the report times.
+BEGIN, INTEGRATION = 0, 1
+# Return codes: ready for steps; all rows filled; at the stop; evaluations of this call used up; no step of
+# any length; steps so short that the caller must agree; equations that repeated others contradict them;
+# coordinates without inertia.
+READY, ROWS_FULL, AT_STOP, PAUSED, STEP_VANISHED, STEP_SHORT, CONTRADICTION, NO_INERTIA = range(8)
+
+SMALLEST_STEP = 1e-14  # of the time, or of a millisecond
+
+CLOCK = np.dtype(
+    [
+        ("t", np.float64),  # time of the state, s
+        ("step", np.float64),  # length the next step will try, s
+        ("length", np.float64),  # length of the step that is tried, s
+        ("stop", np.float64),  # landing point: no step goes further, s
+        ("next", np.float64),  # time of the next report row, s
+        ("step_start", np.float64),  # start of the last accepted step, s
+        ("step_length", np.float64),  # its length, s, 0 before the first
+        ("step_rejected", np.int64),  # `rejected` when it was tried
+        ("rejected", np.int64),  # failed attempts before the one that is tried; explicit methods: 0 or 1
+        ("longest", np.float64),  # accepted step so far, s; 0: short steps need no agreement
+        ("excused", np.int64),  # whether the caller agrees to short steps
+        ("row", np.int64),  # report rows filled in this call
+        ("steps", np.int64),  # accepted steps since the start
+        ("evaluations", np.int64),  # evaluations of the equations since the start
+        ("rejections", np.int64),  # failed attempts since the start
+        ("rtol", np.float64),  # relative tolerance
+        ("atol", np.float64),  # absolute tolerance, of units of the state
+        ("error", np.float64),  # error of the step that is tried, in tolerances
+        ("worst", np.int64),  # place in the state of its largest component
+        ("strayed", np.int64),  # whether the last attempt failed because the projection moved it too far
+        ("fault", np.int64),  # code of the last failed evaluation, or that of a solved one
+        ("gap", np.float64),  # largest gap of the equations at the state, scaled, or m
+        ("equation", np.int64),  # equation with that gap
+        ("pivot_order", np.float64),  # quality of the order of elimination at the end of the last step
+        ("pivot_time", np.float64),  # time of that end, s
+        ("singular", np.float64),  # time of the singular position ahead, s, infinity: none near
+    ]
+)
+
+
+def new_clock() -> np.ndarray:
+    """Return a clock (1,) of CLOCK at time 0, without a stop and without a singular position ahead."""
+    clock = np.zeros(1, CLOCK)
+    clock["stop"] = clock["next"] = clock["singular"] = np.inf
+    return clock

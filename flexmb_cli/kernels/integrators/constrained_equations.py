@@ -1,0 +1,108 @@
+"""What integrators ask of a constrained mechanism: slopes, projection, report rows.
+
+The accelerations are those of the index-1 equations.  The state z (2 n + b + 1,) of b bodies with n speeds
+holds coordinates, speeds and the work of drivers and loads since the start.
+
+Projection: Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section VII.2.
+"""
+
+import numpy as np
+
+from .._jit import allocating, kernel
+from ..constrained.accelerations import accelerate, factorise_at
+from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
+from ..constrained.projection import largest_gap, project_position, project_speeds
+from ..constrained.report import complete, coordinates_and_speeds
+from ..constrained.speeds import coordinate_rates, normalise
+from ..constrained.system import SOLVED
+from ..linalg.copying import copy
+from .clock import CONTRADICTION, READY, STEP_VANISHED
+from .error_norm import scaled_norm
+
+MOST_MOVED = 10.0  # tolerances by which a projection may move an accepted step
+REPEATED_GAP = 1e-7  # what equations that repeat others may be off, scaled
+
+
+@kernel
+def slope(integration, stage, t, system, work):
+    """Fill the slope at `trial`; return whether there is one."""
+    clock = integration.clock[0]
+    clock["evaluations"] += 1
+    copy(integration.angles[NEW], work.angles)
+    clock["fault"] = factorise_at(system, work, coordinates_and_speeds(system, integration.trial)[0])
+    if clock["fault"] == SOLVED:
+        differentiate(integration, stage, t, system, work)
+    return clock["fault"] == SOLVED
+
+
+@kernel
+def differentiate(integration, stage, t, system, work):
+    """Fill the slope at `trial`, whose factors are at hand."""
+    out = integration.slopes[stage]
+    q, u = coordinates_and_speeds(system, integration.trial)
+    qd, ud = coordinates_and_speeds(system, out)
+    power = accelerate(system, work, q, u, t, ud)
+    coordinate_rates(system.masses.shape[0], q, u, qd)
+    out[out.shape[0] - 1] = power
+
+
+@allocating
+def project(integration, t, system, work):
+    """Bring `trial` onto the constraints at t, with the factors there.
+
+    Returns by how many tolerances it moved, or infinity.
+    """
+    clock, z, n = integration.clock[0], integration.trial, system.speed_scale.shape[0]
+    end = n + system.masses.shape[0]
+    q, u, before = z[:end], z[end : end + n], z.copy()
+    normalise(system.masses.shape[0], q)
+    clock["fault"] = project_position(system, work, q, t, integration.angles[EXPECTED])
+    if clock["fault"] == SOLVED:
+        clock["fault"] = project_speeds(system, work, q, u, t)[0]
+    if clock["fault"] != SOLVED:
+        return np.inf
+    for i in range(z.shape[0]):
+        before[i] -= z[i]
+    return scaled_norm(integration, integration.z, before)
+
+
+@kernel
+def note_gap(integration, system, work):
+    """Note the largest gap, whose equations belong to the state."""
+    clock = integration.clock[0]
+    clock["gap"], clock["equation"] = largest_gap(system, work)
+
+
+@kernel
+def code_of_gap(integration):
+    """Return whether equations that repeat others still do, as a code."""
+    return READY if integration.clock[0]["gap"] <= REPEATED_GAP else CONTRADICTION
+
+
+@kernel
+def interpolate_angles(integration, x):
+    """Fill the angles expected at the fraction x of the last step."""
+    angles = integration.angles
+    for s in range(angles.shape[1]):
+        angles[EXPECTED, s] = (1.0 - x) * angles[OLD, s] + x * angles[NEW, s]
+
+
+@kernel
+def report_trial(integration, t, x, report, system, work):
+    """Fill a report row from `trial` at the fraction x of the last step, projected inside it; a code."""
+    clock, row, expected = integration.clock[0], integration.clock[0]["row"], integration.angles[EXPECTED]
+    interpolate_angles(integration, x)
+    clock["evaluations"] += 1
+    copy(expected, work.angles)
+    q, u = coordinates_and_speeds(system, integration.trial)
+    if x < 1.0:
+        project(integration, t, system, work)
+    else:
+        clock["fault"] = factorise_at(system, work, q)
+    if clock["fault"] != SOLVED:
+        return STEP_VANISHED
+    power = accelerate(system, work, q, u, t, report.rates[row])
+    complete(system, work, integration.trial, t, expected, power, report, row)
+    copy(integration.trial, report.states[row])
+    clock["row"] += 1
+    return READY

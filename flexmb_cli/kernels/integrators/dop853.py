@@ -1,0 +1,181 @@
+"""DOP853 for any equations: the stages, the error and the dense output of a step, and its acceptance.
+
+Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), sections II.4-II.6.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from .._jit import kernel
+from .clock import READY
+from .dop853_table import ALL_STAGES, DENSE_TERMS, DENSE_WEIGHTS, STAGE_TIMES, STAGE_WEIGHTS, STAGES
+from .error_norm import scaled_norm
+from .explicit_error import step_error
+from .singular_ahead import laid_out, leads_over
+from .time_loop import Method, time_loop
+
+SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
+# Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
+# is more; on another branch it would be off by its turn.
+BLURRED, BLURRED_SPEEDS = 1e4, 1e-6
+SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 10.0
+ERROR_EXPONENT = -1.0 / 8.0
+HOPELESS = 1e10  # error of a step that cannot be made
+
+
+class Equations(NamedTuple):
+    """What DOP853 asks of a system: kernels of (integration, ..., *arrays).
+
+    The integration has clock, z, old, trial (N,), slopes (16, N), dense (7, N) and units (N,).
+    """
+
+    slope: Callable  # (integration, stage, t, *arrays): fill slopes[stage] at `trial`; whether there is one
+    normalise: Callable  # (integration, *arrays): bring the Euler parameters of `trial` to length one
+    finish: (
+        Callable  # (integration, h, *arrays): project the end of a step, fill its slope; see `Method.attempt`
+    )
+    watch: Callable  # (integration, *arrays): look at the accepted step, for events; a code
+    close: Callable  # (integration, *arrays): bring its end onto loops, fill slopes[0] of the next; a code
+    fill_row: Callable  # (integration, t, report, *arrays): see `Method`
+
+
+def dop853(equations: Equations) -> Callable:
+    """Return the kernel of `time_loop` that integrates such equations."""
+    slope, normalise, finish, watch, close, fill_row = equations
+    attempt, accept = _attempts(slope, normalise, finish), _acceptance(slope, watch, close)
+    return time_loop(Method(_length, attempt, accept, _reject, fill_row))
+
+
+def _attempts(slope, normalise, finish):
+    @kernel
+    def attempt(integration, h, *arrays):
+        clock, trial = integration.clock[0], integration.trial
+        for stage in range(1, STAGES):
+            set_stage(integration.z, integration.slopes, stage, h, trial)
+            if not slope(integration, stage, clock["t"] + h * STAGE_TIMES[stage], *arrays):
+                return -SLOWEST
+        set_stage(integration.z, integration.slopes, STAGES, h, trial)
+        normalise(integration, *arrays)
+        error, clock["worst"] = step_error(integration, h)
+        clock["error"] = error
+        # `not <` rejects a nan as well.
+        if not error < _largest_error(clock, h):
+            return -next_factor(error, 1) if error < HOPELESS else -SLOWEST
+        return finish(integration, h, *arrays)
+
+    return attempt
+
+
+def _acceptance(slope, watch, close):
+    @kernel
+    def fill_dense(integration, *arrays):
+        clock, old, slopes = integration.clock[0], integration.old, integration.slopes
+        start, h = clock["step_start"], clock["step_length"]
+        for stage in range(STAGES + 1, ALL_STAGES):
+            set_stage(old, slopes, stage, h, integration.trial)
+            fault = clock["fault"]
+            slope(integration, stage, start + h * STAGE_TIMES[stage], *arrays)
+            # Both ends were solved; where a point between them is not, its slope stays as it is.
+            clock["fault"] = fault
+        set_dense(old, integration.z, slopes, h, integration.dense)
+
+    @kernel
+    def accept(integration, factor, *arrays):
+        clock = integration.clock[0]
+        _end_step(integration, factor)
+        code = watch(integration, *arrays)
+        if code == READY and clock["next"] < clock["t"]:
+            fill_dense(integration, *arrays)
+        return close(integration, *arrays) if code == READY else code
+
+    return accept
+
+
+@kernel
+def _length(integration, *arrays):
+    clock = integration.clock[0]
+    return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
+
+
+@kernel
+def _largest_error(clock, h):
+    """Error of a step of length h, in tolerances, that its projection may take away."""
+    return max(BLURRED, BLURRED_SPEEDS / clock["rtol"]) if leads_over(clock, h) else 1.0
+
+
+@kernel
+def _end_step(integration, factor):
+    """Make the end of a step, which is in `trial`, the state."""
+    clock, h = integration.clock[0], integration.clock[0]["length"]
+    for i in range(integration.z.shape[0]):
+        integration.old[i] = integration.z[i]
+        integration.z[i] = integration.trial[i]
+    clock["step"] = h * factor
+    clock["step_start"], clock["step_length"], clock["step_rejected"] = clock["t"], h, clock["rejected"]
+    last = h >= clock["stop"] - clock["t"]
+    clock["t"] = clock["stop"] if last else clock["t"] + h
+    clock["rejected"] = 0
+    clock["steps"] += 1
+
+
+@kernel
+def _reject(integration, h, factor, *arrays):
+    clock = integration.clock[0]
+    clock["step"] = h * factor
+    clock["rejections"] += 1
+    clock["rejected"], clock["strayed"] = 1, 0
+
+
+@kernel
+def first_step(integration, slope):
+    """Length of the first step by the state z and its slope (N,) alone, s."""
+    z = integration.z
+    size, speed = scaled_norm(integration, z, z), scaled_norm(integration, z, slope)
+    return 0.01 * size / speed if size > 1e-5 and speed > 1e-5 else 1e-6
+
+
+@kernel
+def set_stage(z, slopes, stage, h, out):
+    """out = z + h (weights of `stage`) . slopes; slopes (16, n)."""
+    for i in range(z.shape[0]):
+        out[i] = z[i]
+    for j in range(stage):
+        weight = h * STAGE_WEIGHTS[stage, j]
+        if weight != 0.0:
+            for i in range(z.shape[0]):
+                out[i] += weight * slopes[j, i]
+
+
+@kernel
+def next_factor(error, rejected):
+    """Factor on the step length after a step with this error; `rejected`: the step before failed."""
+    if error == 0.0:
+        return 1.0 if rejected else FASTEST
+    factor = SAFETY * error**ERROR_EXPONENT
+    highest = 1.0 if rejected or error >= 1.0 else FASTEST
+    return min(highest, max(SLOWEST, factor))
+
+
+@kernel
+def set_dense(z, new, slopes, h, dense):
+    """Fill dense (7, n), the terms of the interpolating polynomial of the step from z to new."""
+    for i in range(z.shape[0]):
+        change = new[i] - z[i]
+        dense[0, i] = change
+        dense[1, i] = h * slopes[0, i] - change
+        dense[2, i] = 2.0 * change - h * (slopes[STAGES, i] + slopes[0, i])
+        for term in range(3, DENSE_TERMS):
+            total = 0.0
+            for j in range(ALL_STAGES):
+                total += DENSE_WEIGHTS[term - 3, j] * slopes[j, i]
+            dense[term, i] = h * total
+
+
+@kernel
+def interpolate(z, dense, x, out):
+    """State at the fraction x of the step that began at z."""
+    for i in range(z.shape[0]):
+        total = 0.0
+        for term in range(DENSE_TERMS - 1, -1, -1):
+            total = (total + dense[term, i]) * (x if term % 2 == 0 else 1.0 - x)
+        out[i] = z[i] + total

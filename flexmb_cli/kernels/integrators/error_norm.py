@@ -1,0 +1,48 @@
+"""Tolerances and the norm in which all integrators measure errors: 1 is just allowed.
+
+Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), eq. (II.4.11).
+"""
+
+from .._jit import kernel
+
+MOST_MOVED = 10.0  # tolerances by which closing the loops may move the end of a step
+CLOSING = 1e-10  # share of a state that closing may move whatever the tolerance: gaps of 1e-13 m, and more
+
+
+@kernel
+def tolerance(clock, unit, size):
+    """Return the error allowed in a component of this size, whose absolute tolerance is of `unit`."""
+    return clock["atol"] * unit + clock["rtol"] * size
+
+
+@kernel
+def displacement_tolerance(clock, unit):
+    """Return the error allowed in a displacement, or a rotation vector, of the size of its unit."""
+    return (clock["atol"] + clock["rtol"]) * unit
+
+
+@kernel
+def scaled_norm(integration, state, change):
+    """Root mean square of a change (N,), the work left out, against the tolerances at a state (N,)."""
+    clock, total, counted = integration.clock[0], 0.0, change.shape[0] - 1
+    for i in range(counted):
+        total += (change[i] / tolerance(clock, integration.units[i], abs(state[i]))) ** 2
+    return (total / counted) ** 0.5
+
+
+@kernel
+def strayed(open_end, closed_end, clock):
+    """Place in the state that closing the loops moved too far at the end of a step, or -1.
+
+    A step that was good left the loops but for its error.  One across a singular position may land on
+    the other motion that begins there: then closing is what moves the tree, not the equations.
+    """
+    worst, place = 1.0, -1
+    for i in range(open_end.shape[0] - 1):
+        size = abs(closed_end[i])
+        most = MOST_MOVED * tolerance(clock, 1.0, size) + CLOSING * (1.0 + size)
+        share = abs(closed_end[i] - open_end[i]) / most
+        # `not <=` lets a nan through as the worst place.
+        if not share <= worst:
+            worst, place = share, i
+    return place

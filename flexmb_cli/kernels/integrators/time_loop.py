@@ -1,0 +1,86 @@
+"""The loop through time of every integrator: report rows where they are due, and steps between them.
+
+A method gives its parts as kernels; numba has no cheap functions as arguments, so the loop is compiled
+once for each method.  Steps do not depend on how the report rows are cut into calls.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from .._jit import kernel
+from .clock import AT_STOP, PAUSED, READY, ROWS_FULL, SMALLEST_STEP, STEP_SHORT, STEP_VANISHED
+
+# Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
+# some 1e-8 s: steps so short follow that blow, and the speeds jump.
+SHORT = 1e-6
+
+
+class Method(NamedTuple):
+    """The parts of an integrator: kernels of (integration, ..., *arrays).
+
+    `arrays` are those of the system and of the work on it; `integration.clock` is of CLOCK.
+    """
+
+    # (integration, *arrays): length of the step to try, s, 0 where there is none
+    length: Callable
+    # (integration, h, *arrays): factor on the next length; minus that of another try; 0: no step can be made
+    attempt: Callable
+    # (integration, factor, *arrays): make the end of the step the state; READY or another code
+    accept: Callable
+    # (integration, h, factor, *arrays): prepare another try, of factor times h
+    reject: Callable
+    # (integration, t, report, *arrays): fill a report row at a time up to the state; a code
+    fill_row: Callable
+
+
+def time_loop(method: Method, same: float = 0.0) -> Callable:
+    """Return the kernel (integration, report, budget, *arrays) that fills the rows of a report.
+
+    It makes at most `budget` evaluations and those of one step, and returns a code of `clock`; clock["row"]
+    counts the rows filled.  A row that is `same` steps ahead of the state is that of the state.
+    """
+    take_step, fill_row = _steps(method), method.fill_row
+
+    @kernel
+    def advance(integration, report, budget, *arrays):
+        clock = integration.clock[0]
+        clock["row"], code = 0, READY
+        spent = clock["evaluations"] + budget
+        while code == READY and clock["row"] < report.times.shape[0]:
+            t = clock["next"] = report.times[clock["row"]]
+            if t <= clock["t"] + same * clock["step"]:
+                code = fill_row(integration, t, report, *arrays)
+            elif clock["t"] >= clock["stop"]:
+                return AT_STOP
+            elif clock["evaluations"] >= spent:
+                return PAUSED
+            elif clock["step"] < SHORT * clock["longest"] and clock["excused"] == 0:
+                return STEP_SHORT
+            else:
+                code = take_step(integration, *arrays)
+        return ROWS_FULL if code == READY else code
+
+    return advance
+
+
+def _steps(method):
+    length, attempt, accept, reject, _ = method
+
+    @kernel
+    def take_step(integration, *arrays):
+        """Make one step; a code."""
+        clock = integration.clock[0]
+        while True:
+            h = length(integration, *arrays)
+            # `not >` refuses a nan.
+            if not h > SMALLEST_STEP * max(abs(clock["t"]), 1e-3):
+                return STEP_VANISHED
+            clock["length"] = h
+            factor = attempt(integration, h, *arrays)
+            if factor > 0.0:
+                return accept(integration, factor, *arrays)
+            if factor == 0.0:
+                return STEP_VANISHED
+            reject(integration, h, -factor, *arrays)
+
+    return take_step

@@ -1,0 +1,38 @@
+"""Report rows of a tree: what is found at the states of the report times."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..linalg.copying import copy
+from .energy import energies
+from .motion import parts
+from .projection import largest_gap, largest_rate
+
+
+class Report(NamedTuple):
+    """Report rows of one call: T times and what is found at them."""
+
+    times: np.ndarray  # (T,) s
+    rows: np.ndarray  # (T, n) states
+    frames: np.ndarray  # (T, F) of FRAME_WORK
+    rates: np.ndarray  # (T, NS) y'
+    closures: np.ndarray  # (T, R) of CLOSURE_ROW
+    audit: np.ndarray  # (T, 5) kinetic, potential, strain energy, J, largest gap, m, its rate, m/s
+
+
+@kernel
+def observe(tree, work, coordinates, z, report, row):
+    """Fill a report row from the state z, which has just been evaluated."""
+    copy(z, report.rows[row])
+    for k in range(work.shape[0]):
+        report.frames[row, k] = work[k]
+    for m in range(coordinates.shape[0]):
+        report.rates[row, m] = coordinates[m]["rate"]
+    for j in range(tree.closures.shape[0]):
+        report.closures[row, j] = tree.closures[j]
+    y, q, _attitudes = parts(tree, z)
+    audit = report.audit[row]
+    audit[0], audit[1], audit[2] = energies(tree, work, q, y)
+    audit[3], audit[4] = largest_gap(tree.closures), largest_rate(tree.closures)

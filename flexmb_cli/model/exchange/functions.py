@@ -1,0 +1,156 @@
+"""Functions of time moved, scaled, and recognised, for conversion between dialects that know different
+ones.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+
+from ...quick_dataclass import replace
+from ..time_functions import (
+    COMPOUND,
+    HELD_TABLE,
+    PIECEWISE,
+    POLYNOMIAL,
+    SINE,
+    SPIN_UP,
+    TABLE,
+    MotionFunction,
+    piecewise,
+)
+
+# Half the time in which a table without jumps passes one of another dialect: its impulse is the same.
+JUMP = 1e-9  # s
+
+
+def constant(value: float) -> MotionFunction:
+    """The function that never changes."""
+    return MotionFunction(POLYNOMIAL, (value, 0.0, 0.0, 0.0))
+
+
+def moved(function: MotionFunction, start: float, value: float = 0.0) -> MotionFunction:
+    """The function t → function(t + start) - value."""
+    if function.kind == POLYNOMIAL:
+        return moved(piecewise(((0.0, *function.c),)), start, value)
+    if function.kind == SINE:
+        mean, size, omega, phase = function.c
+        return MotionFunction(SINE, (mean - value, size, omega, phase + omega * start))
+    if function.kind == PIECEWISE:
+        return piecewise(tuple((t - start, c0 - value, *c) for t, c0, *c in function.pieces))
+    if function.kind == COMPOUND:
+        terms = tuple(tuple(moved(factor, start) for factor in factors) for factors in function.terms)
+        return MotionFunction(COMPOUND, terms=(*terms, (constant(-value),)))
+    if function.kind == SPIN_UP:
+        return (
+            function
+            if start == 0.0 == value
+            else MotionFunction(COMPOUND, terms=((function,), (constant(-value),)))
+        )
+    times, values = (
+        [t - shift for t in column] for column, shift in ((function.times, start), (function.values, value))
+    )
+    return replace(function, times=tuple(times), values=tuple(values))
+
+
+def scaled(function: MotionFunction, factor: float) -> MotionFunction:
+    """The function t → factor function(t)."""
+    if factor == 1.0:
+        return function
+    if function.kind == PIECEWISE:
+        return piecewise(tuple((t, *(factor * c for c in cs)) for t, *cs in function.pieces))
+    if function.kind == COMPOUND:
+        terms = tuple((scaled(factors[0], factor), *factors[1:]) for factors in function.terms)
+        return MotionFunction(COMPOUND, terms=terms)
+    if function.kind in (TABLE, HELD_TABLE):
+        columns = {
+            name: tuple(factor * v for v in getattr(function, name)) for name in ("values", "curvature")
+        }
+        return replace(function, **columns)
+    c0, c1, c2, c3 = function.c
+    if function.kind == SINE:
+        return MotionFunction(SINE, (factor * c0, factor * c1, c2, c3))
+    if function.kind == SPIN_UP:
+        return MotionFunction(SPIN_UP, (factor * c0, c1, c2, c3))
+    return MotionFunction(POLYNOMIAL, (factor * c0, factor * c1, factor * c2, factor * c3))
+
+
+def simple(function: MotionFunction) -> MotionFunction:
+    """The same function as one polynomial of a piece, or as one sine, where it is one; else itself."""
+    if function.kind == POLYNOMIAL:
+        return piecewise(((0.0, *function.c),))
+    if function.kind != COMPOUND or any(len(factors) != 1 for factors in function.terms):
+        return function
+    parts = [simple(factors[0]) for factors in function.terms]
+    sines = [part for part in parts if part.kind == SINE]
+    others = [polynomial_of(part) for part in parts if part.kind != SINE]
+    if len(sines) > 1 or None in others:
+        return function
+    total = _sum(others)
+    if not sines:
+        return piecewise(((0.0, *total),))
+    mean, size, omega, phase = sines[0].c
+    return function if any(total[1:]) else MotionFunction(SINE, (mean + total[0], size, omega, phase))
+
+
+def _sum(polynomials):
+    total = np.zeros(max(map(len, polynomials), default=1))
+    for c in polynomials:
+        total[: len(c)] += c
+    return tuple(map(float, total))
+
+
+def polynomial_of(function: MotionFunction) -> tuple[float, ...] | None:
+    """Coefficients c0, c1, … of a function that is one polynomial, the last not 0; None for another
+    function.
+    """
+    function = simple(function)
+    if function.kind != PIECEWISE or len(function.pieces) != 1:
+        return None
+    start, *c = function.pieces[0]
+    if start:
+        c = list(np.polynomial.Polynomial(c)(np.polynomial.Polynomial([-start, 1.0])).coef)
+    found = [float(x) for x in c]
+    while len(found) > 1 and found[-1] == 0.0:
+        found.pop()
+    return tuple(found)
+
+
+def value_of(function: MotionFunction | None) -> float | None:
+    """The value of a function that never changes (of no function: 1); None for another function."""
+    found = (1.0,) if function is None else polynomial_of(function)
+    return found[0] if found and len(found) == 1 else None
+
+
+def points_of(function: MotionFunction) -> list[tuple[float, float]] | None:
+    """Points (time, value) of straight lines whose end values hold outside; None for another function.
+
+    Two points of the same time are a jump.
+    """
+    if function.kind == HELD_TABLE:
+        return list(zip(map(float, function.times), map(float, function.values), strict=True))
+    if (
+        function.kind != PIECEWISE
+        or len(function.pieces) < 2
+        or any(any(piece[3:]) for piece in function.pieces)
+    ):
+        return None
+    lines = [(piece[0], piece[1], piece[2] if len(piece) > 2 else 0.0) for piece in function.pieces]
+    if lines[0][2] or lines[-1][2]:
+        return None
+    points = []
+    for (t0, v0, slope), (t1, v1, _) in pairwise(lines):
+        reached = v0 + slope * (t1 - t0)
+        if abs(reached - v1) > 1e-12 * max(abs(reached), abs(v1)):
+            points.append((t1, reached))
+        points.append((t1, v1))
+    return points
+
+
+def without_jumps(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Points whose times rise: a jump becomes a steep line about its time."""
+    found: list[tuple[float, float]] = []
+    for k, (t, v) in enumerate(points):
+        before = k > 0 and points[k - 1][0] == t
+        after = k + 1 < len(points) and points[k + 1][0] == t
+        found.append((t + JUMP * (before - after), v))
+    return found

@@ -1,0 +1,164 @@
+"""A mechanism of rigid bodies at its start, in terms that every dialect can be read into and written from.
+
+The model begins at t = 0 with the assembled positions and speeds, and all joint coordinates are 0 there.
+Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; local vectors are in the axes
+of their body.
+"""
+
+import numpy as np
+
+from ...errors import Place
+from ...quick_dataclass import dataclass
+from ..joint_elements import JointDriver, JointMotor
+from ..loads import AppliedForce, AppliedTorque, SpringDamper
+from ..mechanism import Point, TimeGrid, Vector
+from ..time_functions import MotionFunction
+from ..vectors import rotation_matrix
+
+GROUND = -1
+EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """A body: `r` and Euler parameters `p` of its axes, velocity of its origin, angular velocity, global.
+
+    `centre`: mass centre, body axes; `inertia` (3, 3) about it, body axes.  `mass` 0: a massless body.
+    """
+
+    name: str
+    r: np.ndarray
+    p: np.ndarray
+    velocity: np.ndarray
+    omega: np.ndarray
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+    place: Place | None = None
+
+    @property
+    def A(self) -> np.ndarray:
+        """Rotation matrix (3, 3), body to global axes."""
+        return rotation_matrix(self.p)
+
+
+@dataclass(frozen=True)
+class RigidJoint:
+    """A joint of `kind` between bodies `i` and `j`, with points P and vectors s along the axes (or arms).
+
+    The kinds are those of `joint_types`, and "fixed", "revolute-spherical" (its axis on body i) and
+    "spherical-spherical".  `size`: pitch, m/rad, or length of the link, m.
+    """
+
+    name: str
+    kind: str
+    i: int
+    j: int
+    P_i: Vector
+    P_j: Vector
+    s_i: Vector = (0.0, 0.0, 0.0)
+    s_j: Vector = (0.0, 0.0, 0.0)
+    size: float = 0.0
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class BodyDriver:
+    """A coordinate of a body that follows a function: directions 1-3 x y z, 4-6 turns about global x y z."""
+
+    name: str
+    body: int
+    direction: int
+    function: MotionFunction
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class CoordinateSpring:
+    """Spring and damper in a joint coordinate q: -stiffness (q - rest) - damping q'."""
+
+    name: str
+    joint: int
+    coordinate: str
+    stiffness: float
+    rest: float
+    damping: float
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """Method of integration, relative tolerance, and of ALPHA the step (s, 0: chosen) and spectral radius."""
+
+    method: str = EXPLICIT
+    tolerance: float = 1e-12
+    step: float = 0.0
+    radius: float = 0.9
+
+
+@dataclass(frozen=True)
+class RigidModel:
+    """All of it, in the order of the deck.  `notes`: what a reader of the new deck should know."""
+
+    bodies: tuple[RigidBody, ...]
+    time: TimeGrid
+    gravity: Vector = (0.0, 0.0, 0.0)
+    joints: tuple[RigidJoint, ...] = ()
+    drivers: tuple[BodyDriver, ...] = ()
+    joint_drivers: tuple[JointDriver, ...] = ()
+    motors: tuple[JointMotor, ...] = ()
+    joint_springs: tuple[CoordinateSpring, ...] = ()
+    springs: tuple[SpringDamper, ...] = ()
+    forces: tuple[AppliedForce, ...] = ()
+    torques: tuple[AppliedTorque, ...] = ()
+    points: tuple[Point, ...] = ()
+    stepping: Stepping = Stepping()
+    notes: tuple[str, ...] = ()
+
+    def axes(self, body: int) -> np.ndarray:
+        """Rotation matrix (3, 3) of a body or of the ground."""
+        return np.eye(3) if body == GROUND else self.bodies[body].A
+
+    def position(self, body: int, point) -> np.ndarray:
+        """Global position (3,) at the start of a point of a body or of the ground."""
+        point = np.asarray(point, float)
+        return point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
+
+    def velocity(self, body: int, point) -> np.ndarray:
+        """Global velocity (3,) at the start of a point of a body or of the ground."""
+        if body == GROUND:
+            return np.zeros(3)
+        own = self.bodies[body]
+        return own.velocity + np.cross(own.omega, own.A @ np.asarray(point, float))
+
+    def angular_velocity(self, body: int) -> np.ndarray:
+        """Angular velocity (3,) at the start, global axes."""
+        return np.zeros(3) if body == GROUND else self.bodies[body].omega
+
+    def axis(self, joint: RigidJoint) -> np.ndarray:
+        """Unit vector (3,) along the axis of a joint at the start, global axes."""
+        s = self.axes(joint.i) @ np.array(joint.s_i)
+        return s / np.linalg.norm(s)
+
+
+def across(axis) -> np.ndarray:
+    """A unit vector (3,) at right angles to an axis."""
+    g = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    return g / np.linalg.norm(g)
+
+
+def vector(values) -> Vector:
+    """Three numbers as Python has them."""
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+class Refusals:
+    """What a conversion cannot carry over, collected."""
+
+    def __init__(self) -> None:
+        self.items: list[tuple[str, Place | None, str]] = []
+
+    def add(self, item, message: str) -> None:
+        """Refuse an item, which has a name and a place in its deck."""
+        self.items.append((message, item.place, item.name))

@@ -1,0 +1,99 @@
+"""A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
+
+from ...quick_dataclass import dataclass, replace
+from ..joint_elements import ANGLE
+from .functions import scaled
+from .rigid_model import RigidModel, vector
+
+_INCH, _POUND_FORCE = 0.0254, 4.4482216152605
+
+
+@dataclass(frozen=True)
+class Units:
+    """A consistent system: its units of length, m, and mass, kg; times are in s.  `reported`: it in words."""
+
+    length: float
+    mass: float
+    reported: str
+
+
+UNITS = {
+    "m": Units(1.0, 1.0, "m, kg, s, N"),
+    "mm": Units(1e-3, 1e3, "mm, t, s, N"),
+    "mm-kg": Units(1e-3, 1.0, "mm, kg, s, mN"),
+    "cm": Units(1e-2, 1e-3, "cm, g, s, dyn"),
+    "in": Units(_INCH, _POUND_FORCE / _INCH, "in, lbf s^2/in, s, lbf"),
+}
+
+
+def in_units(model: RigidModel, old: Units, new: Units) -> RigidModel:
+    """Return a model whose numbers are in `old` units with numbers in `new` ones."""
+    L, M = old.length / new.length, old.mass / new.mass
+    return model if L == 1.0 == M else _Scaling(L, M).model(model)
+
+
+class _Scaling:
+    """Factors of lengths and masses; those of all else follow, times being the same."""
+
+    def __init__(self, L: float, M: float):
+        self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
+
+    def model(self, model):
+        L, F, T = self.L, self.force, self.torque
+        return replace(
+            model,
+            bodies=tuple(self._body(body) for body in model.bodies),
+            gravity=_times(L, model.gravity),
+            joints=tuple(self._joint(joint) for joint in model.joints),
+            drivers=tuple(
+                replace(item, function=scaled(item.function, L if item.direction <= 3 else 1.0))
+                for item in model.drivers
+            ),
+            joint_drivers=tuple(
+                replace(item, function=scaled(item.function, 1.0 if item.coordinate == ANGLE else L))
+                for item in model.joint_drivers
+            ),
+            motors=tuple(
+                replace(item, function=scaled(item.function, T if item.coordinate == ANGLE else F))
+                for item in model.motors
+            ),
+            joint_springs=tuple(self._joint_spring(item) for item in model.joint_springs),
+            springs=tuple(self._spring(item) for item in model.springs),
+            forces=tuple(
+                replace(item, force=_times(F, item.force), point=_times(L, item.point))
+                for item in model.forces
+            ),
+            torques=tuple(replace(item, torque=_times(T, item.torque)) for item in model.torques),
+            points=tuple(replace(item, s=_times(L, item.s)) for item in model.points),
+        )
+
+    def _body(self, body):
+        L = self.L
+        return replace(
+            body,
+            r=L * body.r,
+            velocity=L * body.velocity,
+            mass=self.M * body.mass,
+            centre=L * body.centre,
+            inertia=self.torque * body.inertia,
+        )
+
+    def _joint(self, joint):
+        points = {name: _times(self.L, getattr(joint, name)) for name in ("P_i", "P_j")}
+        return replace(joint, **points, size=self.L * joint.size)
+
+    def _joint_spring(self, item):
+        revolutions = item.coordinate == ANGLE
+        factor = self.torque if revolutions else self.M
+        rest = item.rest if revolutions else self.L * item.rest
+        return replace(item, stiffness=factor * item.stiffness, damping=factor * item.damping, rest=rest)
+
+    def _spring(self, item):
+        L, M = self.L, self.M
+        ends = {name: _times(L, getattr(item, name)) for name in ("P_i", "P_j")}
+        rest = L * item.free_length
+        return replace(item, **ends, stiffness=M * item.stiffness, damping=M * item.damping, free_length=rest)
+
+
+def _times(factor, values):
+    return vector(factor * value for value in values)

@@ -1,0 +1,117 @@
+"""Shapes of bodies for pictures: surfaces of triangles in body axes, from primitives or files.
+
+Primitives have their centre at the offset and their axis along z, turned by three angles about the fixed
+axes x, y, z in this order (roll, pitch, yaw of URDF).  Shapes take no part in any analysis.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from ..quick_dataclass import dataclass
+from .mechanism import Vector
+
+BOX, CYLINDER, TUBE, CONE, SPHERE = "box", "cylinder", "tube", "cone", "sphere"
+KINDS = (BOX, CYLINDER, TUBE, CONE, SPHERE)
+# Sizes a, b, c of each primitive; those that it lacks must stay empty.
+SIZES = {
+    BOX: ("length along x", "length along y", "length along z"),
+    CYLINDER: ("radius", "length"),
+    TUBE: ("outer radius", "length", "inner radius"),
+    CONE: ("radius at its lower end", "length", "radius at its upper end, 0: a tip"),
+    SPHERE: ("radius",),
+}
+# Flat sides of a circle, and circles of a sphere between its poles.
+SIDES, CIRCLES = 32, 15
+# libm differs in the last digits between processors; files must not.
+DIGITS = 12
+_CUBE = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A surface fixed to the body of number `body`, 0 the ground, as the deck counts.
+
+    `vertices` (n, 3), m, axes of the body; `triangles` (m, 3): rows of vertices, anticlockwise
+    from outside.
+    """
+
+    body: int
+    vertices: np.ndarray
+    triangles: np.ndarray
+
+
+def fault_of_sizes(kind: str, sizes: Vector) -> tuple[int, str] | None:
+    """Return which of the sizes a b c (m) is wrong, from 0, and the rule that it breaks; None: none is."""
+    wanted = SIZES[kind]
+    for k, size in enumerate(sizes):
+        if k >= len(wanted):
+            if size:
+                return k, f"is not read: a {kind} has {len(wanted)} sizes; leave the field empty"
+        elif not (size > 0 or (kind == CONE and k == 2 and size == 0)):
+            return k, f"must be above zero: {wanted[k]}"
+    if kind == TUBE and sizes[2] >= sizes[0]:
+        return 2, f"must be below the outer radius {sizes[0]:g}: inner radius"
+    return None
+
+
+def primitive(body: int, kind: str, sizes: Vector, offset: Vector, angles: Vector) -> Shape:
+    """Return the surface of a primitive of one of KINDS; lengths in m, angles in rad."""
+    a, b, c = sizes
+    rings = {
+        CYLINDER: ((0.0, -b / 2), (a, -b / 2), (a, b / 2), (0.0, b / 2)),
+        TUBE: ((c, -b / 2), (a, -b / 2), (a, b / 2), (c, b / 2), (c, -b / 2)),
+        CONE: ((0.0, -b / 2), (a, -b / 2), (c, b / 2)) + (((0.0, b / 2),) if c else ()),
+        SPHERE: tuple(_rounded((a * s, -a * k)) for k, s in map(_turned, range(CIRCLES + 2))),
+    }
+    vertices, triangles = _box(sizes) if kind == BOX else _revolved(rings[kind])
+    return Shape(body, moved(vertices, offset, angles), triangles)
+
+
+def _turned(k):
+    angle = math.pi * k / (CIRCLES + 1)
+    return math.cos(angle), math.sin(angle)
+
+
+def _rounded(pair):
+    return tuple(round(x, DIGITS) for x in pair)
+
+
+def moved(vertices: np.ndarray, offset: Vector, angles: Vector) -> np.ndarray:
+    """Return vertices (n, 3) turned by the angles about the fixed axes x, y, z in turn, then shifted."""
+    (cx, sx), (cy, sy), (cz, sz) = (
+        (round(math.cos(angle), DIGITS), round(math.sin(angle), DIGITS)) for angle in angles
+    )
+    x, y, z = vertices.T
+    y, z = cx * y - sx * z, sx * y + cx * z
+    x, z = cy * x + sy * z, cy * z - sy * x
+    x, y = cz * x - sz * y, sz * x + cz * y
+    return np.column_stack([x + offset[0], y + offset[1], z + offset[2]]) + 0.0
+
+
+def _box(sizes):
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    vertices = np.array([(x, y, z) for z in (-1, 1) for x, y in corners]) * (np.array(sizes) / 2)
+    triangles = [(p, q, r) for p, q, r, _ in _CUBE] + [(p, r, s) for p, _, r, s in _CUBE]
+    return vertices, np.array(triangles)
+
+
+def _revolved(profile):
+    """Surface of revolution of the points (radius, z) of a profile about z; points on the axis are one."""
+    circle = [
+        _rounded((math.cos(2 * math.pi * k / SIDES), math.sin(2 * math.pi * k / SIDES))) for k in range(SIDES)
+    ]
+    vertices, rings = [], []
+    for radius, z in profile:
+        ring = [(radius * x, radius * y, z) for x, y in (circle if radius else [(0.0, 0.0)])]
+        rings.append([len(vertices) + k % len(ring) for k in range(SIDES + 1)])
+        vertices += ring
+    triangles = []
+    for low, high in pairwise(rings):
+        for k in range(SIDES):
+            quad = low[k], low[k + 1], high[k + 1], high[k]
+            triangles += [quad[:3]] * (low[k] != low[k + 1]) + [quad[:1] + quad[2:]] * (
+                high[k] != high[k + 1]
+            )
+    return np.array(vertices), np.array(triangles)

@@ -1,0 +1,43 @@
+"""What a run takes over from the resume file of a stopped one, once it fits the run.
+
+A checksum says that the file is as it was written, not that this run wrote it: blocks of values and the
+state behind them must have the names, shapes and types that this run gives them.
+"""
+
+from ..errors import Fault, ModelError
+from ..results.hdf5.result_file import TIME, Layout
+from ..solvers.checkpoint import OtherRun, row_of, taken
+from .checkpoint import ResumeFile
+
+
+def restore(resume_file: ResumeFile, analysis, layout: Layout) -> None:
+    """Restore the analysis from the last checkpoint of a resume file whose blocks have the rows of `layout`.
+
+    Raises ModelError where state or blocks are not of this run.
+    """
+    try:
+        analysis.restore(resume_file.last_checkpoint)
+        shapes = _shapes_of(layout)
+        rows = sum(_rows_of(values, shapes) for values, _ in resume_file.stored())
+        if rows != row_of(resume_file.last_checkpoint):
+            raise OtherRun("row")
+    except OtherRun as found:
+        message = (
+            f"--resume: {resume_file.path} holds {found.args[0]!r} of another shape or type than this run; "
+            "run without --resume to start anew"
+        )
+        raise ModelError([Fault("error", message, id="RUN-040")]) from found
+
+
+def _shapes_of(layout):
+    """Return the shape of a row of every series, by its path."""
+    length = {axis.path: len(axis.values) for axis in layout.axes}
+    return {item.path: tuple(length[path] for path in item.axes) for item in (TIME, *layout.series)}
+
+
+def _rows_of(values, shapes):
+    """Return how many rows a block has.  Raises OtherRun."""
+    rows = values["time"].size
+    for path, shape in shapes.items():
+        taken(values, path, (rows, *shape), None)
+    return rows

@@ -1,0 +1,107 @@
+"""The classical method of order 4 in steps of given length, for constrained mechanisms.
+
+Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.1,
+table 1.2.  The file shows all that an integrator is made of: CONTRIBUTING.md refers to it.
+"""
+
+from flexmb_cli.kernels._jit import kernel
+from flexmb_cli.kernels.constrained.angle_unwrapping import EXPECTED, expect_angles, unwrap_angles
+from flexmb_cli.kernels.integrators.clock import BEGIN, READY, STEP_VANISHED
+from flexmb_cli.kernels.integrators.constrained_dop853 import new_integration  # noqa: F401
+from flexmb_cli.kernels.integrators.constrained_equations import (
+    code_of_gap,
+    note_gap,
+    project,
+    report_trial,
+    slope,
+)
+from flexmb_cli.kernels.integrators.hermite import cubic
+from flexmb_cli.kernels.integrators.time_loop import Method, time_loop
+from flexmb_cli.kernels.linalg.copying import copy
+
+STEP = 0.0625  # s; a power of two, whose sums meet the stop
+END = 4  # row of `slopes` of the slope at the end of a step
+
+
+@kernel
+def _length(integration, system, work):
+    return min(integration.clock[0]["step"], integration.clock[0]["stop"] - integration.clock[0]["t"])
+
+
+@kernel
+def _place(integration, weights, h):
+    """Fill `trial`, the state moved by h times the slopes by weights."""
+    copy(integration.z, integration.trial)
+    for stage in range(4):
+        for i in range(integration.z.shape[0]):
+            integration.trial[i] += h * weights[stage] * integration.slopes[stage, i]
+
+
+@kernel
+def _attempt(integration, h, system, work):
+    clock = integration.clock[0]
+    for stage in range(1, 4):
+        share = 1.0 if stage == 3 else 0.5
+        copy(integration.z, integration.trial)
+        for i in range(integration.z.shape[0]):
+            integration.trial[i] += h * share * integration.slopes[stage - 1, i]
+        if not slope(integration, stage, clock["t"] + share * h, system, work):
+            return -0.5
+    _place(integration, (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0), h)
+    expect_angles(system, work, integration, h)
+    copy(integration.angles[EXPECTED], work.angles)
+    project(integration, clock["t"] + h, system, work)
+    if not slope(integration, END, clock["t"] + h, system, work):
+        return -0.5
+    return 1.0
+
+
+@kernel
+def _accept(integration, factor, system, work):
+    clock = integration.clock[0]
+    copy(integration.z, integration.old)
+    copy(integration.trial, integration.z)
+    clock["step_start"], clock["step_length"] = clock["t"], clock["length"]
+    clock["t"] = clock["t"] + clock["length"]
+    clock["steps"] += 1
+    # dense: slopes at both ends
+    copy(integration.slopes[0], integration.dense[0])
+    copy(integration.slopes[END], integration.dense[1])
+    copy(integration.slopes[END], integration.slopes[0])
+    unwrap_angles(system, work, integration)
+    note_gap(integration, system, work)
+    return code_of_gap(integration)
+
+
+@kernel
+def _reject(integration, h, factor, system, work):
+    integration.clock[0]["step"] = h * factor
+    integration.clock[0]["rejections"] += 1
+
+
+@kernel
+def _fill_row(integration, t, report, system, work):
+    clock, x = integration.clock[0], 1.0
+    copy(integration.z, integration.trial)
+    if t < clock["t"]:
+        h = clock["step_length"]
+        x = (t - clock["step_start"]) / h
+        for i in range(integration.z.shape[0]):
+            ends = h * integration.dense[0, i], h * integration.dense[1, i]
+            integration.trial[i] = cubic(x, integration.old[i], integration.z[i], ends[0], ends[1])
+    return report_trial(integration, t, x, report, system, work)
+
+
+_advance = time_loop(Method(_length, _attempt, _accept, _reject, _fill_row))
+
+
+@kernel
+def integrate_rows(task, system, work, integration, report, budget):
+    """Begin at the state z, or fill the rows of `report`, at most `budget` evaluations; a code."""
+    if task != BEGIN:
+        return _advance(integration, report, budget, system, work)
+    clock = integration.clock[0]
+    copy(integration.z, integration.old)
+    copy(integration.z, integration.trial)
+    clock["step"], clock["step_start"] = STEP, clock["t"]
+    return READY if slope(integration, 0, clock["t"], system, work) else STEP_VANISHED

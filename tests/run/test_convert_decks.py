@@ -1,0 +1,326 @@
+"""Decks converted to other dialects: both move alike by their own equations and integrators.
+
+YOUNG and VSDF decks are solved in absolute coordinates, DAFMS decks by Kane's equations in relative ones.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexmb_cli.cli.convert import UNITS as CHOICES
+from flexmb_cli.errors import ModelError
+from flexmb_cli.interface import read_deck, solve
+from flexmb_cli.model.exchange.units import UNITS
+from flexmb_cli.model.vectors import rotation_matrix
+from flexmb_cli.run.context import Run
+from flexmb_cli.run.convert import converted
+from flexmb_cli.run.model import model_of
+from flexmb_cli.run.outcome import Outcome, RunOptions
+from tests.dialects.vsdf.vsdf_decks import changed
+
+DECKS = Path(__file__).resolve().parents[2] / "decks"
+SUFFIX = {"young": ".dat", "dafms": ".DAT", "vsdf": ".vsdf"}
+SUPPLIED = sorted(
+    str(path.relative_to(DECKS))
+    for pattern in ("young/*.dat", "young/dynamics/*.dat", "dafms/*.DAT", "vsdf/*.vsdf")
+    for path in DECKS.glob(pattern)
+)
+# What is converted, with the largest difference of mass centres, m; DAFMS decks have ten columns a number.
+EXACT, COLUMNS = 1e-9, 1e-6
+CONVERTED = {
+    ("young/dynamics/IN-ANDREWS.dat", "vsdf"): EXACT,
+    ("young/dynamics/IN-ARM.dat", "vsdf"): EXACT,
+    ("young/dynamics/IN4-BAR-MASS.dat", "vsdf"): EXACT,
+    ("dafms/spatial_rigid.DAT", "vsdf"): EXACT,
+    ("dafms/spatial_rigid.DAT", "young"): EXACT,
+    ("dafms/motor_gear.DAT", "vsdf"): EXACT,
+    ("dafms/motor_gear.DAT", "young"): EXACT,
+    ("dafms/sliding_mass.DAT", "young"): EXACT,
+    ("dafms/fourbar_rigid.DAT", "young"): EXACT,
+}
+# Of those with dynamics, or of rigid bodies, why the others are refused.
+REFUSED = {
+    ("young/dynamics/IN-ANDREWS.dat", "dafms"): "revolute joint 6: the joint closes a loop",
+    ("young/dynamics/IN-ARM.dat", "dafms"): "DAFMS prescribes a coordinate as C + B t + A t^2/2 only",
+    ("young/dynamics/IN-BRICARD.dat", "vsdf"): "body 1: a VSDF body needs principal moments of inertia above",
+    ("young/dynamics/IN-BRICARD.dat", "dafms"): "closes a loop",
+    ("young/dynamics/IN-RSSR-MASS.dat", "vsdf"): "simplified constraint 1: a held Euler parameter",
+    ("young/dynamics/IN-RSSR-MASS.dat", "dafms"): "simplified constraint 1: a held Euler parameter",
+    ("young/dynamics/IN4-BAR-MASS.dat", "dafms"): "closes a loop",
+    ("dafms/sliding_mass.DAT", "vsdf"): "body 1: a VSDF body needs principal moments of inertia above zero",
+    ("dafms/fourbar_rigid.DAT", "vsdf"): "body 1: a VSDF body needs principal moments of inertia above zero",
+}
+WHY = {"young": "kinematics only", "dafms": "the body is flexible", "vsdf": "the body is flexible (FLEX)"}
+
+
+def convert(path, form, folder, name="new", **units):
+    """Write the deck at `path` in another dialect; the path of the new deck."""
+    new = folder / (name + SUFFIX[form])
+    new.write_text(converted(str(path), form, **units), encoding="utf-8")
+    return new
+
+
+def motion(path, scale=1.0):
+    """Mass centres (times, bodies, 3) of the moving bodies in m, and their angular velocities."""
+    values = solve(path)
+    model = model_of(read_deck(path).deck, Run(Outcome(str(path)), RunOptions()))
+    bodies, centres = bodies_of(model)
+    r, p = (values[f"body/{name}"][:, bodies] for name in ("position", "euler_parameters"))
+    A = np.array([[rotation_matrix(q) for q in row] for row in p])
+    return scale * (r + np.einsum("tbij,bj->tbi", A, centres)), values["body/angular_velocity"][:, bodies]
+
+
+def bodies_of(model):
+    """Numbers of the moving bodies and their mass centres (bodies, 3)."""
+    if hasattr(model, "masses"):
+        held = {ground.body for ground in model.mechanism.grounds}
+        masses = sorted((m for m in model.masses if m.body not in held), key=lambda m: m.body)
+        return [m.body for m in masses], np.array([m.centre for m in masses])
+    if hasattr(model, "hinges"):
+        return list(range(len(model.bodies))), np.array([body.centre for body in model.bodies])
+    return list(range(len(model.bodies))), np.array([body.s0 / body.m for body in model.bodies])
+
+
+def assert_alike(path, others, limit):
+    """The motions of decks differ by less than `limit`, m, and 100 times as much in rad/s of turning."""
+    centres, omega = motion(path)
+    assert max(np.abs(centres - centres[0]).max(), np.abs(omega).max()) > 0.01
+    for other in others:
+        found, turning = motion(other)
+        assert np.abs(found - centres).max() < limit
+        assert np.abs(turning - omega).max() < 100 * limit * max(1.0, np.abs(omega).max())
+
+
+@pytest.mark.parametrize("deck", SUPPLIED)
+def test_a_supplied_deck_moves_alike_in_other_dialects_or_is_refused_with_the_reason(deck, tmp_path):
+    own = deck.partition("/")[0]
+    for form in SUFFIX:
+        if (deck, form) in CONVERTED:
+            new = convert(DECKS / deck, form, tmp_path, form)
+            assert_alike(DECKS / deck, [new], CONVERTED[deck, form])
+            continue
+        with pytest.raises(ModelError) as stopped:
+            converted(str(DECKS / deck), form)
+        reported = " ".join(fault.sentence for fault in stopped.value.faults)
+        assert (
+            REFUSED.get((deck, form), f"a {own.upper()} deck already" if form == own else WHY[own])
+            in reported
+        )
+
+
+# A chain of every joint that a tree knows, and a free body; it begins at 0.5 s, all estimates are off, and
+# hardly two numbers are the same.
+CHAIN = """\
+8 0 1 1 1 2 1 1 0 0 0 1
+0 0 0 1 0 0 0
+0.31 0.02 0.01 0.99 0.05 0.02 0.1
+0.71 0.11 0.02 1 0.01 0 0
+1.12 0.1 0.15 0.98 0.1 0.1 0
+1.5 0.1 0.1 1 0 0.1 0
+1.9 0.15 0.1 1 0 0 0.2
+0.3 0.5 0.2 0.9 0.3 0.1 0.2
+0.2 -0.9 0.4 0.8 0.1 -0.2 0.3
+4 0.1 0.2 0.3
+5 6 0.2 0 0.03 -0.2 0.01 0
+4 5 0.2 0.02 0 -0.2 0 0.01 0.2 1.02 0 -0.2 0 1.01
+1 2 0.1 0 0 -0.2 0.03 0 0.1 0.6 0.8 -0.2 0.63 0.8
+7 2 -0.1 0 -0.2 0 0.2 0.1 -0.1 0 0.8 0 0.2 1.1
+3 4 0.2 0 0.05 -0.2 0 0 0.2 0 1.05 -0.2 0 1
+2 3 0.2 0.01 0 -0.2 0 0 1.2 0.01 0 0.8 0 0 0.2 0.01 1 -0.2 1 0
+1 0 0 0 0 0 0
+0.5 0.8 0.1
+
+DYNAMICS forward
+MASS 2 2 0.05 0.01 0.02 0.3 0.4 0.5 0.02 0.03 -0.04
+MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02
+MASS 4 1.2 0 0.02 0 0.22 0.27 0.3
+MASS 5 1.1 0.02 0 0.03 0.1 0.12 0.15 0 0.01 0
+MASS 6 0.9 0.1 0 0 0.05 0.08 0.07
+MASS 7 0.7 0 0 0.05 0.06 0.05 0.04
+MASS 8 3 0.1 0.2 0.05 0.3 0.2 0.4 0.01 0.02 0.03
+GRAVITY 0.5 -0.3 -9.81
+RATE 3 1 0.8
+VELOCITY 8 0.1 0.2 3 0.5 -0.4 0.3
+TSPRING 3 20 0.2 0.5 1.5
+ASPRING 6 300 0.02 4
+TABLE 1 0 0 0.6 2 0.9 1
+TMOTOR 4 1
+AMOTOR 5 1
+TORQUE 8 0.3 0.2 0.1 0 1
+TOLERANCE 1e-12
+END
+"""
+
+
+def test_a_chain_of_every_joint_moves_alike_in_all_dialects_and_back(tmp_path):
+    """Springs, motors and loads over time among them; two formulations and the numbers of three formats."""
+    (tmp_path / "chain.dat").write_text(CHAIN)
+    vsdf = convert(tmp_path / "chain.dat", "vsdf", tmp_path)
+    back = convert(vsdf, "young", tmp_path, "back")
+    assert_alike(tmp_path / "chain.dat", [vsdf, back], EXACT)
+    tree = convert(tmp_path / "chain.dat", "dafms", tmp_path)
+    assert_alike(tmp_path / "chain.dat", [tree], COLUMNS)
+    assert_alike(tree, [convert(tree, "young", tmp_path, "tree")], EXACT)
+
+
+# Links, a weld, a pin and a screw, which close loops; the plane of the link is beside the point of its axis.
+LOOPS = """\
+VSDF LOOPS
+BODY
+    1,RIGD
+    2,RIGD
+    3,RIGD
+    4,RIGD
+RIGI
+    1,2.0,0.05,0.01,0.02
+    0.3,0.4,0.5,0.02,0.03,-0.04
+    2,1.5,0.03,0.0,0.01
+    0.2,0.3,0.25,0.01,0.0,0.02
+    3,1.2,0.0,0.02,0.0
+    0.22,0.27,0.3
+    4,1.1,0.02,0.0,0.03
+    0.1,0.12,0.15
+POSI
+    2,0.4,0.1,0.05
+    3,0.9,0.3,-0.2
+    4,-0.5,0.2,0.1
+EULP
+    2,0.9,0.1,0.3,0.2
+    4,0.8,-0.1,0.1,0.3
+VELO
+    3,,,,0.3,-0.2,0.5
+NODE
+    0,1,-0.5,0.2,0.1
+    0,2,0.1,0.8,0.1
+    0,3,-0.5,1.2,0.6
+    0,4,0.9,0.3,0.5
+    1,1,0.0,0.0,0.0
+    1,2,0.1,0.2,1.0
+    1,3,0.3,0.1,0.0
+    1,4,0.3,0.1,0.5
+    1,5,0.3,0.6,0.1
+    2,1,0.05,0.1,0.02
+    2,2,0.05,0.1,0.9
+    3,1,0.0,0.0,0.0
+    3,2,0.1,0.2,0.3
+    3,3,-0.1,0.1,0.4
+    4,1,0.0,0.0,0.0
+    4,2,0.3,0.1,1.0
+    4,3,0.6,0.1,0.2
+JOIN
+    1,REVO,0,,,1,1,2
+    2,FIXD,1,3,4,2,3,4,5,5
+    3,RSPH,2,1,2,3,2
+    4,DIST,0,4,,3,3
+    5,SCRW,0,,,4,1,2,,3,0.3
+PINN
+    3,1,111
+MOTN
+    1,ANGL,1,3,0.2,0.4,3.0,0.7
+TABL
+    1,0.0,0.0
+    1,0.1,2.0
+    1,0.2,-1.0
+FORC
+    3,2,1.0,2.0,-1.5,1,1
+TORQ
+    4,0.3,0.2,2.0,1,0
+SPRI
+    1,1,4,4,2,50.0,2.0,0.9
+JSPR
+    5,12.0,0.3,0.1
+GRAV
+    0.4,-0.2,-9.81
+TIME
+    0.3,0.1
+INTG
+    RK45,1E-12
+OUTN
+    3,2
+END
+STAR
+STOP
+"""
+WELD = "".join(f"    2,{n},{x}\n" for n, x in ((3, "0.0,0.0,0.0"), (4, "0.1,0.3,0.4"), (5, "0.3,0.1,-0.2")))
+
+
+def test_links_a_weld_a_pin_and_a_screw_move_alike_in_young_and_back(tmp_path):
+    text = LOOPS.replace("    3,1,0.0,0.0,0.0\n", f"{WELD}    3,1,0.0,0.0,0.0\n")
+    (tmp_path / "loops.vsdf").write_text(text)
+    young = convert(tmp_path / "loops.vsdf", "young", tmp_path)
+    back = convert(young, "vsdf", tmp_path, "back")
+    assert_alike(tmp_path / "loops.vsdf", [young, back], EXACT)
+
+
+# A physical pendulum of 500 kg, 2 m long, in millimetres, tonnes and newtons.
+MILLIMETRES = """\
+2 0 1 0 0 1 0 0 0 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+2 2000 0 0
+1 2 0 0 0 0 0 0 0 0 1 0 0 1
+1 0 0 0 0 0 0
+0 1 0.1
+
+DYNAMICS forward
+MASS 2 0.5 1000 0 0 2e5 2e5 2e5
+GRAVITY 0 -9810 0
+FORCE 2 2000 0 0 100 0 0 1
+TSPRING 1 3e6 0.1 2e4
+SPRING 1 2 500 1500 0 1000 0 0 2 500 0.1
+TOLERANCE 1e-11
+END
+"""
+
+
+def test_a_deck_in_millimetres_becomes_one_in_si_units_and_back(tmp_path):
+    """1 t mm^2 is 1e-3 kg m^2, 1 N mm 1e-3 N m, and 1 N/mm 1000 N/m."""
+    (tmp_path / "mm.dat").write_text(MILLIMETRES)
+    metres = convert(tmp_path / "mm.dat", "vsdf", tmp_path, unit="mm")
+    text = metres.read_text()
+    assert "1,500.0,1.0,0.0,0.0\n    200.0,200.0,200.0" in text
+    assert re.search(r"JSPR\n    1,3000.0,20.0,0.1\n", text) and re.search(r",2000.0,100.0,0.5\n", text)
+    for other, scale in ((metres, 1.0), (convert(metres, "young", tmp_path, "cm", to_unit="cm"), 0.01)):
+        found, turning = motion(other, scale)
+        centres, omega = motion(tmp_path / "mm.dat", 1e-3)
+        assert np.abs(centres - centres[0]).max() > 0.1
+        assert max(np.abs(found - centres).max(), np.abs(turning - omega).max()) < EXACT
+
+
+@pytest.mark.parametrize(
+    ("form", "old", "new", "reported"),
+    [
+        ("vsdf", "TSPRING 3", "TSTOP 3 -1 1 1e4\nTSPRING 3", "end stops are not converted"),
+        ("vsdf", "TSPRING 3", "FRICTION 3 0.1 0.2 0.1 1e-3 0.1\nTSPRING 3", "dry friction is not converted"),
+        ("vsdf", "ASPRING 6", "ASPRING 5", "VSDF has no spring in the stroke of a cylindrical joint"),
+        ("vsdf", "TABLE 1 0 0 0.6 2 0.9 1", "SINE 1 0 1 2", "VSDF varies a load by straight lines only"),
+        ("vsdf", "MASS 3 1.5 0.03 0 0.01 0.2 0.3 0.25 0.01 0 0.02\n", "", "body 3: a VSDF body needs a mass"),
+        ("dafms", "TSPRING 3", "SPRING 2 8 0 0 0 0 0 0 5 1\nTSPRING 3", "DAFMS has no springs and dampers"),
+        ("dafms", "TORQUE 8 0.3 0.2 0.1 0", "TORQUE 8 0.3 0.2 0.1 1", "loads in DAFMS keep to inertial axes"),
+        ("dafms", "TMOTOR 4 1", "FORCE 4 1 0 0 5 0 0", "DAFMS has forces at the origin O_k of a body only"),
+        ("dafms", "8 0 1 1 1 2 1 1 0 0 0 1", "8 0 1 1 1 2 1 0 1 0 0 1", "no hinge like a screw joint"),
+    ],
+)  # fmt: skip
+def test_what_a_dialect_does_not_know_is_refused_by_name_and_place(form, old, new, reported, tmp_path):
+    text = CHAIN.replace(old, new)
+    if "screw" in reported:
+        text = text.replace(" -0.2 1 0\n", " -0.2 1 0 0.1\n")
+    (tmp_path / "chain.dat").write_text(text)
+    with pytest.raises(ModelError) as stopped:
+        converted(str(tmp_path / "chain.dat"), form)
+    fault = next(fault for fault in stopped.value.faults if reported in fault.sentence)
+    assert fault.place is not None and fault.subject
+
+
+def test_the_command_offers_the_units_that_there_are():
+    assert tuple(CHOICES) == tuple(UNITS)
+
+
+def test_a_spin_up_is_refused_in_young(tmp_path):
+    (tmp_path / "links.vsdf").write_text(
+        changed(("GRAV", "MOTN\n    1 ANGL    1    2       2.0       0.2\nGRAV"))
+    )
+    with pytest.raises(ModelError, match=r"motion 1: .*YOUNG knows no spin-up"):
+        converted(str(tmp_path / "links.vsdf"), "young")
