@@ -8,6 +8,7 @@ import numpy as np
 INSTANTS = 7  # of the mechanism
 PANELS = 2  # of curves
 MOST_ROWS = 1500  # of a curve
+MARGIN = 1.15  # of half the size of the mechanism
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GROUND_COLOUR = "#999999"
 
@@ -55,7 +56,8 @@ def _draw_mechanism(axes, file):
             if k == instants - 1 and len(marks) < 20:
                 axes.plot(*marks.T, "o", color=colour, ms=3)
     places = scene.places
-    middle, half = (places.max(0) + places.min(0)) / 2, max(np.ptp(places, axis=0).max() / 2, 1e-9)
+    # Some room, so that nothing lies in the edges of the box.
+    middle, half = (places.max(0) + places.min(0)) / 2, MARGIN * max(np.ptp(places, axis=0).max() / 2, 1e-9)
     axes.set(**{f"{x}lim": (m - half, m + half) for x, m in zip("xyz", middle, strict=True)})
     axes.set_box_aspect(None, zoom=1.05)
     axes.view_init(elev=22, azim=-60)

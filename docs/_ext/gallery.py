@@ -16,6 +16,7 @@ FOLDERS = {
     "DAFMS": ("dafms", "*.DAT"),
     "VSDF": ("vsdf", "*.vsdf"),
 }
+STILL = 1e-12  # m/s
 HEAD = """# Gallery
 
 Every supplied deck: the mechanism at some instants (faint: earlier), the curves that `flexmb plot` draws by
@@ -76,6 +77,8 @@ def key_numbers(result: h5py.File, record: dict) -> list[tuple[str, str]]:
     found += [(word, counts[key]) for key, word in words.items() if key in counts]
     found.append(("rows, time", f"{len(time)}, {time[0]:g} … {time[-1]:g} s"))
     found += [*_frequencies(record), *_motion(result)]
+    if "body/velocity" in result and not np.any(np.abs(result["body/velocity"][:]) > STILL):
+        found.append(("curves", "none: nothing moves"))
     if "audit/constraint_residual" in result:
         found.append(("largest constraint residual", f"{result['audit/constraint_residual'][:].max():.1e}"))
     if "energy/total" in result:

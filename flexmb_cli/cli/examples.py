@@ -23,16 +23,27 @@ SUFFIXES = {Path(each.new_name).suffix: each.title for each in reversed([*every_
 @click.option(
     "-o", "--output-dir", type=click.Path(path_type=Path), default=".", help="Folder of the copies."
 )
+@click.option(
+    "--all", "everything", is_flag=True, help="Copy all, in the folders that the documentation names."
+)
 @click.option("--force", is_flag=True, help="Replace files that are there already.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
-def examples(names, output_dir, force, quiet):
+def examples(names, output_dir, everything, force, quiet):
     """List the supplied decks, or copy those named, with the files they need.
 
     \b
     Example:
         flexmb examples
         flexmb examples IN4-BAR pendulum_ccx
+        flexmb examples --all
     """
+    if everything:
+        if names:
+            raise click.UsageError("--all copies every example: leave out the names")
+        copied = _copy_all(output_dir, force)
+        if not quiet:
+            click.echo(f"{copied} examples → {output_dir / 'decks'}")
+        return
     decks = supplied()
     if not names:
         _list(decks)
@@ -51,12 +62,25 @@ def supplied() -> dict[str, Path]:
 
     Decks of two dialects with one name are distinguished by their suffix: `pendulum.DAT`, `pendulum.vsdf`.
     """
-    folder = next((place for place in PLACES if place.is_dir()), None)
-    if folder is None:
-        raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
+    folder = _folder()
     found = sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES and path.is_file())
     stems = [path.stem for path in found]
     return {path.stem if stems.count(path.stem) == 1 else path.name: path for path in found}
+
+
+def _folder():
+    folder = next((place for place in PLACES if place.is_dir()), None)
+    if folder is None:
+        raise click.UsageError("this installation has no examples; they are in the repository's folder decks")
+    return folder
+
+
+def _copy_all(output_dir, force):
+    """Copy the folder of the decks as it is; return how many examples it holds."""
+    target = output_dir / "decks"
+    _refuse_taken([target], force)
+    shutil.copytree(_folder(), target, dirs_exist_ok=True)
+    return len(supplied())
 
 
 def _similar(name: str, decks: dict[str, Path]) -> str:

@@ -82,7 +82,7 @@ def _refuse_other_kind(raw: bytes, what: str) -> None:
     from .other_files import kind_of_file
 
     if kind := kind_of_file(raw):
-        raise DeckError([Fault("error", f"this is no {what} but {kind}", id="DECK-015")])
+        raise DeckError([Fault("error", f"this is no {what} but {kind}", id="DECK-017")])
     _refuse_nul(raw, what)
 
 

@@ -29,13 +29,13 @@ def on_rigid_body(record: Record, keys: Keys, rigid: Sequence[bool], findings: F
     number = record.at(keys.body)
     if not 0 <= number.value <= len(rigid):
         message = f"body number {number.value} is outside 0..{len(rigid)}"
-        findings.error(record.subject, message, number.place, id="DECK-020")
+        findings.error(record.subject, message, number.place, id="DECK-021")
         return False
     if number.value and not rigid[number.value - 1]:
         message = (
             f"body {number.value} is flexible: its nodes and elements are drawn; shapes are for rigid ones"
         )
-        findings.error(record.subject, message, number.place, id="DECK-017")
+        findings.error(record.subject, message, number.place, id="DECK-018")
         return False
     return True
 
@@ -47,7 +47,7 @@ def primitive_of(record: Record, kind: str, keys: Keys, findings: Findings) -> S
     if wrong:
         number = record.at(keys.sizes[wrong[0]])
         message = f"{number.key} of a {kind} {wrong[1]}; read {number.text or 'an empty field'}"
-        findings.error(record.subject, message, number.place, id="DECK-018")
+        findings.error(record.subject, message, number.place, id="DECK-019")
         return None
     return primitive(record[keys.body], kind, sizes, *_placed(record, keys))
 
@@ -57,7 +57,7 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
     unit, name = record.at("unit"), record.at("file")
     if not unit.value > 0:
         message = f"the unit must be above zero, 0.001 for a file in mm; read {unit.text}"
-        findings.error(record.subject, message, unit.place, id="DECK-019")
+        findings.error(record.subject, message, unit.place, id="DECK-020")
         return None
     try:
         vertices, triangles = read_stl(folder / name.value.replace("\\", "/"))

@@ -104,6 +104,7 @@ class _Points:
             tuple(self._spring(spring) for spring in model.springs),
             model.joint_springs,
             tuple(self.point(end) for end in model.outputs),
+            elements=self._elements(),
         )
 
     def point(self, end: End) -> NodePoint:
@@ -121,13 +122,24 @@ class _Points:
         shape = np.mean([body.flexible.shape(node) for node in members], axis=0)
         return NodePoint(name, end.body, r0, shape)
 
+    def _elements(self):
+        """The elements between nodes as such between points."""
+        given = self.model.elements
+        if not given:
+            return given
+        between = {"lines": given.lines, "bushings": given.bushings}
+        return replace(given, **{name: tuple(map(self._attached, items)) for name, items in between.items()})
+
+    def _attached(self, item):
+        return replace(item, P_i=self.point(item.P_i), P_j=self.point(item.P_j))
+
     def _joint(self, joint):
         a, b = (tuple(self.point(end) for end in side) for side in (joint.a, joint.b))
         return PointJoint(joint.name, joint.kind, a, b, joint.size, joint.place)
 
     def _pin(self, pin):
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
-        return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place)
+        return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
     def _force(self, force):
         return PointForce(

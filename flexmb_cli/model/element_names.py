@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from .joints import ANGLE
+from .flexible_mechanism import FlexibleMechanism
+from .joint_elements import JointElements, is_angle
 from .loads import DynamicModel
 
 LENGTH, TURN = "m", "rad"
@@ -16,23 +17,28 @@ _BUSHING = (
 )
 
 
-def element_names(model: DynamicModel) -> list[tuple[str, str]]:
-    """Name of every element and unit of its coordinate, "m" or "rad"."""
-    return list(_names(model))
+def element_names(model: DynamicModel | FlexibleMechanism) -> list[tuple[str, str]]:
+    """Name of every spring and element and unit of its coordinate, "m" or "rad"."""
+    found = [(item.name, LENGTH) for item in model.springs]
+    for item in getattr(model, "joint_springs", ()):
+        found.append((item.name, LENGTH if model.joints[item.joint].kind == "translational" else TURN))
+    return found + list(names_of(model.elements))
 
 
-def _names(model) -> Iterator[tuple[str, str]]:
-    elements = model.elements
-    for item in model.springs:
-        yield item.name, LENGTH
+def names_of(elements: JointElements) -> Iterator[tuple[str, str]]:
+    """Name of every element and unit of its coordinate."""
     for item in elements.springs:
-        yield item.name, TURN if item.coordinate == ANGLE else LENGTH
+        yield item.name, _unit(item.coordinate)
     for item in elements.lines:
         yield item.name, LENGTH
     for item in elements.stops:
-        yield item.name, TURN if item.coordinate == ANGLE else LENGTH
+        yield item.name, _unit(item.coordinate)
     for item in elements.bushings:
         for part, unit in _BUSHING:
             yield f"{item.name} {part}", unit
     for item in elements.frictions:
         yield item.name, LENGTH
+
+
+def _unit(coordinate):
+    return TURN if is_angle(coordinate) else LENGTH

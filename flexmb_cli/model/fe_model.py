@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import Place
 from ..quick_dataclass import dataclass, field
 from .flexible_body import FlexibleInput
+from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
 
@@ -98,13 +99,17 @@ class NodeJoint:
 
 @dataclass(frozen=True)
 class Pin:
-    """Global directions of a node held at `point`; None: where the node is at t = 0."""
+    """Global directions of a node held at `point`; None: where the node is at t = 0.
+
+    `functions` of time add displacements to it along x, y, z, m.
+    """
 
     name: str
     end: End
     directions: tuple[bool, bool, bool]
     point: Vector | None
     place: Place | None = None
+    functions: tuple[MotionFunction | None, MotionFunction | None, MotionFunction | None] = (None, None, None)
 
 
 @dataclass(frozen=True)
@@ -196,6 +201,7 @@ class VsdfModel:
     outputs: tuple[End, ...] = ()
     stresses: tuple[StressSelection, ...] = ()
     shapes: tuple["Shape", ...] = ()
+    elements: JointElements = field(default_factory=JointElements)
 
     def global_position(self, end: End) -> np.ndarray:
         """Return where an end is at t = 0 (3,)."""

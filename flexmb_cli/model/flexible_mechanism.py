@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import Place
-from ..quick_dataclass import dataclass
+from ..quick_dataclass import dataclass, field
 from .fe_model import BodyTorque, Integrator, JointSpring
 from .flexible_body import FlexibleBody
+from .joint_elements import JointElements
 from .mechanism import TimeGrid, Vector
 from .time_functions import Motion, MotionFunction
 
@@ -70,13 +71,14 @@ class PointJoint:
 
 @dataclass(frozen=True)
 class PointPin:
-    """Global `directions` of a point held at `target` (3,)."""
+    """Global `directions` of a point held at `target` (3,), to which `functions` add displacements."""
 
     name: str
     point: NodePoint
     directions: tuple[bool, bool, bool]
     target: np.ndarray
     place: Place | None = None
+    functions: tuple[MotionFunction | None, MotionFunction | None, MotionFunction | None] = (None, None, None)
 
 
 @dataclass(frozen=True)
@@ -138,3 +140,4 @@ class FlexibleMechanism:
     outputs: tuple[NodePoint, ...] = ()
     stresses: tuple[StressOutput, ...] = ()
     shapes: tuple["Shape", ...] = ()
+    elements: JointElements = field(default_factory=JointElements)

@@ -1,18 +1,30 @@
 """Drivers, springs, stops, bushings, couplings and friction at joints, and composite joints.
 
 A joint coordinate is the angle of body J against body I about the joint's axis, rad, or the stroke of P_j
-along it, m; both are 0 at the deck's estimates.  Joints and drivers are numbered from 0 here.  Body -1 is the
-ground, whose axes are global.
+along it, m; both are 0 at the deck's estimates.  Hinges of a tree have the coordinates "rotation 1" to
+"translation 3" of the tree instead.  Joints and drivers are numbered from 0 here.  Body -1 is the ground,
+whose axes are global.
 """
+
+from typing import TYPE_CHECKING
 
 from ..errors import Place
 from ..quick_dataclass import dataclass, fields
-from .joints import JOINT_TYPES
+from .joints import ANGLE, JOINT_TYPES, NODE_JOINT_TYPES
 from .mechanism import Vector
 from .time_functions import MotionFunction
 
+if TYPE_CHECKING:
+    from .fe_model import End
+    from .flexible_mechanism import NodePoint
+
 # The coordinates that the joints of each kind have.
-COORDINATES_OF = {kind.name: kind.coordinates for kind in JOINT_TYPES}
+COORDINATES_OF = {kind.name: kind.coordinates for kind in (*JOINT_TYPES, *NODE_JOINT_TYPES)}
+
+
+def is_angle(coordinate: str) -> bool:
+    """Whether a coordinate of a joint or hinge is an angle rather than a length."""
+    return coordinate == ANGLE or coordinate.startswith("rotation")
 
 
 @dataclass(frozen=True)
@@ -70,16 +82,17 @@ class JointSpring:
 
 @dataclass(frozen=True)
 class LineSpring:
-    """The same in the distance of two points; with `slack` only while it is longer than `rest`.
+    """The same in the distance of two points, of rigid bodies in body axes, or at nodes.
 
+    With `slack` it acts only while it is longer than `rest`.
     A slack element (a cable) pulls with stiffness s (1 + damping v), never less than 0.
     """
 
     name: str
     i: int
     j: int
-    P_i: Vector
-    P_j: Vector
+    P_i: "Vector | NodePoint | End"
+    P_j: "Vector | NodePoint | End"
     stiffness: float = 0.0
     rest: float = 0.0
     damping: float = 0.0
@@ -120,8 +133,8 @@ class Bushing:
     name: str
     i: int
     j: int
-    P_i: Vector
-    P_j: Vector
+    P_i: "Vector | NodePoint | End"
+    P_j: "Vector | NodePoint | End"
     stiffness: tuple[float, float, float, float, float, float]
     damping: tuple[float, float, float, float, float, float]
     place: Place | None = None
@@ -142,7 +155,7 @@ class JointFriction:
 
     At the sliding speed v (radius times rate of the angle, rate of the stroke, or the root of the sum of
     their squares) the force μ N opposes sliding, μ = (dynamic + (static - dynamic) exp(-(v/stribeck)²))
-    tanh(v/creep).
+    tanh(v/creep).  In a screw the force on the flanks of its square thread adds to N.
     """
 
     name: str

@@ -4,54 +4,57 @@ A revolute or translational joint has five equations where the plane needs two: 
 displacement and two turns, are given once too often for every closed loop.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from .mechanism import Mechanism
+from .mechanism import Joint
 from .vectors import rotation_matrix
 
 PARALLEL = 1e-9
 REPEATED = 3  # equations of a loop
 
 
-def repeated_in_plane(mechanism: Mechanism, attitudes: np.ndarray) -> int | None:
-    """Number of repeated equations of a planar mechanism; None unless all its joints move in one plane.
+def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes: np.ndarray) -> int | None:
+    """Number of repeated equations of planar `joints`; None unless all of them move in one plane.
 
-    attitudes (bodies, 4): Euler parameters at the start.
+    `grounds`: bodies at rest, beside body -1.  attitudes (bodies, 4): Euler parameters at the start.
     """
-    if not mechanism.joints or any(j.kind not in ("revolute", "translational") for j in mechanism.joints):
+    if not joints or any(j.kind not in ("revolute", "translational") for j in joints):
         return None
-    axes = [_axis(joint, attitudes[joint.i]) for joint in mechanism.joints]
-    turning = [axis for axis, joint in zip(axes, mechanism.joints, strict=True) if joint.kind == "revolute"]
+    axes = [_axis(joint, attitudes) for joint in joints]
+    turning = [axis for axis, joint in zip(axes, joints, strict=True) if joint.kind == "revolute"]
     if not turning:
         return None
     normal = turning[0]
-    for axis, joint in zip(axes, mechanism.joints, strict=True):
+    for axis, joint in zip(axes, joints, strict=True):
         off = abs(normal @ axis) if joint.kind == "translational" else np.linalg.norm(np.cross(normal, axis))
         if off > PARALLEL:
             return None
-    return REPEATED * _loops(mechanism)
+    return REPEATED * _loops(joints, grounds, len(attitudes))
 
 
-def _axis(joint, p):
-    s = rotation_matrix(p) @ np.array(joint.s_i)
+def _axis(joint, attitudes):
+    s = np.array(joint.s_i)
+    if joint.i >= 0:
+        s = rotation_matrix(attitudes[joint.i]) @ s
     return s / np.linalg.norm(s)
 
 
-def _loops(mechanism):
-    """Independent loops of the joints, all grounds being one body."""
-    root = list(range(len(mechanism.bodies)))
+def _loops(joints, grounds, bodies):
+    """Independent loops of the joints, all grounds being one body, which has the last place."""
+    root = list(range(bodies + 1))
 
     def find(body):
         while root[body] != body:
             body = root[body]
         return body
 
-    grounds = [ground.body for ground in mechanism.grounds]
-    for body in grounds[1:]:
-        root[find(body)] = find(grounds[0])
+    for body in grounds:
+        root[find(body)] = find(bodies)
     loops = 0
-    for joint in mechanism.joints:
-        a, b = find(joint.i), find(joint.j)
+    for joint in joints:
+        a, b = (find(body if body >= 0 else bodies) for body in (joint.i, joint.j))
         loops += a == b
         root[a] = b
     return loops

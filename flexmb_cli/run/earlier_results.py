@@ -30,4 +30,4 @@ def notes_of_earlier_results(path: str, options: RunOptions) -> list[Fault]:
         ).files
     }
     there = ", ".join(sorted(file for file in named if Path(file).is_file()))
-    return [Fault("note", f"still of an earlier run: {there}", id="RUN-029")] if there else []
+    return [Fault("note", f"still of an earlier run: {there}", id="RUN-042")] if there else []

@@ -46,6 +46,14 @@ def test_nothing_of_the_user_is_replaced(tmp_path):
     assert (tmp_path / "IN4-BAR.dat").read_bytes() == (DECKS / "young/IN4-BAR.dat").read_bytes()
 
 
+def test_all_examples_lie_as_the_documentation_names_them(tmp_path):
+    done = flexmb(tmp_path, "examples", "--all")
+    assert done.stdout.endswith(" examples → decks\n")
+    copied = {path.relative_to(tmp_path / "decks") for path in (tmp_path / "decks").rglob("*")}
+    assert copied == {path.relative_to(DECKS) for path in DECKS.rglob("*")}
+    assert "--force replaces it" in flexmb(tmp_path, "examples", "--all").stderr
+
+
 def test_an_unknown_name_is_refused(tmp_path):
     done = flexmb(tmp_path, "examples", "IN9-9-9")
     assert done.returncode == 2 and "`flexmb examples` lists them" in done.stderr

@@ -30,7 +30,7 @@ def test_every_file_of_the_lock_has_a_hash_and_none_a_place():
 
 
 def test_the_lock_holds_all_that_flexmb_and_its_tests_need():
-    extras = ("cluster", "movie", "parquet", "plot", "report", "test")
+    extras = ("cluster", "docs", "movie", "parquet", "plot", "report", "test")
     optional = (item for extra in extras for item in PROJECT["optional-dependencies"][extra])
     wanted = [*PROJECT["dependencies"], *optional]
     names = {re.match(r"[\w-]+", item)[0].lower() for item in wanted} - {"flexmb"}
@@ -41,3 +41,13 @@ def test_every_h5py_allowed_leaves_out_the_time_stamps_of_groups():
     """h5py 3.15 is the first whose `track_times` of files and groups is off; stamps began at byte 54."""
     bound = next(item for item in PROJECT["dependencies"] if item.startswith("h5py"))
     assert minor(bound.removeprefix("h5py>=")) >= (3, 15)
+
+
+def test_the_lowest_versions_are_those_of_every_extra_that_users_install():
+    """`scripts/dependencies lowest` names the extras; each has lower bounds that it can take."""
+    text = (TOP / "scripts/dependencies").read_text()
+    named = set(re.findall(r'"([a-z]+)"', re.search(r"for name in \((.*?)\) for item", text)[1]))
+    extras = PROJECT["optional-dependencies"]
+    assert named == set(extras) - {"test", "export-check", "fuzz", "bench"}
+    own = [item for name in named for item in extras[name] if not item.startswith("flexmb[")]
+    assert all(re.match(r"[\w-]+>=[\d.]+", item) for item in own)

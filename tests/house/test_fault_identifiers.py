@@ -13,7 +13,7 @@ TOP = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(TOP / "docs" / "_ext"))
 import fault_messages  # noqa: E402
 
-FORM = re.compile(r"(CLI|DECK|DAFMS|DIFF|FE|FLEXMB|MODEL|RESULT|RUN|SOLVE|STUDY|VSDF|YOUNG)-\d{3}")
+FORM = re.compile(r"(CLI|DECK|DAFMS|DIFF|ELEMENTS|FE|FLEXMB|MODEL|RESULT|RUN|SOLVE|STUDY|VSDF|YOUNG)-\d{3}")
 # Calls that pass on what another fault says, or many sentences of one kind.
 CARRIERS = ("errors.py", "diagnostics.py", "quantities.py", "cluster.py")
 

@@ -73,13 +73,13 @@ def own(modules):
 TREES = {"tree", "kane", "dafms", "implicit"}
 CONSTRAINED = {"constrained", "mass_matrix", "multipliers"}
 FLEXIBLE = {"vsdf", "fe_files", "fe.", "flexible_dynamics", "build_mechanism"}
-INTEGRATORS = {"generalised_alpha", "radau5"}
+INTEGRATIONS = {"alpha_march", "radau_march"}
 # A deck of each dialect and analysis, what is changed in it, and words that no module of its run may have.
 RUNS = {
     "young": ("young/IN1-1-1.dat", (), TREES | CONSTRAINED | FLEXIBLE),
-    "young forward": ("young/dynamics/IN-ANDREWS.dat", ("time.end=0.0001",), TREES | FLEXIBLE | INTEGRATORS),
+    "young forward": ("young/dynamics/IN-ANDREWS.dat", ("time.end=0.0001",), TREES | FLEXIBLE | INTEGRATIONS),
     "dafms": ("dafms/pendulum.DAT", ("time.IT=2",), CONSTRAINED | FLEXIBLE | {"implicit", "newton", "young"}),
-    "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau5", "young"}),
+    "vsdf": ("vsdf/pendulum.vsdf", ("time.end=0.0001",), TREES | {"radau_march", "young"}),
 }
 
 

@@ -1,12 +1,17 @@
 """Large legal decks: `check` takes memory in proportion to the deck, whatever fills it."""
 
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts/bench"))
 import large_decks
+
+from flexmb_cli.deck.record import DeckText
+from flexmb_cli.dialects.dafms.build import build_dafms
+from flexmb_cli.dialects.dafms.reader import read_dafms
 
 # Besides what the deck may take; a small deck takes 40 to 50 MB, one of finite elements 70.
 BESIDES = {"young": 90 * 10**6, "dafms": 90 * 10**6, "vsdf": 150 * 10**6}
@@ -49,3 +54,21 @@ def test_a_number_of_a_large_deck_is_set_in_place(setting, tmp_path):
     _, peak, fault = large_decks.measured(text, "young", tmp_path, "--set", setting)
     assert fault == ""
     assert peak <= large_decks.MOST_PER_BYTE * len(text.encode()) + BESIDES["young"]
+
+
+@pytest.mark.parametrize(
+    ("card", "entry"), [("MOTR", f"{1:5d}{1:5d}{1.0:10.2f}"), ("DAMP", f"{1:5d}{1:5d}{1.0:10.2f}")]
+)
+def test_an_entry_of_a_hinge_takes_a_part_of_what_a_full_card_may(card, entry):
+    """A full card has 99,999 entries of 21 bytes, 12 of which a byte and 200 MB are 2,250 an entry.
+
+    With 50 MB for the program, 1,750 are left; a table of keys kept with every record made it 1,680.
+    """
+    head, end = (large_decks.kinds(0)["dafms blank lines"]()).rsplit("END ", 1)
+    text = "".join([head, f"{card}\n{2000:5d}\n", 2000 * f"{entry}\n", "END ", end])
+    source = DeckText("x.DAT", text, "")
+    tracemalloc.start()
+    build_dafms(read_dafms(source))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1400 * 2000

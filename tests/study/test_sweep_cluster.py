@@ -13,6 +13,25 @@ from tests.study.studies import SAMPLED, SMALL, flexmb, written
 
 pytestmark = pytest.mark.processes
 
+LIMIT = 240  # s for a test, of which a quiet machine takes ten
+
+
+@pytest.fixture(autouse=True)
+def ended_in_time():
+    """End a test whose cluster never answers: workers that Dask cannot start again are waited for."""
+    if not hasattr(signal, "alarm"):
+        yield
+        return
+
+    def give_up(number, frame):
+        raise AssertionError(f"the cluster has not answered for {LIMIT} s")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(LIMIT)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
 
 def test_a_dask_cluster_survives_the_kill_of_a_worker(tmp_path):
     """Two worker processes, one killed while they solve: every case is there once, as solved here."""

@@ -13,7 +13,7 @@ from ...errors import Fault, ModelError
 from ...model.exchange.chain import Link, chain_of
 from ...model.exchange.functions import points_of, polynomial_of, value_of
 from ...model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
-from ...model.joint_elements import ANGLE
+from ...model.joints import ANGLE
 from ...model.vectors import euler_parameters
 from ...quick_dataclass import dataclass
 

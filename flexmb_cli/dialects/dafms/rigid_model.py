@@ -18,7 +18,8 @@ from ...model.exchange.rigid_model import (
     vector,
 )
 from ...model.exchange.start import Start
-from ...model.joint_elements import ANGLE, STROKE, JointDriver, JointMotor
+from ...model.joint_elements import JointDriver, JointMotor
+from ...model.joints import ANGLE, STROKE
 from ...model.loads import AppliedForce, AppliedTorque
 from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree

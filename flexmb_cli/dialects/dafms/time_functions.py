@@ -20,12 +20,20 @@ from ...model.tree import (
 def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findings) -> dict:
     """Keyword arguments of `Tree` for everything that drives or loads it over time."""
     hinged = _HingeCards(values, hinges, findings)
-    springs = [Spring(*where, r["KS"], rest=r["Q0"], place=r.place) for r, where in hinged.entries("spring")]
+    springs = [
+        Spring(*where, stiffness, rest=rest, place=record.place)
+        for record, where in hinged.entries("spring")
+        for stiffness, rest in [_behind_the_hinge(record)]
+    ]
     springs += _dampers(hinged, findings)
-    motors = [Motor(*where, constant(r["TAU"]), r.place) for r, where in hinged.entries("motor")]
+    motors = [
+        Motor(*where, constant(*_behind_the_hinge(record)), record.place)
+        for record, where in hinged.entries("motor")
+    ]
     motors += [Motor(*where, _table(r, findings), r.place) for r, where in hinged.entries("motor_table")]
     drives = [
-        Prescribed(*where, r["C"], r["B"], r["A2"], r.place) for r, where in hinged.entries("prescribed")
+        Prescribed(*where, *_behind_the_hinge(record), record.place)
+        for record, where in hinged.entries("prescribed")
     ]
     _check_drives(drives, findings)
     _check_rotations(values, bodies, findings)
@@ -40,11 +48,20 @@ def build_functions_of_time(values: DeckValues, bodies, hinges, findings: Findin
 def _dampers(hinged, findings):
     dampers = []
     for record, where in hinged.entries("damper"):
-        if record["CS"] < 0:
-            message = f"CS = {record['CS']}: a negative damper feeds energy in"
+        (damping,) = _behind_the_hinge(record)
+        if damping < 0:
+            message = f"CS = {damping}: a negative damper feeds energy in"
             findings.warn(record.subject, message, record.at("CS").place, id="DAFMS-056")
-        dampers.append(Spring(*where, damping=record["CS"], place=record.place))
+        dampers.append(Spring(*where, damping=damping, place=record.place))
     return dampers
+
+
+def _behind_the_hinge(record):
+    """Values behind K and A, by their places.
+
+    A record that is asked for a key keeps a table of its keys, 460 bytes, and there may be 100,000 records.
+    """
+    return [number.value for number in record.numbers[2:]]
 
 
 class _HingeCards:
@@ -63,7 +80,7 @@ class _HingeCards:
                 yield record, where
 
     def _where(self, record):
-        body, dof = record.at("K"), record.at("A")
+        body, dof = record.numbers[0], record.numbers[1]
         if not 1 <= body.value <= len(self.hinges):
             message = f"K = {body.value}: there are bodies 1 to {len(self.hinges)}"
             self.findings.error(record.subject, message, body.place, id="DAFMS-057")

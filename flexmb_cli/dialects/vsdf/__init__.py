@@ -29,6 +29,6 @@ DIALECT = Dialect(
     form="form:VsdfForm",
     new_name="NEW.vsdf",
     second_model="exchanged_frames:exchanged_model",
-    rigid_model="rigid_model:rigid_model",
-    rigid_deck="rigid_deck:rigid_deck",
+    rigid_model="exchange.rigid_model:rigid_model",
+    rigid_deck="exchange.rigid_deck:rigid_deck",
 )

@@ -11,8 +11,9 @@ from ...model.mechanism import TimeGrid
 from ...model.time_checks import unsteppable
 from ...solvers.constrained.integrators import METHODS
 from .bodies import build_bodies, build_ground
+from .elements import build_elements, build_functions, moved_pins
 from .joints import build_joints, build_motions, build_pins, build_tables
-from .loads import build_forces, build_joint_springs, build_outputs, build_springs, build_torques
+from .loads import Factors, build_forces, build_joint_springs, build_outputs, build_springs, build_torques
 from .motion_angles import check_motion_functions
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
@@ -35,18 +36,23 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     joints = build_joints(values, bodies, ground, findings)
     tables = build_tables(values, findings)
     doubt_tables(values, tables, findings)
+    functions = build_functions(values, tables, findings)
+    factors = Factors(tables, functions, values, findings)
+    pins = build_pins(values, bodies, ground, findings)
     parts = {
         "joints": joints,
-        "pins": build_pins(values, bodies, ground, findings),
-        "motions": build_motions(values, bodies, joints, tables, findings),
-        "forces": build_forces(values, bodies, ground, tables, findings),
-        "torques": build_torques(values, bodies, tables, findings),
+        "pins": moved_pins(values, pins, functions, findings),
+        "motions": build_motions(values, bodies, joints, tables, functions, findings),
+        "forces": build_forces(values, bodies, ground, factors, findings),
+        "torques": build_torques(values, bodies, factors, findings),
         "springs": build_springs(values, bodies, ground, findings),
         "joint_springs": build_joint_springs(values, joints, findings),
         "outputs": build_outputs(values, bodies, ground, findings),
         "stresses": build_stresses(values, bodies, findings),
         "shapes": _shapes(values, bodies, folder, findings),
+        "elements": build_elements(values, bodies, ground, joints, functions, findings),
     }
+    functions.note_unused()
     if not bodies:
         findings.error("", "the deck has no body", None, id="VSDF-009")
     check_motion_functions(parts["motions"], time, findings)

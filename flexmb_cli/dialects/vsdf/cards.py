@@ -4,61 +4,19 @@ Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's 
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
-from ...quick_dataclass import dataclass
 from ...solvers.constrained.integrators import METHODS
 from . import DIALECT
-
-# A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
-WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
+from .card import Card, Column
+from .card import vector_columns as _vector
+from .card import whole_column as _whole
+from .element_cards import ELEMENT_CARDS
 
 END, STAR, STOP = "END", "STAR", "STOP"
 FINAL = (END, STAR, STOP)
 
 
-@dataclass(frozen=True)
-class Column:
-    """One field of a card: its key, meaning, SI unit, letter, and the blank columns before it.
-
-    `words`: what a word may be; `default`: the value of an empty field, None when it must be filled.
-    """
-
-    key: str
-    meaning: str
-    unit: str = ""
-    letter: str = "F"
-    skip: int = 0
-    words: tuple[str, ...] = ()
-    default: float | int | str | None = 0
-
-
-@dataclass(frozen=True)
-class Card:
-    """A keyword and its data cards.
-
-    `counted`: "own" when the first field numbers the records 1, 2, ...; "body" when there is one record a
-    body; "list" when records are numbered as they come; "single" when there is one in the deck.
-    `more`: the column that repeats to the end of the card; `second`: the fields of a second card.
-    """
-
-    word: str
-    section: str
-    subject: str
-    counted: str
-    columns: tuple[Column, ...]
-    more: Column | None = None
-    second: tuple[Column, ...] = ()
-
-
-def _whole(key, meaning, default=0):
-    return Column(key, meaning, letter="I", default=default)
-
-
 def _word(key, meaning, words, default=None):
     return Column(key, meaning, letter="A", skip=1, words=words, default=default)
-
-
-def _vector(key, meaning, unit="", default=0.0):
-    return tuple(Column(f"{key}.{axis}", f"{meaning}, {axis}", unit, default=default) for axis in "xyz")
 
 
 _BODY = _whole("body", "number of the body", None)
@@ -230,7 +188,7 @@ CARDS = (
             _whole("number", "number of the motion", None),
             _word("kind", "what is prescribed", MOTIONS),
             _whole("object", "body (TRAX to ROTZ) or joint (ANGL, STRK)", None),
-            _whole("law", "1 polynomial, 2 spin-up, 3 sine, 4 table", None),
+            _whole("law", "1 polynomial, 2 spin-up, 3 sine, 4 table, 5 function, 6 rate by function", None),
             *(Column(f"c{k}", f"constant {k} of the law", "SI", default=0.0) for k in range(4)),
         ),
     ),
@@ -255,7 +213,7 @@ CARDS = (
             _NODE,
             *_vector("F", "force", "N"),
             _whole("follows", "1: in axes of the body frame (FLEX: e1 from n1 to n2), else global"),
-            _whole("table", "table of its factor, 0: constant"),
+            _whole("table", "table or function of its factor, 0: constant"),
         ),
     ),
     Card(
@@ -267,7 +225,7 @@ CARDS = (
             _BODY,
             *_vector("M", "torque", "N m"),
             _whole("follows", "1: in body axes, else global"),
-            _whole("table", "table of its factor, 0: constant"),
+            _whole("table", "table or function of its factor, 0: constant"),
         ),
     ),
     Card(
@@ -403,6 +361,7 @@ CARDS = (
         (_SHAPED, Column("unit", "metres in a unit of the file; empty: 1", "m", default=1.0), *_PLACED),
         second=(Column("file", "STL file", letter="T", skip=1, default=None),),
     ),
+    *ELEMENT_CARDS,
 )
 
 BY_WORD = {card.word: card for card in CARDS}

@@ -4,7 +4,7 @@ import functools
 from typing import NamedTuple
 
 from ...deck import number
-from .cards import WIDTHS, Column
+from .card import WIDTHS, Column
 
 _NAMES = {"I": "an integer", "F": "a number", "A": "a word", "T": "a file name"}
 

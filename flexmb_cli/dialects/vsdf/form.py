@@ -10,7 +10,8 @@ from ...deck import number
 from ...deck.questions import INTEGER, TEXT, Cell, Entry
 from ...deck.record import Record
 from ...errors import Fault
-from .cards import BY_WORD, CARDS, END, FINAL, Card
+from .card import Card
+from .cards import BY_WORD, CARDS, END, FINAL
 
 MOST = 1000
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)

@@ -14,10 +14,14 @@ from ...model.fe_model import GROUND, End, NodeJoint, Pin, VsdfBody
 from ...model.joints import ANGLE, BY_NAME, PITCH, STROKE
 from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE, Motion, MotionFunction, table_function
 from ...quick_dataclass import dataclass, field
+from ..elements.functions import Functions
 from . import DIALECT
 from .bodies import end_of_body
 
 _COINCIDENT = 1e-12
+# Laws of MOTN: the coordinate, or its rate, follows a function.
+FUNCTION, RATE = 5, 6
+OF_FUNCTIONS = (FUNCTION, RATE)
 
 
 BY_WORD = {word: BY_NAME[name] for word, name in DIALECT.joints.items()}
@@ -240,12 +244,18 @@ def _late_time(table):
     return next(after for before, after in pairwise(table.times) if not after > before)
 
 
-def build_motions(values: DeckValues, bodies, joints, tables, findings: Findings) -> tuple[Motion, ...]:
+def build_motions(
+    values: DeckValues, bodies, joints, tables, functions: Functions, findings: Findings
+) -> tuple[Motion, ...]:
     """The cards MOTN."""
     kinds = {joint.name: joint.kind for joint in joints}
     motions = []
     for record in values.section("motion"):
-        function = _function(record, tables, findings)
+        if record["law"] in OF_FUNCTIONS:
+            follow = functions.motion if record["law"] == FUNCTION else functions.integrated
+            function = follow(record, 0.0, key="c0")
+        else:
+            function = _function(record, tables, findings)
         if _target_exists(record, len(bodies), len(values.section("joint")), kinds, findings) and function:
             motions.append(
                 Motion(record.subject, record["kind"], record["object"] - 1, function, record.place)
@@ -275,7 +285,10 @@ def _function(record, tables, findings):
     function = record.at("law")
     constants = tuple(float(record[f"c{i}"]) for i in range(4))
     if not POLYNOMIAL <= function.value <= TABLE:
-        message = f"law {function.value} is outside 1..4 (1 polynomial, 2 spin-up, 3 sine, 4 table)"
+        message = (
+            f"law {function.value} is outside 1..6 (1 polynomial, 2 spin-up, 3 sine, 4 table, 5 function, "
+            "6 rate by function)"
+        )
         findings.error(record.subject, message, function.place, id="VSDF-059")
         return None
     if function.value == TABLE:

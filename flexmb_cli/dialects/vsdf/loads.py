@@ -2,20 +2,41 @@
 
 import math
 
+from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.fe_model import GROUND, BodyTorque, End, JointSpring, NodeForce, NodeSpring
+from ...model.time_functions import MotionFunction
+from ..elements.functions import Functions
 from .bodies import end_of_body
 from .joints import SLIDING, TURNING, find_end, find_table
 
 
-def build_forces(values: DeckValues, bodies, ground, tables, findings: Findings) -> tuple[NodeForce, ...]:
+class Factors:
+    """Factors of loads by the numbers of their tables, or of their functions."""
+
+    def __init__(self, tables: dict, functions: Functions, values: DeckValues, findings: Findings):
+        self.tables, self.functions, self.findings = tables, functions, findings
+        self.numbers = {record["number"] for record in values.section("function")}
+
+    def of(self, record: Record) -> MotionFunction | None:
+        """The factor of a load; None for 0, and where there is none."""
+        number = record.at("table")
+        if number.value and number.value in self.numbers:
+            return self.functions.function(record, "table")
+        table = find_table(record, number, self.tables, self.findings) if number.value else None
+        return table and table.of_factor
+
+
+def build_forces(
+    values: DeckValues, bodies, ground, factors: Factors, findings: Findings
+) -> tuple[NodeForce, ...]:
     """The cards FORC."""
     forces = []
     for record in values.section("force"):
         end = find_end(bodies, ground, record.at("body"), record.at("node"), record.subject, findings)
         follows = _follows(record, findings)
-        factor = _factor(record, tables, findings)
+        factor = factors.of(record)
         if end and end.body == GROUND:
             findings.error(
                 record.subject, "a force on the ground moves nothing", record.at("body").place, id="VSDF-063"
@@ -34,18 +55,12 @@ def _follows(record, findings):
     return number.value == 1
 
 
-def _factor(record, tables, findings):
-    number = record.at("table")
-    table = find_table(record, number, tables, findings) if number.value else None
-    return table and table.of_factor
-
-
-def build_torques(values: DeckValues, bodies, tables, findings: Findings) -> tuple[BodyTorque, ...]:
+def build_torques(values: DeckValues, bodies, factors: Factors, findings: Findings) -> tuple[BodyTorque, ...]:
     """The cards TORQ, on rigid bodies only."""
     torques = []
     for record in values.section("torque"):
         body = record.at("body")
-        follows, factor = _follows(record, findings), _factor(record, tables, findings)
+        follows, factor = _follows(record, findings), factors.of(record)
         if not 1 <= body.value <= len(bodies):
             message = f"body number {body.value} is outside 1..{len(bodies)}"
             findings.error(record.subject, message, body.place, id="VSDF-065")

@@ -9,7 +9,8 @@ from ...deck.many_records import Block, ManyRecords
 from ...deck.record import Deck, DeckText, Number, Record
 from ...errors import DeckError, Fault, Place
 from . import fields
-from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP, Card, Column
+from .card import Card, Column
+from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
 
 _TITLE_WIDTH = 75
 # Nobody reads more, and each costs a search for near words.

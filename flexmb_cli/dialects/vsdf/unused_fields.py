@@ -8,10 +8,12 @@ from collections.abc import Iterator
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
-from .joints import BY_WORD
+from .element_cards import OF_TABLES
+from .joints import BY_WORD, OF_FUNCTIONS
 
-_OF_FUNCTION = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)}
+_OF_FUNCTION = {SPIN_UP: ("c0", "c1"), TABLE: ("c0",)} | dict.fromkeys(OF_FUNCTIONS, ("c0",))
 _FUNCTIONS = {SPIN_UP: "law 2 reads c0 and c1", TABLE: "law 4 reads the table's number c0"}
+_FUNCTIONS |= dict.fromkeys(OF_FUNCTIONS, "laws 5 and 6 read the function's number c0")
 _VALUES = {
     "force": ("F.x", "F.y", "F.z"),
     "torque": ("M.x", "M.y", "M.z"),
@@ -102,6 +104,7 @@ def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
     """Warnings of `tables` without faults that neither a motion nor a load names."""
     used = {record["c0"] for record in values.section("motion") if record["law"] == TABLE}
     used |= {record["table"] for section in ("force", "torque") for record in values.section(section)}
+    used |= {r.numbers[2].value for r in values.section("function") if r["kind"] in OF_TABLES}
     idle = {number for number, function in tables.items() if function is not None} - used
     for record in values.section("table"):
         if not idle:  # there may be a million points
@@ -111,6 +114,7 @@ def doubt_tables(values: DeckValues, tables: dict, findings: Findings) -> None:
             continue
         idle.remove(number.value)
         message = (
-            "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field"
+            "no card uses it; a motion of law 4 names a table in c0, a force or a torque in its last field, "
+            "a function of kind TABL or SPLI behind its kind"
         )
         findings.warn(f"table {number.value}", message, number.place, id="VSDF-086")

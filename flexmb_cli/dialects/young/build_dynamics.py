@@ -22,8 +22,7 @@ from ...model.loads import (
 )
 from ...model.time_checks import unsteppable
 from .build import build_young
-from .build_elements import build_elements
-from .build_functions import Functions
+from .build_elements import build_elements, build_functions
 from .dynamic_cards import FORWARD, analysis_of
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
@@ -44,7 +43,7 @@ def build_young_dynamics(deck: Deck) -> tuple[DynamicModel, list[Fault]]:
     """
     mechanism, warnings = build_young(deck)
     findings = Findings()
-    functions = Functions(deck, findings)
+    functions = build_functions(deck, findings)
     _check_bodies(deck, len(mechanism.bodies), findings)
     _check_once(deck, findings)
     _check_method(deck, findings)

@@ -24,7 +24,8 @@ from ...model.exchange.rigid_model import (
     vector,
 )
 from ...model.exchange.start import Pair, Start, angle_between, stroke_between
-from ...model.joint_elements import ANGLE, JointDriver, JointMotor
+from ...model.joint_elements import JointDriver, JointMotor
+from ...model.joints import ANGLE
 from ...model.loads import AppliedForce, AppliedTorque, DynamicModel, SpringDamper
 from ...model.mechanism import Point, TimeGrid
 from ...model.time_functions import POLYNOMIAL, MotionFunction

@@ -37,7 +37,7 @@ def normal_changes(system, work, ud):
         load = system.loads[k]
         if load["kind"] != FRICTION:
             continue
-        found = _across(system, work, load, lam) + load["preload"]
+        found = _normal(system, work, load, lam) + load["preload"]
         change = max(change, abs(found - work.responses[k, NORMAL]))
         largest = max(largest, found)
         work.responses[k, NORMAL] = found
@@ -45,8 +45,8 @@ def normal_changes(system, work, ud):
 
 
 @allocating
-def _across(system, work, load, lam):
-    """Size of the joint's force across its axis, N."""
+def _normal(system, work, load, lam):
+    """Size of the joint's force across its axis, and of that on the flanks of a thread, N."""
     group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])
     force = np.zeros(3)
     for row in range(group["first_row"], group["end_row"]):
@@ -55,4 +55,4 @@ def _across(system, work, load, lam):
             force[i] += lam[row] * system.row_scale[row] * work.jacobian[row, k] / system.speed_scale[k]
     along = force[0] * axis[0] + force[1] * axis[1] + force[2] * axis[2]
     square = force[0] * force[0] + force[1] * force[1] + force[2] * force[2] - along * along
-    return math.sqrt(max(square, 0.0))
+    return math.sqrt(max(square, 0.0)) + load["thread"] * abs(along)

@@ -32,7 +32,7 @@ def add_applied_forces(system, work, u, t, f):
         if load["kind"] == LINE:
             power += _add_line(system, work, load, work.responses[k], f)
         elif load["kind"] == RELATIVE:
-            power += _add_relative(system, work, load, t, f)
+            power += _add_relative(system, work, load, work.responses[k], t, f)
         elif load["kind"] >= ELEMENT:
             power += add_element(system, work, k, f)
         else:
@@ -99,17 +99,20 @@ def _stretch(system, work, load):
 
 
 @kernel
-def _add_relative(system, work, load, t, f):
+def _add_relative(system, work, load, answer, t, f):
     """Spring, damper and motor in an angle or a stroke; returns the power of damper and motor."""
     geometry = geometry_of(system, work)
     rate = primitive_rates(geometry, load["primitive"])[0]
-    effort = -load["damping"] * rate
+    # The spring keeps its work as energy; what is left does the power.
+    active = -load["damping"] * rate
     if load["function"] >= 0:
-        effort += function_values(system.functions, system.knots, load["function"], t)[0]
-    add_primitive_row(
-        geometry, load["primitive"], effort - load["stiffness"] * _stretch(system, work, load), f
-    )
-    return effort * rate
+        active += function_values(system.functions, system.knots, load["function"], t)[0]
+    stretch = _stretch(system, work, load)
+    effort = active - load["stiffness"] * stretch
+    answer[COORDINATE], answer[SPEED] = stretch + load["free_length"], rate
+    answer[EFFORT], answer[POWER] = effort, active * rate
+    add_primitive_row(geometry, load["primitive"], effort, f)
+    return active * rate
 
 
 @kernel

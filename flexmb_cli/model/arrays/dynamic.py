@@ -16,7 +16,7 @@ from .constraint_table import PrimitiveTable
 from .kinematic import KinematicArrays, kinematic_arrays
 from .records import FLEXIBLE, FORCE, GROUP, LINE, LOAD, MASS, NONE, TORQUE, blank_load, line_primitive
 from .system import SystemArrays
-from .young_elements import ElementTable, without_driven
+from .young_elements import without_driven, young_elements
 
 FEW_BODIES = 4.0
 
@@ -36,9 +36,7 @@ def dynamic_arrays(model: DynamicModel) -> DynamicArrays:
     table = PrimitiveTable(
         mechanism.bodies, kinematic.length, len(kinematic.equations), kinematic.screw_angles
     )
-    elements = ElementTable(table, model) if model.elements else None
-    if elements:
-        elements.add_equations()
+    elements = young_elements(table, model) if model.elements else None
     loads = _loads(table, model) + (elements.loads() if elements else [])
     collected = table.arrays()
     return DynamicArrays(

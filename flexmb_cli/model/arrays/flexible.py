@@ -6,6 +6,7 @@ import numpy as np
 
 from ..flexible_mechanism import FlexibleMechanism, FloatingBody
 from .constraint_table import PrimitiveTable
+from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .kinematic import CONSTRAINT
 from .node_joints import add_joints, add_motions, spring_primitive
 from .records import FLEXIBLE, FORCE, LINE, LOAD, MASS, NONE, RELATIVE, TORQUE, blank_load, line_primitive
@@ -22,7 +23,8 @@ def flexible_arrays(mechanism: FlexibleMechanism) -> SystemArrays:
     table = PrimitiveTable(bodies, length)
     add_joints(table, mechanism)
     add_motions(table, mechanism)
-    loads = _loads(table, mechanism)
+    elements = _elements(table, mechanism)
+    loads = np.array([*_loads(table, mechanism), *elements.loads()], dtype=LOAD).reshape(-1)
     flexible, modal = _flexible(bodies)
     modes = np.concatenate([np.zeros(0), *(_mode_scale(body, length) for body in bodies)])
     return SystemArrays(
@@ -83,6 +85,15 @@ def _flexible(bodies):
     return np.array(records, dtype=FLEXIBLE).reshape(-1), np.concatenate(parts)
 
 
+def _elements(table, mechanism):
+    """The elements, whose equations stand behind all others."""
+    joints = PointJoints(table, mechanism.joints)
+    reported = coordinates_of_joints(mechanism.joints) if mechanism.elements else []
+    found = ElementTable(table, joints, mechanism.elements, reported)
+    found.add_couplings()
+    return found
+
+
 def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
     records = [_force(table, item) for item in mechanism.forces]
     records += [_torque(table, item) for item in mechanism.torques]
@@ -92,7 +103,7 @@ def _loads(table: PrimitiveTable, mechanism: FlexibleMechanism):
         record["primitive"] = table.spring(spring_primitive(table, mechanism.joints[item.joint]))
         record["stiffness"], record["damping"], record["free_length"] = item.k, item.c, item.q0
         records.append(record)
-    return np.array(records, dtype=LOAD).reshape(-1)
+    return records
 
 
 def _force(table, item):

@@ -173,7 +173,10 @@ def add_joints(table: PrimitiveTable, mechanism: FlexibleMechanism) -> None:
     for pin in mechanism.pins:
         target = table.body_vector(NONE, pin.target)
         gap = table.point(pin.point), target
-        parts = [("xyz"[k], True, table.product(gap, table.axis(k))) for k in range(3) if pin.directions[k]]
+        records = [table.product(gap, table.axis(k)) for k in range(3)]
+        for record, function in zip(records, pin.functions, strict=True):
+            record["function"] = NONE if function is None else table.function(function)
+        parts = [("xyz"[k], True, records[k]) for k in range(3) if pin.directions[k]]
         table.equations(pin.name, pin.place, NONE, pin.point.body, parts)
 
 

@@ -91,6 +91,7 @@ LOAD = np.dtype(
         ("stribeck", np.float64),  # and speeds, m/s
         ("creep", np.float64),
         ("radius", np.float64),  # m
+        ("thread", np.float64),  # FRICTION: force on the flanks of a screw by the force along its axis
     ]
 )
 

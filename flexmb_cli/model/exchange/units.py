@@ -1,7 +1,7 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
 from ...quick_dataclass import dataclass, replace
-from ..joint_elements import ANGLE
+from ..joints import ANGLE
 from .functions import scaled
 from .rigid_model import RigidModel, vector
 

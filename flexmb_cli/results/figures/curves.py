@@ -1,6 +1,7 @@
 """Which curves of a result are drawn, and in which panels: one for each unit."""
 
 from collections.abc import Sequence
+from itertools import takewhile
 
 import h5py
 import numpy as np
@@ -20,6 +21,12 @@ TOTAL = "energy/total"
 MOST_CURVES = 12
 # A coordinate that moves less than this part of the farthest moving one tells nothing.
 STILL = 1e-9
+# What the quantities of a unit are called together, where they have nothing else in common.
+OF_UNIT = {
+    "m": "lengths", "rad": "angles", "m/s": "velocities", "rad/s": "angular velocities",
+    "m/s^2": "accelerations", "rad/s^2": "angular accelerations", "N": "forces", "N m": "torques",
+    "Pa": "stresses", "J": "energies", "W": "powers",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +66,7 @@ class Panel:
         )
         energies = quantities and all("energy" in each or "work" in each for each in quantities)
         common = "energy" if energies else ""
+        common = common or _common_ending(quantities)
         if len(labels) == 1:
             (common,) = labels
         elif len(quantities) == 1:
@@ -66,7 +74,17 @@ class Panel:
             if len(things) == 1 and all(things):
                 common += f" of {next(iter(things))}"
         changed = "change of " if self.of_changes else ""
+        common = common or OF_UNIT.get(self.unit, "")
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
+
+
+def _common_ending(texts):
+    """The words that all texts end with: "von Mises stress" of those and of the largest one."""
+    endings = [text.split()[::-1] for text in texts]
+    if not endings:
+        return ""
+    same = list(takewhile(lambda words: len(set(words)) == 1, zip(*endings, strict=False)))
+    return " ".join(words[0] for words in reversed(same))
 
 
 @dataclass(frozen=True, eq=False)

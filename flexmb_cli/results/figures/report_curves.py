@@ -13,6 +13,8 @@ from .report_scene import COLOURS
 
 WIDTH, HEIGHT = 1000, 300
 LEFT, RIGHT, TOP, BOTTOM = 90, 34, 14, 44
+# Width of a digit in the large letters of a narrow screen, and what parts a number from the frame.
+DIGIT, GAP = 15, 14
 COLUMNS = 450
 # More points than this for each column are an envelope.
 POINTS = 3
@@ -47,10 +49,12 @@ class _Frame:
         xs, ys = ([getattr(curve, key) for curve in panel.curves] for key in "xy")
         self.x = _range(xs, 0.0)
         self.y = _range(ys, 0.05)
+        self.left = max(LEFT, DIGIT * max(len(text) for _, text in _ticks(*self.y)) + GAP)
+        self.right = WIDTH - max(RIGHT, DIGIT / 2 * len(_ticks(*self.x)[-1][1]) + GAP / 2)
 
     def places(self, x, y):
         """Places (n, 2) of values."""
-        across = LEFT + (x - self.x[0]) / (self.x[1] - self.x[0]) * (WIDTH - LEFT - RIGHT)
+        across = self.left + (x - self.x[0]) / (self.x[1] - self.x[0]) * (self.right - self.left)
         down = HEIGHT - BOTTOM - (y - self.y[0]) / (self.y[1] - self.y[0]) * (HEIGHT - TOP - BOTTOM)
         return np.column_stack([across, down])
 
@@ -63,9 +67,9 @@ class _Frame:
             parts.append(f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 17}" text-anchor="middle">{text}</text>')
         for value, text in _ticks(*self.y):
             y = self.places(self.x[0], value)[0, 1]
-            parts.append(f'<path class="grid" d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}"/>')
-            parts.append(f'<text x="{LEFT - 7}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
-        middle = (LEFT + WIDTH - RIGHT) / 2
+            parts.append(f'<path class="grid" d="M{self.left} {y:.1f}H{self.right:g}"/>')
+            parts.append(f'<text x="{self.left - 7}" y="{y + 4:.1f}" text-anchor="end">{text}</text>')
+        middle = (self.left + self.right) / 2
         parts.append(f'<text x="{middle}" y="{HEIGHT - 6}" text-anchor="middle">{escape(x_label)}</text>')
         return "".join(parts)
 
@@ -88,7 +92,13 @@ def _ticks(low, high):
     power = 10.0 ** np.floor(np.log10(raw))
     step = power * next(one for one in (1, 2, 5, 10) if one * power >= raw)
     values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
-    return [(float(value), f"{value + 0.0:.5g}".replace("-", "\N{MINUS SIGN}")) for value in values]
+    return [(float(value), _shown(float(value))) for value in values]
+
+
+def _shown(value):
+    """The number as short as it can be written: 5e6."""
+    mantissa, mark, power = f"{value + 0.0:.5g}".partition("e")
+    return f"{mantissa}{mark}{int(power) if power else ''}".replace("-", "\N{MINUS SIGN}")
 
 
 def _curve(frame, curve, k):

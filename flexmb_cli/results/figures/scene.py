@@ -135,7 +135,7 @@ class _Motion:
         self.rows = len(self.position)
         self.turn = rotations(result["body/euler_parameters"][rows])
         self.names = _names(result, "body")
-        self.relative = "coordinate/q" in result  # of a tree
+        self.relative = "coordinate/u_rate" in result  # of a tree
         self.nodes = dict(_nodes(result, self.names, rows))
         have_joints, have_points = "joint/point" in result, "point/body" in result
         self.joint_body = result["joint/body"][:] if have_joints else np.zeros((0, 2), int)

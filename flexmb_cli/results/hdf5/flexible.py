@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from ...model.element_names import element_names
 from ...model.flexible_mechanism import FlexibleMechanism
 from .driver_efforts import DRIVER, FORCE, PATH, TORQUE, driver_axis_with_units, effort_series
+from .joint_coordinates import coordinate_names, joint_values, with_elements
 from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, XYZ, Axis, Constant, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, gravity, joint_geometry, point_bodies, shape_geometry
@@ -67,9 +69,11 @@ def flexible_layout(mechanism: FlexibleMechanism) -> Layout:
         if body.flexible.stress:
             series.append(Series(_rate(body), (axis,), "m/s or 1/s", f"rates of the {meaning}"))
     series += stress_series(mechanism)
-    constants = tuple(_constants(mechanism))
-    layout = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), constants)
-    return with_shapes(layout, mechanism.shapes)
+    found = Layout("dynamic", mechanism.time.rows, tuple(axes), tuple(series), tuple(_constants(mechanism)))
+    if mechanism.elements:
+        coordinates = coordinate_names(mechanism.joints, [joint.name for joint in mechanism.joints])
+        found = with_elements(found, coordinates, element_names(mechanism))
+    return with_shapes(found, mechanism.shapes)
 
 
 def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
@@ -80,6 +84,8 @@ def flexible_values(mechanism: FlexibleMechanism, rows) -> Values:
         values[_amplitude(body)] = amplitude
     for body, rate in zip(_flexible(mechanism), rows.amplitude_rate, strict=True):
         values[_rate(body)] = rate
+    if mechanism.elements:
+        values |= joint_values(rows)
     return values | stress_values(mechanism, values)
 
 

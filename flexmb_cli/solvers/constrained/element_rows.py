@@ -1,11 +1,12 @@
-"""Report rows of a YOUNG deck with elements at joints: joint coordinates, and what every element does."""
+"""Report rows of decks with elements at joints: joint coordinates, and what every element does."""
 
 import numpy as np
 
 from ...kernels.constrained.elements import COORDINATE, EFFORT, POWER, SPEED
 from ...kernels.constrained.report import Report
 from ...model.arrays.dynamic import DynamicArrays
-from ...model.arrays.young_elements import reported_coordinates
+from ...model.arrays.element_table import coordinates_of_joints
+from ...model.joint_elements import JointElements
 from ...model.loads import DynamicModel
 from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows
@@ -32,22 +33,29 @@ def element_rows(model: DynamicModel, arrays: DynamicArrays, report: Report) -> 
         own = report.multipliers[:, report.multipliers.shape[1] - driven :]
         kept["driver_effort"] = np.concatenate([rows.driver_effort, own], axis=1)
     first = len(model.forces) + len(model.torques)
+    count = len(coordinates_of_joints(model.mechanism.joints))
+    return ElementRows(**kept, **element_answers(report, first, model.elements, count))
+
+
+def element_answers(
+    report: Report, first: int, elements: JointElements, coordinates: int
+) -> dict[str, np.ndarray]:
+    """Fields of `ElementRows` that the loads from `first` on answer, `coordinates` of joints among them."""
     # A force of none is 0, not -0.
     answers = report.responses[:, first:] + 0.0
-    ends = answers.shape[1] - len(model.elements.frictions)
-    last = ends - len(model.elements.motors)
-    begins = last - len(reported_coordinates(model.mechanism))
+    ends = answers.shape[1] - len(elements.frictions)
+    last = ends - len(elements.motors)
+    begins = last - coordinates
     probes = answers[:, begins:last]
-    elements = np.concatenate([answers[:, :begins], answers[:, ends:]], axis=1)
-    return ElementRows(
-        **kept,
-        joint_coordinate=probes[..., COORDINATE].copy(),
-        joint_rate=probes[..., SPEED].copy(),
-        element_coordinate=elements[..., COORDINATE].copy(),
-        element_rate=elements[..., SPEED].copy(),
-        element_effort=elements[..., EFFORT].copy(),
-        element_power=elements[..., POWER].copy(),
-    )
+    found = np.concatenate([answers[:, :begins], answers[:, ends:]], axis=1)
+    return {
+        "joint_coordinate": probes[..., COORDINATE].copy(),
+        "joint_rate": probes[..., SPEED].copy(),
+        "element_coordinate": found[..., COORDINATE].copy(),
+        "element_rate": found[..., SPEED].copy(),
+        "element_effort": found[..., EFFORT].copy(),
+        "element_power": found[..., POWER].copy(),
+    }
 
 
 def _in_order_of_deck(model, arrays, report):

@@ -8,8 +8,10 @@ from ...model.arrays.flexible import flexible_arrays
 from ...model.arrays.node_joints import TRANSLATIONS
 from ...model.arrays.records import FUNCTION, function_record
 from ...model.fe_model import Integrator
-from ...model.flexible_mechanism import FlexibleMechanism
+from ...model.flexible_mechanism import FlexibleMechanism, PointJoint
 from ...model.loads import InitialVelocity
+from ...model.mechanism import Joint
+from ...model.planar_loops import repeated_in_plane
 from ...model.time_functions import POLYNOMIAL
 from ..linearisation.terms import Terms
 from .analysis import ConstrainedMotion
@@ -17,6 +19,7 @@ from .flexible_rows import FlexibleRows, flexible_rows
 from .flexible_start import PositionGaps, assemble
 from .initial_gaps import gap_warnings
 from .integrators import METHODS
+from .joint_rates import rate_equations
 from .rows import global_axes
 from .start_speeds import given_speeds
 
@@ -74,6 +77,21 @@ class FlexibleDynamics(ConstrainedMotion):
             tuple((point.name, point.body) for point in m.outputs),
         )
 
+    def given_rates(self, q):
+        """Rows, right-hand sides and names of the joint rates that the deck gives."""
+        rates = self.mechanism.elements.rates
+        if not rates:
+            return super().given_rates(q)
+        joints = [_body_joint(joint) for joint in self.mechanism.joints]
+        return rate_equations(joints, rates, q, self.arrays.speeds)
+
+    def usual_repetitions(self, q) -> int | None:
+        """Those of a planar mechanism, None of any other."""
+        bodies = len(self.mechanism.bodies)
+        joints = [_body_joint(joint) for joint in self.mechanism.joints]
+        attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
+        return None if self.mechanism.pins else repeated_in_plane(joints, (), attitudes)
+
     def driven_system(self, k: int, additions, t: float) -> System:
         """Return the system with additions to the value, rate and second rate of motion k at t.
 
@@ -91,7 +109,21 @@ class FlexibleDynamics(ConstrainedMotion):
 
     def block(self, report: Report) -> FlexibleRows:
         """The rows of a report in the terms of the model."""
+        if self.mechanism.elements:
+            from .flexible_element_rows import flexible_element_rows
+
+            return flexible_element_rows(self.mechanism, self.arrays, report)
         return flexible_rows(self.mechanism, self.arrays, report)
+
+
+NO_AXIS = (0.0, 0.0, 0.0)
+
+
+def _body_joint(joint: PointJoint) -> Joint:
+    """A joint between bodies that do not deform, as they begin."""
+    a, b = joint.a, joint.b
+    axis = [tuple(side[1].r0 - side[0].r0) if len(side) > 1 else NO_AXIS for side in (a, b)]
+    return Joint(joint.kind, joint.name, a[0].body, b[0].body, tuple(a[0].r0), tuple(b[0].r0), *axis)
 
 
 def _velocities(mechanism):

@@ -147,7 +147,8 @@ def _forces(mechanism, arrays, motion, report):
     """Reactions of joints, forces of pins, efforts of motions."""
     joints, pins = len(mechanism.joints), len(mechanism.pins)
     reactions = [_reaction(motion, mechanism.joints[k], report.wrenches[:, k]) for k in range(joints)]
-    first_rows = arrays.groups["first_row"][joints + pins :]
+    motions = joints + pins + len(mechanism.motions)
+    first_rows = arrays.groups["first_row"][joints + pins : motions]
     return {
         "reaction_force": _stacked([force for force, _ in reactions], len(motion.q)),
         "reaction_torque": _stacked([torque for _, torque in reactions], len(motion.q)),

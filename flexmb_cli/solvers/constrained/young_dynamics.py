@@ -48,11 +48,13 @@ class ForwardDynamics(ConstrainedMotion):
     def usual_repetitions(self, q) -> int | None:
         """Those of a planar mechanism, None of any other."""
         bodies = len(self.mechanism.bodies)
-        return repeated_in_plane(self.mechanism, q[: 7 * bodies].reshape(bodies, 7)[:, 3:])
+        grounds = [ground.body for ground in self.mechanism.grounds]
+        attitudes = q[: 7 * bodies].reshape(bodies, 7)[:, 3:]
+        return repeated_in_plane(self.mechanism.joints, grounds, attitudes)
 
     def given_rates(self, q):
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
-        return rate_equations(self.mechanism, self.model.elements.rates, q, self.arrays.speeds)
+        return rate_equations(self.mechanism.joints, self.model.elements.rates, q, self.arrays.speeds)
 
     def given_speeds(self, q) -> tuple[np.ndarray, np.ndarray]:
         """Return which of the speeds the deck gives, and their values."""

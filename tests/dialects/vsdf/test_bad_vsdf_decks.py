@@ -231,8 +231,11 @@ RIGID_MODELS = [
     ),
     (
         "law",
-        changed(("GRAV\n", "MOTN\n    1 ANGL    1    5\nGRAV\n")),
-        ["26:20: error: motion 1: law 5 is outside 1..4 (1 polynomial, 2 spin-up, 3 sine, 4 table)"],
+        changed(("GRAV\n", "MOTN\n    1 ANGL    1    7\nGRAV\n")),
+        [
+            "26:20: error: motion 1: law 7 is outside 1..6 (1 polynomial, 2 spin-up, 3 sine, 4 table, "
+            "5 function, 6 rate by function)"
+        ],
     ),
     (
         "no stroke",

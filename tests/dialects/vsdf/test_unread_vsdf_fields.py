@@ -55,7 +55,7 @@ UNREAD = [
         changed(("GRAV\n", "TABL\n 3,0.0,0.0\n 3,1.0,1.0\nGRAV\n")),
         [
             "26:2: warning: table 3: no card uses it; a motion of law 4 names a table in c0, a force or a torque "
-            "in its last field"
+            "in its last field, a function of kind TABL or SPLI behind its kind"
         ],
     ),
     (

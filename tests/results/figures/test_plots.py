@@ -11,9 +11,10 @@ import pytest
 from click.testing import CliRunner
 
 from flexmb_cli.cli.plot import plot
-from flexmb_cli.results.figures.curves import Source, default_quantities, panels
+from flexmb_cli.results.figures.curves import Curve, Panel, Source, default_quantities, panels
 from flexmb_cli.results.figures.plots import style
 from flexmb_cli.results.quantities.quantities import open_result, resolve
+from flexmb_cli.results.quantities.readable import Readable
 from tests.results.figures.turning_bar import tip, write_bar
 from tests.results.results import write_result
 
@@ -47,6 +48,14 @@ def test_every_unit_has_its_panel(bar):
     labels = ["position of point 1 [m]", "angular velocity y of body 2 [rad/s]"]
     assert [panel.y_label for panel in drawn] == labels
     assert drawn[0].curves[1].y == pytest.approx(tip(TIMES)[:, 2], abs=1e-14)
+
+
+def test_a_panel_of_different_quantities_says_what_they_are():
+    """Of von Mises and principal stresses of a node and an element only the kind is common."""
+    words = [Readable("von Mises stress", "node 1", ""), Readable("stress", "element 2", "xx")]
+    curves = tuple(Curve(each.label, TIMES, TIMES, words=each) for each in words)
+    assert Panel("time [s]", "Pa", curves).y_label == "stresses [Pa]"
+    assert Panel("time [s]", "kg", curves).y_label == "[kg]"
 
 
 def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_path):

@@ -22,6 +22,7 @@ from flexmb_cli.results.figures.report_page import report_page
 from flexmb_cli.results.figures.report_scene import MOST_FRAMES, frame_rows, rounded, scene_data
 from flexmb_cli.results.figures.scene import read_scene
 from flexmb_cli.results.quantities.quantities import ResultError, open_result
+from flexmb_cli.results.quantities.readable import Readable
 from tests.results import conftest
 from tests.results.figures.turning_bar import tip, write_bar
 
@@ -230,6 +231,26 @@ def test_long_names_of_curves_are_not_cut_off(tmp_path):
     panel = Panel("time [s]", "m", tuple(Curve("x" * 200 + str(k), TIMES, TIMES * k) for k in range(3)))
     drawn = curve_figure(panel, "a [m]", 0)
     assert all("x" * 200 + str(k) in drawn for k in range(3))
+
+
+@pytest.mark.parametrize("size", [1e-13, 1.0, 4.86e6, 1.25e-300])
+def test_numbers_at_the_axes_lie_within_the_picture_on_a_phone_too(size):
+    """There letters are 26 units high in a picture 1000 wide; Helvetica's digits are 0.56 as wide as high."""
+    curve = Curve("a", 0.001234 * TIMES, -size * TIMES)
+    drawn = curve_figure(Panel("time [s]", "m", (curve,)), "a [m]", 0)
+    placed = r'<text x="([-0-9.]+)" y="[-0-9.]+" text-anchor="{}">([^<]*)<'
+    left = re.findall(placed.format("end"), drawn)
+    assert left and all(float(x) - 0.56 * 26 * len(text) >= 0 for x, text in left)
+    below = re.findall(placed.format("middle"), drawn)[:-1]
+    assert all(float(x) + 0.56 * 26 * len(text) / 2 <= 1000 for x, text in below)
+
+
+def test_the_heading_of_stresses_says_what_they_are():
+    """Those of elements and the largest one have the last words in common."""
+    words = [Readable("von Mises stress", f"body 2 element {k}", "") for k in (1, 2)]
+    words.append(Readable("largest von Mises stress", "body 2", ""))
+    curves = tuple(Curve(f"c{k}", TIMES, TIMES, k, 0, each) for k, each in enumerate(words))
+    assert Panel("time [s]", "Pa", curves).y_label == "von Mises stress [Pa]"
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,13 @@ import pytest
 from tests.solvers.constrained.element_decks import METHODS, ROTOR, SLIDER, rows_of
 
 G = 9.81
+# Body 2 on a screw along z of the ground.
+SCREW = """2 0 0 0 0 0 0 0 1 0 0 1
+0 0 0 1 0 0 0
+0 0 0 1 0 0 0
+1 2 0 0 0 0 0 0 0 0 1 0 0 1 1 0 0 1 0 0 PITCH
+1 0 0 0 0 0 0
+"""
 
 
 @pytest.mark.parametrize("card", METHODS.values(), ids=METHODS)
@@ -79,3 +86,22 @@ def test_a_mass_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form():
     period = 2 * x1 / V + 2 * (math.pi - math.atan(x1 * omega / V)) / omega
     assert len(found) > 3
     assert found == pytest.approx(np.full(len(found), period), rel=0.02)
+
+
+@pytest.mark.parametrize(("sense", "sign"), [(1.0, 1.0), (-1.0, -1.0)])
+def test_a_power_screw_lifts_its_load_by_the_torque_of_machine_design(sense, sign):
+    """Shigley, Mechanical Engineering Design, section 8-2, square thread: to raise a load F by a thread of
+    radius r and lead angle λ takes T = F r (tan λ + μ)/(1 - μ tan λ), to lower it F r (μ - tan λ)/(1 + μ tan
+    λ).
+    """
+    r, pitch, mu, load = 0.02, 0.003, 0.12, 2.0 * 9.81
+    slope = pitch / r
+    screw = SCREW.replace("PITCH", f"{pitch}")
+    cards = f"MASS 2 2 0 0 0 1 1 1\nGRAVITY 0 0 -9.81\nPOLYNOMIAL 1 0 {sense}\nANGLE 1 1\n"
+    cards += f"FRICTION 1 {mu} {mu} 1 1e-6 {r}\nTOLERANCE 1e-10"
+    rows = rows_of(screw, "0 0.2 0.1", cards)
+    torque = load * r * (slope + sign * mu) / (1.0 - sign * mu * slope)
+    assert rows.driver_effort[-1, 0] == pytest.approx(torque, rel=1e-8)
+    # What the friction takes is what the driver gives beyond the weight's potential.
+    power = torque * sense - load * pitch * sense
+    assert rows.element_power[-1, 0] == pytest.approx(-power, rel=1e-8)

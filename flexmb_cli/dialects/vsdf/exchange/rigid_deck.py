@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from ...errors import Fault, ModelError
-from ...model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
-from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
-from ...model.joint_elements import ANGLE
-from ...model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
-from .cards import FINAL
-from .joints import JOINT_WORDS, SLIDING, TURNING
+from ....errors import Fault, ModelError
+from ....model.exchange.functions import points_of, polynomial_of, simple, value_of, without_jumps
+from ....model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidModel, across
+from ....model.joints import ANGLE
+from ....model.time_functions import POLYNOMIAL, SINE, SPIN_UP, TABLE
+from ..cards import FINAL
+from ..joints import BY_WORD, SLIDING, TURNING
 
-_WORDS = {joint.kind: joint for joint in JOINT_WORDS}
+_WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
 _METHODS = {ALPHA: "GALF", RADAU: "RAD5"}
 _DIRECTIONS = ("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ")
 _BEYOND = 1e-9  # of the largest moment of inertia
@@ -110,27 +110,27 @@ class _Deck:
         return self.nodes[key]
 
     def _joint(self, number, joint):
-        word = _WORDS[joint.kind]
+        word, kind = _WORDS[joint.kind]
         a, b = self._ends(joint)
-        a, b = [*a[: word.on_a], "", "", ""], [*b[: word.on_b], "", "", ""]
-        sized = joint.kind in ("screw", "revolute-spherical", "spherical-spherical")
+        a, b = [*a[: kind.points_on("i")], "", "", ""], [*b[: kind.points_on("j")], "", "", ""]
         bodies = joint.i + 1, joint.j + 1
         return _record(
-            number, word.word, bodies[0], a[0], a[1], bodies[1], b[0], b[1], a[2], b[2],
-            *([joint.size] if sized else []),
+            number, word, bodies[0], a[0], a[1], bodies[1], b[0], b[1], a[2], b[2],
+            *([joint.size] if kind.size else []),
         )  # fmt: skip
 
     def _ends(self, joint):
         """Nodes P, Q, H on both bodies, as many as there are directions."""
-        word, model = _WORDS[joint.kind], self.model
+        (_, kind), model = _WORDS[joint.kind], self.model
+        on_i, on_j = kind.points_on("i"), kind.points_on("j")
         if joint.kind == "fixed":
             axis = np.eye(3)[2]
             along = {body: model.axes(body).T @ axis for body in (joint.i, joint.j)}
         else:
-            axis = model.axis(joint) if word.on_a > 1 else None
+            axis = model.axis(joint) if on_i > 1 else None
             along = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         found = []
-        for body, P, count in ((joint.i, joint.P_i, word.on_a), (joint.j, joint.P_j, word.on_b)):
+        for body, P, count in ((joint.i, joint.P_i, on_i), (joint.j, joint.P_j, on_j)):
             places = [np.array(P)]
             if count > 1:
                 places.append(places[0] + self.arm * along[body] / np.linalg.norm(along[body]))

@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...deck.record import Deck
-from ...errors import Fault, ModelError
-from ...model.exchange.functions import constant, moved
-from ...model.exchange.rigid_model import (
+from ....deck.record import Deck
+from ....errors import Fault, ModelError
+from ....model.exchange.functions import constant, moved
+from ....model.exchange.rigid_model import (
     ALPHA,
     EXPLICIT,
     GROUND,
@@ -22,12 +22,13 @@ from ...model.exchange.rigid_model import (
     Stepping,
     vector,
 )
-from ...model.exchange.start import Pair, Start, angle_between, stroke_between
-from ...model.flexible_mechanism import FlexibleMechanism
-from ...model.joint_elements import ANGLE, STROKE, JointDriver
-from ...model.loads import AppliedForce, AppliedTorque, SpringDamper
-from ...model.mechanism import Point
-from ...model.vectors import rotation_matrix
+from ....model.exchange.start import Pair, Start, angle_between, stroke_between
+from ....model.flexible_mechanism import FlexibleMechanism
+from ....model.joint_elements import JointDriver
+from ....model.joints import ANGLE, STROKE
+from ....model.loads import AppliedForce, AppliedTorque, SpringDamper
+from ....model.mechanism import Point
+from ....model.vectors import rotation_matrix
 
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}

@@ -1,0 +1,218 @@
+"""Cards of functions of time, for every dialect."""
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+
+from ...deck.record import Number, Record
+from ...errors import Place
+from ...model.diagnostics import Findings
+from ...model.piecewise_polynomials import linear_table, polynomial, smooth_step, spline_table
+from ...model.time_functions import (
+    SINE,
+    MotionFunction,
+    integral_of,
+    piecewise,
+    product_of,
+    smoothness,
+    sum_of,
+)
+from ...quick_dataclass import dataclass
+
+MOST_FACTORS = 1000  # of a product that is multiplied out
+
+
+@dataclass(frozen=True)
+class GivenFunction:
+    """A function as a deck gives it: its card, its number, what it is, and the numbers that define it.
+
+    `place(k)`: where the k-th value stands.
+    """
+
+    record: Record
+    number: Number
+    kind: str  # of `KINDS`
+    values: Sequence[float]
+    place: Callable[[int], Place | None]
+
+
+class Functions:
+    """The functions of a deck by their numbers; faults go into `findings`."""
+
+    def __init__(self, given: Iterable[GivenFunction], findings: Findings):
+        self.findings = findings
+        self._functions: dict[int, MotionFunction] = {}
+        self._used: set[int] = set()
+        self._records: dict[int, Record] = {}
+        for function in given:
+            self._take(function)
+
+    def _take(self, given):
+        number, record = given.number, given.record
+        if number.value < 1 or number.value in self._records:
+            other = self._records.get(number.value)
+            why = f"is already {other.subject}" if other else "must be 1 or more"
+            self.findings.error(
+                record.subject, f"function number {number.value} {why}", number.place, id="ELEMENTS-012"
+            )
+            return
+        self._records[number.value] = record
+        kind = KINDS[given.kind]
+        if not kind.fits(len(given.values)):
+            message = f"{kind.name} takes {kind.wanted}; read {len(given.values)} numbers"
+            self.findings.error(record.subject, message, record.place, id="ELEMENTS-013")
+            return
+        function = kind.make(self, given)
+        if function is not None:
+            self._functions[number.value] = function
+
+    def function(self, record: Record, key: str = "function") -> MotionFunction | None:
+        """The function that the number `key` of a record names; None for 0, and where there is none."""
+        number = record.at(key)
+        if number.value == 0 and key != "function":
+            return None
+        self._used.add(number.value)
+        if number.value not in self._records:
+            known = ", ".join(map(str, sorted(self._records))) or "none"
+            message = f"there is no function {number.value:g}; the deck has {known}"
+            self.findings.error(record.subject, message, number.place, id="ELEMENTS-014")
+        return self._functions.get(number.value)
+
+    def motion(
+        self, record: Record, start: float, given: float = 0.0, key: str = "function"
+    ) -> MotionFunction | None:
+        """The function that a driver's coordinate follows: the function, or its integral from `given` on."""
+        by_rate = record.at("rate") if "rate" in record else None
+        if by_rate is not None and by_rate.value not in (0, 1):
+            message = f"rate must be 0 (the coordinate) or 1 (its rate); read {by_rate.value}"
+            self.findings.error(record.subject, message, by_rate.place, id="ELEMENTS-015")
+            return None
+        if by_rate is not None and by_rate.value == 1:
+            return self.integrated(record, start, given, key)
+        function = self.function(record, key)
+        if function is not None:
+            self._refuse_rough(record, function, 1, "the rate of a coordinate cannot jump", key)
+        return function
+
+    def integrated(
+        self, record: Record, start: float, given: float = 0.0, key: str = "function"
+    ) -> MotionFunction | None:
+        """The integral of the function from `given` at the time `start` on."""
+        function = self.function(record, key)
+        if function is None:
+            return None
+        self._refuse_rough(record, function, 0, "a rate cannot jump", key)
+        found = integral_of(function, start)
+        if found is None:
+            message = "flexmb has no integral of a product; give the coordinate itself (rate 0)"
+            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-016")
+            return None
+        return sum_of([found, piecewise(polynomial([given]))]) if given else found
+
+    def curve(self, record: Record, key: str) -> MotionFunction | None:
+        """The characteristic of a spring or damper over its stretch or rate, which must have an integral."""
+        function = self.function(record, key)
+        if function is not None and integral_of(function) is None:
+            message = "a product is no characteristic of a spring; use TABLE, SPLINE or POLYNOMIAL"
+            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-017")
+            return None
+        return function
+
+    def _refuse_rough(self, record, function, least, why, key):
+        if smoothness(function) < least:
+            remedy = "use SPLINE or STEP" if least else "move its points apart"
+            message = f"{why}, but that of function {record[key]:g} does; {remedy}"
+            self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-018")
+
+    def note_unused(self) -> None:
+        """Note functions that nothing follows."""
+        for number, record in self._records.items():
+            if number not in self._used:
+                self.findings.note(
+                    record.subject, f"nothing uses function {number}", record.place, id="ELEMENTS-019"
+                )
+
+
+def _points(functions, given, make: Callable) -> MotionFunction | None:
+    times, found = given.values[0::2], given.values[1::2]
+    for k, (before, after) in enumerate(pairwise(times), 1):
+        if not before < after:
+            message = (
+                f"times must rise; {after:g} follows {before:g} (for a jump take two times a little apart)"
+            )
+            functions.findings.error(given.record.subject, message, given.place(2 * k), id="ELEMENTS-020")
+            return None
+    return piecewise(make(times, found))
+
+
+def _polynomial(_functions, given):
+    return piecewise(polynomial(given.values))
+
+
+def _sine(_functions, given):
+    return MotionFunction(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))
+
+
+def _between(functions, given, make):
+    ends = [float(value) for value in given.values]
+    if not ends[0] < ends[2]:
+        message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
+        functions.findings.error(given.record.subject, message, given.place(2), id="ELEMENTS-021")
+        return None
+    return piecewise(make(*ends))
+
+
+def _ramp(t0, v0, t1, v1):
+    return linear_table((t0, t1), (v0, v1))
+
+
+def _combined(known, given, combine):
+    parts = []
+    for k, value in enumerate(given.values):
+        known._used.add(value)
+        part = known._functions.get(value)
+        if (part is None and value not in known._records) or value == given.number.value:
+            message = f"function {value:g} must be given in a card above"
+            known.findings.error(given.record.subject, message, given.place(k), id="ELEMENTS-022")
+        parts.append(part)
+    if None in parts:
+        return None
+    found = combine(parts)
+    if len(found.terms) > MOST_FACTORS:
+        many = f"multiplied out it has {len(found.terms)} terms, more than {MOST_FACTORS}; use fewer sums"
+        known.findings.error(given.record.subject, many, given.record.place, id="ELEMENTS-023")
+        return None
+    return found
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of function: its name, what makes it, and how many numbers define it.
+
+    `least` numbers or more, by `step`, up to `most` (0: any).
+    """
+
+    name: str
+    make: Callable
+    wanted: str
+    least: int
+    most: int = 0
+    step: int = 1
+
+    def fits(self, count: int) -> bool:
+        """Return whether so many numbers can define one."""
+        enough = self.least <= count <= (self.most or count)
+        return enough and (count - self.least) % self.step == 0
+
+
+_ENDS = "start from end to: from the first value at the start to the last at the end"
+_PARTS = "one function above or more"
+KINDS = {
+    "table": Kind("TABLE", lambda f, g: _points(f, g, linear_table), "two points t v or more", 4, step=2),
+    "spline": Kind("SPLINE", lambda f, g: _points(f, g, spline_table), "two points t v or more", 4, step=2),
+    "polynomial": Kind("POLYNOMIAL", _polynomial, "one coefficient or more", 1),
+    "sine": Kind("SINE", _sine, "mean amplitude omega and, if not 0, phase", 3, 4),
+    "ramp": Kind("RAMP", lambda f, g: _between(f, g, _ramp), _ENDS, 4, 4),
+    "step": Kind("STEP", lambda f, g: _between(f, g, smooth_step), _ENDS, 4, 4),
+    "sum": Kind("SUM", lambda f, g: _combined(f, g, sum_of), _PARTS, 1),
+    "product": Kind("PRODUCT", lambda f, g: _combined(f, g, product_of), _PARTS, 1),
+}

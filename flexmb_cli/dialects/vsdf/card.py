@@ -1,0 +1,50 @@
+"""What a card of a VSDF deck is: a keyword, and the fields of its data cards."""
+
+from ...quick_dataclass import dataclass
+
+# A field's letter gives its width: I an integer, F a real, A a word, T text to the end of the line.
+WIDTHS = {"I": 5, "F": 10, "A": 4, "T": 0}
+
+
+@dataclass(frozen=True)
+class Column:
+    """One field of a card: its key, meaning, SI unit, letter, and the blank columns before it.
+
+    `words`: what a word may be; `default`: the value of an empty field, None when it must be filled.
+    """
+
+    key: str
+    meaning: str
+    unit: str = ""
+    letter: str = "F"
+    skip: int = 0
+    words: tuple[str, ...] = ()
+    default: float | int | str | None = 0
+
+
+@dataclass(frozen=True)
+class Card:
+    """A keyword and its data cards.
+
+    `counted`: "own" when the first field numbers the records 1, 2, ...; "body" when there is one record a
+    body; "list" when records are numbered as they come; "single" when there is one in the deck.
+    `more`: the column that repeats to the end of the card; `second`: the fields of a second card.
+    """
+
+    word: str
+    section: str
+    subject: str
+    counted: str
+    columns: tuple[Column, ...]
+    more: Column | None = None
+    second: tuple[Column, ...] = ()
+
+
+def whole_column(key: str, meaning: str, default: int | None = 0) -> Column:
+    """A field of an integer."""
+    return Column(key, meaning, letter="I", default=default)
+
+
+def vector_columns(key: str, meaning: str, unit: str = "", default: float | None = 0.0) -> tuple[Column, ...]:
+    """The fields of three components."""
+    return tuple(Column(f"{key}.{axis}", f"{meaning}, {axis}", unit, default=default) for axis in "xyz")

@@ -1,0 +1,168 @@
+"""Functions of time, and elements at joints and between nodes, of a VSDF deck."""
+
+from collections.abc import Iterator, Sequence
+
+from ...deck.record import Number, Record
+from ...deck.records import DeckValues
+from ...model.diagnostics import Findings
+from ...model.fe_model import GROUND, NodeJoint, Pin, VsdfBody
+from ...model.joint_elements import JointElements
+from ...quick_dataclass import replace
+from ..elements.build import JOINT_CARDS, JointMaker
+from ..elements.build import build_elements as elements_of
+from ..elements.functions import Functions, GivenFunction
+from .element_cards import FUNCTION_KINDS, OF_TABLES
+from .joints import find_end
+
+START = 0.0  # s, of every run
+
+
+def build_functions(values: DeckValues, tables: dict, findings: Findings) -> Functions:
+    """The functions of the cards FUNC; `tables`: laws of the tables by their numbers."""
+    return Functions(_given(values, tables, findings), findings)
+
+
+def _given(values, tables, findings) -> Iterator[GivenFunction]:
+    for record in values.section("function"):
+        number, numbers = record.at("number"), record.numbers[2:]
+        if number.value in tables:
+            message = f"{number.value} is a table; functions and tables have numbers of their own"
+            findings.error(record.subject, message, number.place, id="VSDF-100")
+        found = [item.value for item in numbers]
+        if record["kind"] in OF_TABLES:
+            found = _points(record, numbers, tables, findings)
+        if found is not None:
+            yield GivenFunction(record, number, FUNCTION_KINDS[record["kind"]], found, _places(numbers))
+
+
+def _places(numbers):
+    return lambda k: numbers[min(k, len(numbers) - 1)].place
+
+
+def _points(record, numbers, tables, findings):
+    """Times and values of the table that a function goes through, one after the other."""
+    if len(numbers) != 1 or numbers[0].value not in tables:
+        message = f"{record['kind']} wants the number of a table; cards TABL give some"
+        findings.error(record.subject, message, numbers[0].place, id="VSDF-101")
+        return None
+    function = tables[numbers[0].value]  # None: it has a fault of its own
+    return function and [x for point in zip(function.times, function.values, strict=True) for x in point]
+
+
+def build_elements(
+    values: DeckValues,
+    bodies: Sequence[VsdfBody],
+    ground: VsdfBody,
+    joints: Sequence[NodeJoint],
+    functions: Functions,
+    findings: Findings,
+) -> JointElements:
+    """All elements of the deck; faults go into `findings`."""
+    maker = _Maker(bodies, ground, joints, functions, findings)
+    outputs = values.section("joint_output")
+    for output in outputs:
+        if output["on"] in (0, 1):
+            continue
+        message = f"on is 0 or 1; read {output.at('on').text}"
+        findings.error(output.subject, message, output.at("on").place, id="VSDF-102")
+    reported = any(output["on"] == 1 for output in outputs)
+
+    def records(section):
+        return list(_couplings(values)) if section == "coupling" else values.section(section)
+
+    return elements_of(maker, records, JOINT_CARDS, reported=reported)
+
+
+class _Maker(JointMaker):
+    """Makes elements of records; None where a fault was found."""
+
+    def __init__(self, bodies, ground, joints, functions, findings):
+        super().__init__(joints, functions, findings, START)
+        self.bodies, self.ground = bodies, ground
+
+    def ends(self, record):
+        """Bodies (-1: ground) and nodes of an element between two bodies."""
+        a, b = (
+            find_end(
+                self.bodies,
+                self.ground,
+                record.at(side),
+                record.at(f"n{side}"),
+                record.subject,
+                self.findings,
+            )
+            for side in "ab"
+        )
+        if a is None or b is None:
+            return None
+        if a.body == b.body and (a.body == GROUND or self.bodies[a.body].flexible is None):
+            what = "the ground" if a.body == GROUND else f"body {a.body + 1}, which is rigid"
+            message = f"both ends are on {what}, so nothing changes between them"
+            self.findings.error(record.subject, message, record.at("b").place, id="VSDF-103")
+            return None
+        if record.section == "bushing":
+            self._refuse_turns(record, a, b)
+        return {"i": a.body, "j": b.body, "P_i": a, "P_j": b}
+
+    def _refuse_turns(self, record, a, b):
+        """Nodes of a flexible body have no attitude."""
+        flexible = [e.body for e in (a, b) if e.body != GROUND and self.bodies[e.body].flexible is not None]
+        turning = [
+            record.at(f"{key}.{axis}") for key in ("kr", "cr") for axis in "xyz" if record[f"{key}.{axis}"]
+        ]
+        if flexible and turning:
+            message = (
+                f"body {flexible[0] + 1} is FLEX, its nodes do not turn; leave kr and cr out, and give "
+                "several bushings at nodes apart"
+            )
+            self.findings.error(record.subject, message, turning[0].place, id="VSDF-104")
+
+
+def _couplings(values) -> Iterator[Record]:
+    """The couplings as records of all their terms."""
+    terms: dict[int, list[Record]] = {}
+    for record in values.section("coupling_term"):
+        terms.setdefault(record["coupling"], []).append(record)
+    for number, records in terms.items():
+        numbers = [
+            _renamed(item, f"{item.key}{k}")
+            for k, record in enumerate(records, 1)
+            for item in record.numbers[1:]
+        ]
+        yield Record("coupling", number, f"coupling {number}", tuple(numbers))
+
+
+def _renamed(number: Number, key: str) -> Number:
+    return Number(key, number.value, number.meaning, number.unit, number.place, number.text)
+
+
+def moved_pins(
+    values: DeckValues, pins: tuple[Pin, ...], functions: Functions, findings: Findings
+) -> tuple[Pin, ...]:
+    """The pins, some of which the cards SUPP move."""
+    found = list(pins)
+    seen: dict[int, str] = {}
+    for record in values.section("support"):
+        number = record.at("pin")
+        if not 1 <= number.value <= len(values.section("pin")):
+            message = f"pin number {number.value} is outside 1..{len(values.section('pin'))}"
+            findings.error(record.subject, message, number.place, id="VSDF-105")
+        elif number.value in seen:
+            message = f"{seen[number.value]} already moves this pin; remove one of them"
+            findings.error(record.subject, message, number.place, id="VSDF-106")
+        elif len(found) == len(values.section("pin")):
+            k = number.value - 1
+            found[k] = replace(found[k], functions=_functions(record, found[k], functions, findings))
+        seen.setdefault(number.value, record.subject)
+    return tuple(found)
+
+
+def _functions(record, pin, functions, findings):
+    for held, axis in zip(pin.directions, "xyz", strict=True):
+        number = record.at(f"function.{axis}")
+        if number.value and not held:
+            message = (
+                f"{pin.name} does not hold {axis}; add it to the mask of PINN, or leave the function out"
+            )
+            findings.error(record.subject, message, number.place, id="VSDF-107")
+    return tuple(functions.motion(record, START, key=f"function.{axis}") for axis in "xyz")

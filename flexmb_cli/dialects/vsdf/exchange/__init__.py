@@ -1,0 +1,1 @@
+"""A VSDF deck of rigid bodies to and from other dialects."""

@@ -1,0 +1,216 @@
+"""Elements at joints, and between bodies → equations, primitives and loads for the kernels.
+
+What a dialect calls a joint, and which coordinates it has, is left to the object `joints`: `PointJoints`, or
+the hinges of a tree.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from ...quick_dataclass import dataclass
+from ..flexible_mechanism import NodePoint, PointJoint
+from ..joint_elements import COORDINATES_OF, JointElements, is_angle
+from ..joints import ANGLE, STROKE
+from ..time_functions import integral_of
+from .constraint_table import PrimitiveTable
+from .node_joints import JointVectors
+from .records import CABLE, ELEMENT, FRICTION, RELATIVE, SPRING, STOP, blank_load, line_primitive
+
+
+@dataclass(frozen=True)
+class JointCoordinateName:
+    """A joint coordinate in results: which joint, and which of its coordinates."""
+
+    joint: int
+    coordinate: str
+
+
+class Joints(Protocol):
+    """What the elements need to know of the joints, numbered from 0."""
+
+    def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
+        """The primitive of a joint coordinate; `expected`: an angle at the start, where it is not 0."""
+
+    def bodies(self, joint: int) -> tuple[int, int]:
+        """Its two bodies."""
+
+    def axis(self, joint: int) -> int:
+        """The body vector along the axis that its parts slide about and along."""
+
+    def sliding(self, joint: int) -> tuple[str | None, str | None]:
+        """Its angle and its stroke in which there may be friction; None where it has none."""
+
+    def pitch(self, joint: int) -> float:
+        """Advance of a screw, m/rad; 0 of other joints."""
+
+
+class PointJoints:
+    """Joints between points of bodies."""
+
+    def __init__(self, table: PrimitiveTable, joints: Sequence[PointJoint]):
+        self.table, self.joints = table, joints
+
+    def _arms(self, joint):
+        return JointVectors(self.table, self.joints[joint])
+
+    def primitive(self, joint: int, coordinate: str, expected: float = 0.0) -> np.ndarray:
+        """The primitive of a joint coordinate."""
+        body_vectors = self._arms(joint)
+        return (
+            body_vectors.stroke()
+            if coordinate == STROKE
+            else self.table.angle(*body_vectors.turning(), expected)
+        )
+
+    def bodies(self, joint: int) -> tuple[int, int]:
+        """Its bodies."""
+        return self.joints[joint].a[0].body, self.joints[joint].b[0].body
+
+    def axis(self, joint: int) -> int:
+        """The body vector along the axis of body a."""
+        body_vectors = self._arms(joint)
+        if body_vectors.a[1].shape.size:
+            return body_vectors.body_vector_of(body_vectors.a)
+        return self.table.body_vector(body_vectors.i, body_vectors.s)
+
+    def sliding(self, joint: int) -> tuple[str | None, str | None]:
+        """Its angle and its stroke."""
+        kinds = COORDINATES_OF[self.joints[joint].kind]
+        return ANGLE if ANGLE in kinds else None, STROKE if STROKE in kinds else None
+
+    def pitch(self, joint: int) -> float:
+        """Advance of a screw, m/rad."""
+        return self.joints[joint].size if self.joints[joint].kind == "screw" else 0.0
+
+
+def coordinates_of_joints(joints: Sequence) -> list[JointCoordinateName]:
+    """All joint coordinates in the order of the joints, which have a `kind`."""
+    return [
+        JointCoordinateName(k, coordinate)
+        for k, joint in enumerate(joints)
+        for coordinate in COORDINATES_OF[joint.kind]
+    ]
+
+
+class ElementTable:
+    """Fills a table of primitives with elements, equations first."""
+
+    def __init__(
+        self,
+        table: PrimitiveTable,
+        joints: Joints,
+        elements: JointElements,
+        reported: Sequence[JointCoordinateName],
+    ):
+        self.table, self.joints, self.elements, self.reported = table, joints, elements, reported
+
+    def add_couplings(self) -> None:
+        """An equation for every coupling of joint coordinates."""
+        for item in self.elements.couplings:
+            records = [self._scaled(self.joints.primitive(*where), factor) for *where, factor in item.terms]
+            is_length = not all(is_angle(coordinate) for _, coordinate, _ in item.terms)
+            record = self.table.chained(records)
+            ends = self.joints.bodies(item.terms[0][0])
+            self.table.equations(item.name, item.place, *ends, [("coupling", is_length, record)])
+
+    @staticmethod
+    def _scaled(record, factor):
+        for field in ("alpha", "beta", "constant"):
+            record[field] *= factor
+        return record
+
+    def add_drivers(self, start: float) -> None:
+        """An equation for every joint driver, whose function has a value at the time `start`."""
+        for item in self.elements.drivers:
+            record = self.joints.primitive(item.joint, item.coordinate, item.function.at(start)[0])
+            record["function"] = self.table.function(item.function)
+            part = item.coordinate, not is_angle(item.coordinate), record
+            self.table.equations(item.name, item.place, *self.joints.bodies(item.joint), [part])
+
+    def loads(self) -> list[np.ndarray]:
+        """Springs, stops, bushings, joint coordinates, motors, friction; equations must have been added."""
+        found = [self._spring(item) for item in self.elements.springs]
+        found += [self._line(item) for item in self.elements.lines]
+        found += [self._stop(item) for item in self.elements.stops]
+        for item in self.elements.bushings:
+            found += self._bushing(item)
+        for item in self.reported:
+            found.append(self._at(item.joint, item.coordinate, SPRING))
+        found += [self._motor(item) for item in self.elements.motors]
+        return found + [self._friction(item) for item in self.elements.frictions]
+
+    def _at(self, joint, coordinate, shape):
+        record = blank_load(ELEMENT)
+        record["shape"] = shape
+        record["primitive"] = self.table.spring(self.joints.primitive(joint, coordinate))
+        return record
+
+    def _motor(self, item):
+        record = blank_load(RELATIVE)
+        record["primitive"] = self.table.spring(self.joints.primitive(item.joint, item.coordinate))
+        record["function"] = self.table.function(item.function)
+        return record
+
+    def _spring(self, item):
+        return self._with_data(self._at(item.joint, item.coordinate, SPRING), item)
+
+    def _end(self, body, point):
+        """The body vector of an end: a node, or a point of a rigid body."""
+        return (
+            self.table.point(point) if isinstance(point, NodePoint) else self.table.body_vector(body, point)
+        )
+
+    def _line(self, item):
+        record = blank_load(ELEMENT)
+        record["shape"], record["in_line"] = CABLE if item.slack else SPRING, 1
+        head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
+        record["primitive"] = self.table.spring(line_primitive(head, tail))
+        return self._with_data(record, item)
+
+    def _with_data(self, record, item):
+        record["stiffness"], record["damping"] = item.stiffness, item.damping
+        record["free_length"], record["preload"] = item.rest, item.preload
+        if item.curve is not None:
+            record["curve"] = self.table.function(item.curve, of_time=False)
+            record["energy"] = self.table.function(integral_of(item.curve), of_time=False)
+        if item.damper is not None:
+            record["damper"] = self.table.function(item.damper, of_time=False)
+        return record
+
+    def _stop(self, item):
+        record = self._at(item.joint, item.coordinate, STOP)
+        record["stiffness"], record["damping"] = item.stiffness, item.damping
+        record["lower"], record["upper"] = item.lower, item.upper
+        return record
+
+    def _bushing(self, item):
+        """Six loads, along and about the axes of body i."""
+        table = self.table
+        head, tail = self._end(item.j, item.P_j), self._end(item.i, item.P_i)
+        turned = table.A(item.j).T @ table.A(item.i)
+        axes = [table.body_vector(item.i, np.eye(3)[k]) for k in range(3)]
+        records = [table.product((head, tail), axes[k]) for k in range(3)]
+        for k in range(3):
+            after, last = axes[(k + 1) % 3], axes[(k + 2) % 3]
+            records.append(table.angle(after, last, table.body_vector(item.j, turned[:, (k + 1) % 3])))
+        for record, stiffness, damping in zip(records, item.stiffness, item.damping, strict=True):
+            load = blank_load(ELEMENT)
+            load["shape"], load["primitive"] = SPRING, table.spring(record)
+            load["stiffness"], load["damping"] = stiffness, damping
+            yield load
+
+    def _friction(self, item):
+        record = blank_load(FRICTION)
+        sliding = self.joints.sliding(item.joint)
+        for field, coordinate in zip(("primitive", "stroke"), sliding, strict=True):
+            if coordinate is not None:
+                record[field] = self.table.spring(self.joints.primitive(item.joint, coordinate))
+        record["body_vector"], record["group"] = self.joints.axis(item.joint), item.joint
+        for field in ("dynamic", "static", "stribeck", "creep", "radius", "preload"):
+            record[field] = getattr(item, field)
+        if pitch := self.joints.pitch(item.joint):
+            # The flank of a thread stands across its helix: its force is the axial one over the cosine.
+            record["thread"] = np.hypot(item.radius, pitch) / item.radius
+        return record

@@ -1,0 +1,60 @@
+"""Joint coordinates and elements at joints in results of every dialect."""
+
+from collections.abc import Sequence
+
+from ...model.arrays.element_table import coordinates_of_joints
+from ...model.joints import ANGLE
+from ...quick_dataclass import replace
+from .result_file import Axis, Layout, Series, Values, numbered_axis
+
+COORDINATE, ELEMENT = "coordinate/coordinate", "element/element"
+JOINT_SERIES = {
+    "joint_coordinate": Series(
+        "coordinate/q", (COORDINATE,), "rad or m", "joint coordinate, 0 at the deck's estimates"
+    ),
+    "joint_rate": Series("coordinate/u", (COORDINATE,), "rad/s or m/s", "rate of the joint coordinate"),
+}
+ELEMENT_SERIES = {
+    "element_coordinate": Series("element/coordinate", (ELEMENT,), "rad or m", "length, stroke or angle"),
+    "element_rate": Series(
+        "element/rate", (ELEMENT,), "rad/s or m/s", "its rate; of friction the sliding speed"
+    ),
+    "element_effort": Series(
+        "element/effort", (ELEMENT,), "N m or N", "force or torque towards larger coordinates"
+    ),
+    "element_power": Series("element/power", (ELEMENT,), "W", "power of what the element dissipates"),
+}
+SERIES = JOINT_SERIES | ELEMENT_SERIES
+
+
+def with_elements(
+    layout: Layout, coordinates: Sequence[tuple[str, str]], elements: Sequence[tuple[str, str]]
+) -> Layout:
+    """The layout with axes and series of joint coordinates and elements, pairs of name and unit."""
+    axes = list(layout.axes)
+    for kind, names in (("coordinate", coordinates), ("element", elements)):
+        if names:
+            texts, units = zip(*names, strict=True)
+            axes.append(with_units(numbered_axis(kind, texts), kind, units))
+    present = {axis.path for axis in axes}
+    series = [item for item in SERIES.values() if present.issuperset(item.axes)]
+    return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
+
+
+def joint_values(rows, series: dict[str, Series] = SERIES) -> Values:
+    """Fields of report rows by the paths of their datasets."""
+    return {item.path: getattr(rows, field) for field, item in series.items()}
+
+
+def with_units(axis: Axis, kind: str, units: Sequence[str]) -> Axis:
+    """An axis with the unit of each along it."""
+    meaning = f"unit of the {kind}'s effort" if kind == "driver" else f"unit of the {kind}"
+    return replace(axis, labels=(*axis.labels, (f"{kind}/unit", tuple(units), meaning)))
+
+
+def coordinate_names(joints: Sequence, names: Sequence[str]) -> list[tuple[str, str]]:
+    """Names and units of all joint coordinates; `names` of the joints."""
+    return [
+        (f"{names[item.joint]} {item.coordinate}", "rad" if item.coordinate == ANGLE else "m")
+        for item in coordinates_of_joints(joints)
+    ]

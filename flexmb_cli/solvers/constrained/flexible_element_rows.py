@@ -1,0 +1,34 @@
+"""Report rows of a mechanism of rigid and flexible bodies with elements at its joints."""
+
+import numpy as np
+
+from ...kernels.constrained.report import Report
+from ...model.arrays.element_table import coordinates_of_joints
+from ...model.arrays.system import SystemArrays
+from ...model.flexible_mechanism import FlexibleMechanism
+from ...quick_dataclass import dataclass, fields
+from .element_rows import element_answers
+from .flexible_rows import FlexibleRows, flexible_rows
+
+
+@dataclass(frozen=True)
+class FlexibleElementRows(FlexibleRows):
+    """Rows with joint coordinates, springs and elements, as those of `ElementRows`."""
+
+    joint_coordinate: np.ndarray  # (T, joint coordinates)
+    joint_rate: np.ndarray  # (T, joint coordinates)
+    element_coordinate: np.ndarray  # (T, elements)
+    element_rate: np.ndarray  # (T, elements)
+    element_effort: np.ndarray  # (T, elements)
+    element_power: np.ndarray  # (T, elements)
+
+
+def flexible_element_rows(
+    mechanism: FlexibleMechanism, arrays: SystemArrays, report: Report
+) -> FlexibleElementRows:
+    """The rows of a report in the terms of the model."""
+    rows = flexible_rows(mechanism, arrays, report)
+    kept = {field.name: getattr(rows, field.name) for field in fields(FlexibleRows)}
+    first = len(mechanism.forces) + len(mechanism.torques)
+    count = len(coordinates_of_joints(mechanism.joints))
+    return FlexibleElementRows(**kept, **element_answers(report, first, mechanism.elements, count))
