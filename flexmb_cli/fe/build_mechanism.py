@@ -18,7 +18,6 @@ from ..model.flexible_mechanism import (
 )
 from ..model.vectors import euler_parameters
 from ..quick_dataclass import replace
-from .elements.stress_outputs import stress_outputs
 from .flexible_bodies import flexible_body
 
 if TYPE_CHECKING:
@@ -44,8 +43,17 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
     if any(fault.severity == "error" for fault in faults):
         raise ModelError(faults)
     faults += _step_doubts(model, bodies)
-    stresses = stress_outputs(model, bodies)
+    stresses = _stresses(model, bodies)
     return replace(_Points(model, bodies).mechanism(), stresses=stresses, shapes=model.shapes), faults
+
+
+def _stresses(model: Any, bodies: Any) -> Any:
+    """What is reported of stresses; most decks ask for none, and need no elements."""
+    if not model.stresses:
+        return ()
+    from .elements.stress_outputs import stress_outputs
+
+    return stress_outputs(model, bodies)
 
 
 def _step_doubts(model: VsdfModel, bodies: list[FloatingBody]) -> "Iterator[Fault]":

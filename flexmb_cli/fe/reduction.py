@@ -10,10 +10,10 @@ from ..model.flexible_body import Dropped, FEFile, FlexibleBody, FlexibleInput
 from ..quick_dataclass import dataclass
 from .body_basis import Basis, basis_of
 from .centrifugal import centrifugal_stiffness
-from .elements.assembled_matrices import OF_ELEMENTS, element_matrix
+from .elements.assembled_matrices import element_matrix
 from .elements.body_elements import element_table
 from .elements.stress_shapes import body_stress
-from .formats.formats import read_matrix
+from .formats.formats import OF_ELEMENTS, read_matrix
 from .formats.matrix_file import FEFileFault
 from .input_tests import Figures, check_matrices, check_reference, rigid_motions, scalar_mass
 from .invariants import effective_masses, inertia_invariants

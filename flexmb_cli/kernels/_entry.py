@@ -160,6 +160,14 @@ class PlainEntry(Entry):
         return self.py_func(*values)
 
 
+class BuiltIn(PlainEntry):
+    """A function that is compiled to what `_linking` says."""
+
+    @property
+    def _numba_type_(self):
+        return _compiler().built_in_type(self.__name__)
+
+
 def _compiler():
     """Return what compiles kernels; numba is imported here."""
     import numba

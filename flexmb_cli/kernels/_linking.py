@@ -17,8 +17,10 @@ from numba.core import cgutils, types
 from numba.core.codegen import JITCodeLibrary, RuntimeLinker
 from numba.core.compiler import Compiler, lookup_environment
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.imputils import impl_ret_borrowed
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrtdynmod import create_nrt_module
+from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 from ._allocator import add_allocator
@@ -105,7 +107,11 @@ class WholeCompiler(Compiler):
         """Compile into a `WholeLibrary`, which can be kept on the disk."""
         self.state.library = WholeLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
-        return super().compile_extra(func)
+        result = super().compile_extra(func)
+        _refuse_uncounted(func, self.state.flags, result)
+        if not self.state.flags.nrt and _holds_arrays(result.signature.return_type):
+            raise TypeError(f"{func.__qualname__} returns arrays to Python: mark it as `plain`")
+        return result
 
 
 class PartCompiler(Compiler):
@@ -116,9 +122,34 @@ class PartCompiler(Compiler):
         self.state.library = PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.flags.no_compile = True
         result = super().compile_extra(func)
+        _refuse_uncounted(func, self.state.flags, result)
         key = object()
         self.state.targetctx.insert_user_function(key, result.fndesc, [result.library])
         return result._replace(entry_point=key)
+
+
+def _refuse_uncounted(function, flags, result):
+    """Refuse a kernel that counts references to arrays and gets one from a kernel that does not, or else.
+
+    The memory of such an array would be given back while it is in use, or never.
+    """
+    kinds = result.type_annotation.typemap
+    for call, signature in result.type_annotation.calltypes.items():
+        kind = kinds.get(call.func.name) if getattr(call, "op", "") == "call" else None
+        called = getattr(kind, "dispatcher", None)
+        if not isinstance(called, Part) or not _holds_arrays(signature.return_type):
+            continue
+        if called.targetoptions["_nrt"] != flags.nrt:
+            raise TypeError(
+                f"{function.__qualname__} must not take arrays from {called.py_func.__qualname__}"
+            )
+
+
+def _holds_arrays(kind):
+    """Return whether a type is an array or holds one."""
+    if isinstance(kind, types.BaseTuple):
+        return any(map(_holds_arrays, kind))  # type: ignore[call-overload]
+    return isinstance(kind, types.Array)
 
 
 class Part(CPUDispatcher):
@@ -134,7 +165,8 @@ class Kernel(CPUDispatcher):
 
     def __init__(self, function: "Callable[..., Any]", locals: Any = None, targetoptions: dict | None = None):
         # Without a word of its own a part would be forced inline where its first caller is.
-        options = {"nopython": True, "boundscheck": None, "forceinline": False} | (targetoptions or {})
+        options = {"nopython": True, "boundscheck": None, "forceinline": False, "_nrt": True}
+        options |= targetoptions or {}
         # Earlier versions of numba take no None for them.
         locals = locals or {}
         super().__init__(function, locals, options, pipeline_class=WholeCompiler)
@@ -301,19 +333,42 @@ def _value(context, builder, words, kind):
 
 
 def _array(context, builder, words, kind):
-    item = context.get_data_type(kind.dtype)
-    size = _WORD(context.get_abi_sizeof(item))
-    data = builder.inttoptr(next(words), item.as_pointer())
+    data = builder.inttoptr(next(words), context.get_data_type(kind.dtype).as_pointer())
     shape = [next(words) for _ in range(kind.ndim)]
+    return _contiguous(context, builder, kind, data, shape, None)
+
+
+def _contiguous(context, builder, kind, data, shape, owner):
+    """numba's value of an array in the memory of `owner`."""
+    size = _WORD(context.get_abi_sizeof(context.get_data_type(kind.dtype)))
     strides = [size]
     for length in reversed(shape[1:]):
         strides.insert(0, builder.mul(strides[0], length))
     array = make_array(kind)(context, builder)
     populate_array(
         array, data=data, shape=cgutils.pack_array(builder, shape),
-        strides=cgutils.pack_array(builder, strides), itemsize=size, meminfo=None,
+        strides=cgutils.pack_array(builder, strides), itemsize=size, meminfo=owner,
     )  # fmt: skip
     return array._getvalue()
+
+
+@intrinsic
+def _block(typing, flat, first, shape):
+    """The view of `linalg.blocks`: numba's own reshape looks at all strides, and took a tenth of a step."""
+    kind = types.Array(flat.dtype, len(shape), "C")
+
+    def generate(context, builder, signature, values):
+        array = make_array(flat)(context, builder, values[0])
+        data, lengths = builder.gep(array.data, [values[1]]), cgutils.unpack_tuple(builder, values[2])
+        view = _contiguous(context, builder, kind, data, lengths, array.meminfo)
+        return impl_ret_borrowed(context, builder, kind, view)
+
+    return kind(flat, types.int64, types.UniTuple(types.int64, len(shape))), generate
+
+
+def built_in_type(name):
+    """Return numba's type of a function that is not compiled from its text."""
+    return cpu_target.typing_context.resolve_value_type({"block": _block}[name])
 
 
 def _store_result(builder, kind, value, room, k: Any):

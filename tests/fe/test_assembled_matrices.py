@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from flexmb_cli.errors import ModelError
-from flexmb_cli.fe.elements.assembled_matrices import OF_ELEMENTS, element_matrix, shape_values
+from flexmb_cli.fe.elements.assembled_matrices import element_matrix, shape_values
 from flexmb_cli.fe.elements.body_elements import BodyTable
 from flexmb_cli.fe.elements.solid_elements import CUBE
 from flexmb_cli.fe.elements.stress_shapes import point_stresses
 from flexmb_cli.fe.elements.tetrahedra import NODES
 from flexmb_cli.fe.flexible_bodies import flexible_body
-from flexmb_cli.fe.formats.formats import read_matrix
+from flexmb_cli.fe.formats.formats import OF_ELEMENTS, read_matrix
 from flexmb_cli.fe.formats.node_table import read_node_table
 from flexmb_cli.fe.linear_algebra import summed
 from flexmb_cli.fe.nodal_matrices import condensed, nodal_part

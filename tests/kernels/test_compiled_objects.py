@@ -249,15 +249,17 @@ PRIVATE = {
         "RuntimeLinker": ("PREFIX",),
     },
     "numba.core.compiler": {"Compiler": ("compile_extra",), "lookup_environment": ()},
+    "numba.core.imputils": {"impl_ret_borrowed": ()},
     "numba.core.compiler_lock": {"global_compiler_lock": ("__enter__",)},
     "numba.core.registry": {
         "CPUDispatcher": ("compile", "add_overload", "_numba_type_"),
         "cpu_target": ("target_context",),
     },
     "numba.core.runtime.nrtdynmod": {"create_nrt_module": ()},
+    "numba.extending": {"intrinsic": ()},
     "numba.np.arrayobj": {"make_array": (), "populate_array": ()},
     "numba.core": {
-        "cgutils": ("pack_array",),
+        "cgutils": ("pack_array", "unpack_tuple"),
         "types": ("BaseTuple", "Array"),
     },
 }

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.kernels import _entry, _jit, _objects
-from flexmb_cli.kernels._jit import kernel
+from flexmb_cli.kernels._jit import allocating
 
 pytestmark = [
     pytest.mark.skipif(_jit.interpreted(), reason="nothing is compiled"),
@@ -35,7 +35,7 @@ def mixed(angles, place):
 @pytest.fixture(scope="module")
 def code():
     parameters = [["a", 1, "<f8"], "i"]
-    made = _entry.emit("mixed", [(kernel(mixed), "mixed", parameters)], "0" * 16, ["x86_64-linux"])
+    made = _entry.emit("mixed", [(allocating(mixed), "mixed", parameters)], "0" * 16, ["x86_64-linux"])
     return made["x86_64-linux"]
 
 

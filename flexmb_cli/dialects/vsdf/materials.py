@@ -4,7 +4,7 @@ import math
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
-from ...fe.elements.assembled_matrices import OF_ELEMENTS
+from ...fe.formats.formats import OF_ELEMENTS
 from ...model.diagnostics import Findings
 from ...model.flexible_body import ElementMaterial, FEFile
 

@@ -5,7 +5,7 @@ Masses are consistent, integrated exactly in elements with straight edges (Hughe
 Multiple Integrals (1971), section 2.5).
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,12 +26,6 @@ from .solid_elements import (
     solid_elements,
 )
 
-if TYPE_CHECKING:
-    pass
-
-
-# The form of a "file" that stands for the elements themselves.
-OF_ELEMENTS = "MESH"
 # Elements of Abaqus and CalculiX by their types; those of other formats have none, and these by their nodes.
 _OF_TYPE = {"C3D8": "full integration", "C3D20R": "reduced integration"}
 _OF_NODES = {4: "one point", 8: "incompatible modes", 10: "four points", 20: "full integration"}

@@ -1,18 +1,14 @@
 """The matrix formats by their names in the deck."""
 
+from typing import Any
 from pathlib import Path
 
-from .abaqus import read_abaqus
-from .calculix import read_calculix, read_dofs
-from .harwell_boeing import read_harwell_boeing, read_mapping
 from .matrix_file import FEFileFault, MatrixFile
-from .matrix_market import read_matrix_market
-from .nastran import read_dmig
-from .nastran_op4 import read_op4
 
 # The mapping that a format needs beside the matrix itself.
 NEEDS_MAPPING = {"HB": "ANS", "CCX": "CCX"}
-_MAPPINGS = {"ANS": read_mapping, "CCX": read_dofs}
+# The form of a "file" that stands for the elements themselves.
+OF_ELEMENTS = "MESH"
 
 
 def read_matrix(
@@ -37,8 +33,32 @@ def _read(path: Path, form: str, letter: str, mapping: Path | None, mapping_form
                 f"format {form} needs the equation mapping: add a card FEMP of format {NEEDS_MAPPING[form]}",
                 id="FE-031",
             )
-        reader = read_harwell_boeing if form == "HB" else read_calculix
-        return reader(path, _MAPPINGS[mapping_form](mapping))
-    if form in ("DMIG", "OP4"):
-        return (read_dmig if form == "DMIG" else read_op4)(path, letter)
-    return (read_matrix_market if form == "MM" else read_abaqus)(path)
+        return _matrix_reader(form)(path, _mapping_reader(mapping_form)(mapping))
+    letters = (letter,) if form in ("DMIG", "OP4") else ()
+    return _matrix_reader(form)(path, *letters)
+
+
+def _matrix_reader(form: Any) -> Any:
+    """Return what reads a format; a run imports the readers of its files only."""
+    if form == "HB":
+        from .harwell_boeing import read_harwell_boeing as reader
+    elif form == "CCX":
+        from .calculix import read_calculix as reader
+    elif form == "DMIG":
+        from .nastran import read_dmig as reader  # type: ignore[assignment]
+    elif form == "OP4":
+        from .nastran_op4 import read_op4 as reader  # type: ignore[assignment]
+    elif form == "MM":
+        from .matrix_market import read_matrix_market as reader  # type: ignore[assignment]
+    else:
+        from .abaqus import read_abaqus as reader  # type: ignore[assignment]
+    return reader
+
+
+def _mapping_reader(form: Any) -> Any:
+    """Return what reads the mapping of a format."""
+    if form == "ANS":
+        from .harwell_boeing import read_mapping as reader
+    else:
+        from .calculix import read_dofs as reader
+    return reader

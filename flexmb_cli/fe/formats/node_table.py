@@ -1,5 +1,6 @@
 """Node tables: plain text, ANSYS NLIST and archives, Abaqus and CalculiX input, Nastran GRID cards."""
 
+from typing import Any
 import math
 import re
 from pathlib import Path
@@ -8,8 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...quick_dataclass import dataclass
-from .ansys_cdb import cdb_nodes
-from .bulk_data import bulk_cards, integer_field, real_field
 from .file_text import integer, line_fault, lines_of, real
 from .matrix_file import FEFileFault
 
@@ -32,7 +31,7 @@ class NodeTable:
 
 def read_node_table(path: Path, form: str) -> NodeTable:
     """The node table at `path` in the format TXT, CDB, INP or BDF.  Raises FEFileFault."""
-    readers = {"TXT": _plain_nodes, "CDB": cdb_nodes, "INP": _inp_nodes, "BDF": _bdf_nodes}
+    readers = {"TXT": _plain_nodes, "CDB": _cdb_nodes, "INP": _inp_nodes, "BDF": _bdf_nodes}
     found = list(readers[form](path))
     if not found:
         raise FEFileFault(f"{path.name} holds no nodes in format {form}", id="FE-053")
@@ -91,7 +90,15 @@ def _node(name: str, number: int, words: list[str]) -> tuple[int, list[float], i
     return node, position, number
 
 
+def _cdb_nodes(path: Any) -> Any:
+    from .ansys_cdb import cdb_nodes
+
+    return cdb_nodes(path)
+
+
 def _bdf_nodes(path: Path) -> "Iterator[tuple[int, list[float], int]]":
+    from .bulk_data import bulk_cards, integer_field, real_field
+
     for card in bulk_cards(path, ("GRID",)):
         node = integer_field(path, card, 0, "the number of the point")
         for index, what in ((1, "position"), (5, "displacement")):

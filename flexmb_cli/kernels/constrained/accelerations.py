@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit import kernel, part
+from .._jit import allocating, kernel, part
 from ..kinematics import constraints as equations
 from ..linalg.rank_revealing_lu import (
     WORN,
@@ -231,7 +231,7 @@ def _forces(system: System, work: Work, q: np.ndarray, u: np.ndarray, t: float) 
     return power + add_applied_forces(system, work, u, t, work.vectors[FORCES])
 
 
-@kernel
+@allocating
 def _iterate_friction(system: Any, work, q: np.ndarray, u: np.ndarray, t: float) -> None:
     """Find the normal forces of friction that agree with the accelerations they cause."""
     n = work.jacobian.shape[1]

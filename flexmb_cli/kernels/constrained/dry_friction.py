@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from .body_vectors import BODY_VECTOR, vector
 from .elements import FRICTION, NORMAL
 from .multipliers import fill_multipliers
@@ -45,7 +45,7 @@ def normal_changes(system: Any, work, ud: np.ndarray):
     return change / largest if largest > 0.0 else 0.0
 
 
-@kernel
+@allocating
 def _normal(system, work, load, lam: np.ndarray):
     """Size of the joint's force across its axis, and of that on the flanks of a thread, N."""
     group, axis = system.groups[load["group"]], vector(work.body_vectors[BODY_VECTOR], load["body_vector"])

@@ -13,6 +13,7 @@ from collections import namedtuple
 from typing import TYPE_CHECKING
 
 from .._jit import kernel, part, plain
+from ..linalg.blocks import block
 from . import floating_frame
 from .system import PRODUCT, A, System, Work
 
@@ -33,40 +34,32 @@ def inertia_of(system: System, work: Work) -> Inertia:
     return Inertia(system.masses, system.flexible, work.mass, work.modal)
 
 
-@kernel
+@part
 def constants_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
     """S1 (3, N), J1 (N, 3, 3), J2 (N, N, 3, 3), C0 (3, N), C1 (N, 3, N), Mff, Kr, Dr (N, N), KG of a body."""
-    N, at = f["modes"], f["constants"]
-    S1 = flat[at : at + 3 * N].reshape(3, N)
-    at += 3 * N
-    J1 = flat[at : at + 9 * N].reshape(N, 3, 3)
-    at += 9 * N
-    J2 = flat[at : at + 9 * N * N].reshape(N, N, 3, 3)
-    at += 9 * N * N
-    C0 = flat[at : at + 3 * N].reshape(3, N)
-    at += 3 * N
-    C1 = flat[at : at + 3 * N * N].reshape(N, 3, N)
-    at += 3 * N * N
-    Mff = flat[at : at + N * N].reshape(N, N)
-    Kr = flat[at + N * N : at + 2 * N * N].reshape(N, N)
-    Dr = flat[at + 2 * N * N : at + 3 * N * N].reshape(N, N)
-    at += 3 * N * N
-    side = 3 * f["stiffened"]
-    KG = flat[at : at + side * side * N * N].reshape(side, side, N, N)
-    return S1, J1, J2, C0, C1, Mff, Kr, Dr, KG
+    N, at, side = f["modes"], f["constants"], 3 * f["stiffened"]
+    S1, J1, J2 = (
+        block(flat, at, (3, N)),
+        block(flat, at + 3 * N, (N, 3, 3)),
+        block(flat, at + 12 * N, (N, N, 3, 3)),
+    )
+    at += 12 * N + 9 * N * N
+    C0, C1 = block(flat, at, (3, N)), block(flat, at + 3 * N, (N, 3, N))
+    at += 3 * N + 3 * N * N
+    Mff, Kr, Dr = (
+        block(flat, at, (N, N)), block(flat, at + N * N, (N, N)), block(flat, at + 2 * N * N, (N, N)),
+    )  # fmt: skip
+    return S1, J1, J2, C0, C1, Mff, Kr, Dr, block(flat, at + 3 * N * N, (side, side, N, N))
 
 
-@kernel
+@part
 def places_of(flat: "np.ndarray", f: "np.void") -> "tuple[np.ndarray, ...]":
     """s (3,), S_tt (3, 3), S_tf (3, N), T (N, 3, 3), the mass matrix and forces of a body: its work."""
     N, at = f["modes"], f["places"]
-    width = 6 + N
-    s, S_tt = flat[at : at + 3], flat[at + 3 : at + 12].reshape(3, 3)
-    at += 12
-    S_tf, T = flat[at : at + 3 * N].reshape(3, N), flat[at + 3 * N : at + 12 * N].reshape(N, 3, 3)
-    at += 12 * N
-    M = flat[at : at + width * width].reshape(width, width)
-    return s, S_tt, S_tf, T, M, flat[at + width * width : at + width * width + width]
+    width, end = 6 + N, at + 12 + 12 * N
+    s, S_tt = block(flat, at, (3,)), block(flat, at + 3, (3, 3))
+    S_tf, T = block(flat, at + 12, (3, N)), block(flat, at + 12 + 3 * N, (N, 3, 3))
+    return s, S_tt, S_tf, T, block(flat, end, (width, width)), block(flat, end + width * width, (width,))
 
 
 @kernel

@@ -11,7 +11,7 @@ multipliers when the independent rows bear everything, they are
 
 import numpy as np
 
-from .._jit import part
+from .._jit import allocating, part
 from ..linalg.rank_revealing_lu import cholesky, cholesky_solve, transposed_solution
 from .mass_matrix import inertia_of, mass_times
 from .system import FORCES, FREE, PRODUCT, System, Work
@@ -36,7 +36,7 @@ def fill_multipliers(system: System, work: Work, ud: np.ndarray, lam: np.ndarray
         lam[row] /= system.row_scale[row]
 
 
-@part
+@allocating
 def _share(work: Work, borne: np.ndarray, lam: np.ndarray) -> None:
     """Spread what the independent rows bear over all rows, to least norm."""
     rank, order, m = work.rank[0], work.order, lam.shape[0]

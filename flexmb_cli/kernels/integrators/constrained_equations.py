@@ -8,7 +8,7 @@ Projection: Hairer and Wanner, Solving Ordinary Differential Equations II (secon
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerate, factorise_at
 from ..constrained.angle_unwrapping import EXPECTED, NEW, OLD
 from ..constrained.projection import largest_gap, project_position, project_speeds
@@ -63,15 +63,15 @@ def projected_slope(integration, stage, t, system, work):
     return evaluate(integration, t, integration.angles[EXPECTED], True, out, ud, system, work)[0]
 
 
-@kernel
+@allocating
 def project(integration, t, system, work):
     """Bring `trial` onto the constraints at t, with the factors there.
 
     Returns by how many tolerances it moved, or infinity.
     """
-    clock, z = integration.clock[0], integration.trial
-    q, u = coordinates_and_speeds(system, z)
-    before = z.copy()
+    clock, z, n = integration.clock[0], integration.trial, system.speed_scale.shape[0]
+    end = n + system.masses.shape[0]
+    q, u, before = z[:end], z[end : end + n], z.copy()
     normalise(system.masses.shape[0], q)
     clock["fault"] = project_position(system, work, q, t, integration.angles[EXPECTED])
     if clock["fault"] == SOLVED:

@@ -1,13 +1,12 @@
-"""Error of an explicit step of a constrained mechanism that its projection leaves, in tolerances: DOP853.
+"""Errors of explicit steps in tolerances, of which only what the constraints allow counts: DOP853.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import solve
-from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD
 from ..linalg.rank_revealing_lu import row_times
@@ -16,7 +15,7 @@ from .dop853_table import ERROR_3, ERROR_5
 from .error_norm import displacement_tolerance, tolerance
 
 
-@kernel
+@allocating
 def error_on_constraints(system, work, integration, h):
     """Error of the step from z to trial, which has been projected, whose factors are at hand.
 
@@ -25,13 +24,13 @@ def error_on_constraints(system, work, integration, h):
     """
     clock, n = integration.clock[0], system.speed_scale.shape[0]
     first = integration.z.shape[0] - 1 - n
-    q, u = coordinates_and_speeds(system, integration.trial)
+    q, u = integration.trial[:first], integration.trial[first : first + n]
     square_5 = square_3 = 0.0
     for order in range(2):
         change, square = np.empty(integration.z.shape[0]), 0.0
         for i in range(change.shape[0]):
             change[i] = weighted(ERROR_3 if order else ERROR_5, integration.slopes, i)
-        of_q, of_speeds = coordinates_and_speeds(system, change)
+        of_q, of_speeds = change[:first], change[first : first + n]
         of_position = np.empty(n)
         speeds_of_rates(system.masses.shape[0], q, of_q, of_position)
         _keep_allowed(system, work, of_position)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import EXPECTED, unwrap_angles
 from ..constrained.body_vectors import geometry_of, place_vectors
 from ..constrained.report import Report, complete, coordinates_and_speeds
@@ -196,7 +196,7 @@ def integrate_rows(
     return _advance(integration, report, budget, system, work)
 
 
-@kernel
+@allocating
 def _between(system: Any, integration: AlphaIntegration, x: float, point: np.ndarray) -> Any:
     """Fill point with the state at the fraction x of the last step."""
     clock, memory, old, z, n = (

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import factorise_constraints
 from ..constrained.angle_unwrapping import EXPECTED, MOST_TURNED, NEW, expect_angles, unwrap_angles
 from ..constrained.mass_matrix import mass_matrices
@@ -180,7 +180,7 @@ def _reject(integration, h: float, factor: float, system: Any, work) -> None:
     memory["left"], memory["quality"] = 1.0, NONE
 
 
-@kernel
+@allocating
 def _try_step(system: System, work: Work, integration: RadauIntegration, h: float) -> float:
     """Bring `trial` to the end of a step: the factor for the next one, or, negative, for another try."""
     clock = integration.clock[0]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import accelerations, factorise_constraints, solve
 from ..constrained.angle_unwrapping import EXPECTED
 from ..constrained.mass_matrix import mass_matrices
@@ -83,7 +83,7 @@ def project_state(
     return accelerations(system, work, q, u, t, ud) if code == SOLVED else (code, 0.0)
 
 
-@kernel
+@allocating
 def between(system: Any, integration, x, point) -> None:
     """Fill point with the state at the fraction x of the last step."""
     clock, old, z, n = integration.clock[0], integration.old, integration.z, system.speed_scale.shape[0]

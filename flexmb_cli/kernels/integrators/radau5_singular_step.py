@@ -9,7 +9,7 @@ or one that would come onto another branch, has other accelerations there.
 
 from typing import TYPE_CHECKING
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.angle_unwrapping import MOST_TURNED, expect_angles
 from ..constrained.system import SOLVED, System, Work
 from .error_norm import tolerance
@@ -31,7 +31,7 @@ UNEVEN = 3.0  # how much larger one of the pivots in front and behind may be
 BEFORE, AFTER, OF_POWER = 0.03, 0.2, 0.125
 
 
-@kernel
+@allocating
 def singular_step(system: System, work: Work, integration: "RadauIntegration", h: float) -> bool:
     """Bring `trial` to the end of a step of length h from z as one made by stages; whether it may be made."""
     clock, rates = integration.clock[0], integration.rates

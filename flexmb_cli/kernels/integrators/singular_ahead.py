@@ -8,9 +8,8 @@ stages at a distance.
 
 import math
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
-from ..constrained.report import coordinates_and_speeds
 from ..constrained.speeds import coordinate_rates, normalise
 from .clock import LOOK
 
@@ -82,11 +81,11 @@ def most_declined(work):
     return found
 
 
-@kernel
+@allocating
 def _factorise_ahead(system, work, integration, ud, way):
     """Factors where the motion leads in the time `way` with accelerations that stay."""
-    z, bodies = integration.z, system.masses.shape[0]
-    q, u = coordinates_and_speeds(system, z)
+    z, bodies, n = integration.z, system.masses.shape[0], system.speed_scale.shape[0]
+    q, u = z[: n + bodies], z[n + bodies : 2 * n + bodies]
     place, mean, rates = q.copy(), u.copy(), q.copy()
     for k in range(u.shape[0]):
         mean[k] += 0.5 * way * ud[k]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from . import constraints as equations
 from .joints import driver
 from .newton import CONVERGED, ITERATIONS, OF_COORDINATE, PHI, System, Work, largest, make_work, newton, rates
@@ -217,7 +217,7 @@ def advance(
     return True, gap
 
 
-@kernel
+@allocating
 def follow(
     system: System,
     state: np.ndarray,

@@ -8,7 +8,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, plain_allocating
 from ..linalg.lu import factorise, substitute
 from ..linalg.rotation import rotation_matrices, rotation_rates
 from . import constraints as equations
@@ -45,7 +45,7 @@ A, RATE, REMAINDER = 0, 1, 2
 PHI, RIGHT_SIDE, SCALED, UNKNOWN, CORRECTION, REST = 0, 1, 2, 3, 4, 5
 
 
-@kernel
+@plain_allocating
 def make_work(coordinates: int) -> Work:
     """Work for a system of as many equations as coordinates."""
     return Work(

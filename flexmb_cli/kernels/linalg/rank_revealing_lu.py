@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 
 RANK_TOLERANCE = 1e-9  # of the largest entry: what is left below counts as zero
 GOOD_ENOUGH = 0.1  # of the largest entry left: may be a pivot, and the one that spares most zeros is
@@ -106,7 +106,7 @@ def _clear_below(left: np.ndarray, order: np.ndarray, k: int) -> None:
                     left[row, column] -= factor * left[pivot_row, column]
 
 
-@kernel
+@allocating
 def factorise(
     jacobian: np.ndarray, columns, order: np.ndarray, rank: int, factors: np.ndarray, entries
 ) -> float:
@@ -243,7 +243,7 @@ def dependent_speeds(
         x[order[m + i]] = total / factors[i, i]
 
 
-@kernel
+@allocating
 def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) -> None:
     """Solve Bᵀ x = y in place, y (rank,) in pivot order, B the leading block."""
     for j in range(rank):
@@ -257,7 +257,7 @@ def transposed_solution(factors: np.ndarray, entries, rank: int, y: np.ndarray) 
             y[i] -= factors[rows[p], i] * y[rows[p]]
 
 
-@kernel
+@allocating
 def _rows_below(entries, rank: int):
     """The rows with an entry below the diagonal, column by column, and where each column begins and ends."""
     starts = np.zeros(rank + 2, np.int64)

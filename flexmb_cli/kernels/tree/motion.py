@@ -7,6 +7,7 @@ and last the work that has been applied, whose error does not count.
 from typing import TYPE_CHECKING
 
 from .._jit import kernel, plain
+from ..linalg.blocks import block
 from .energy import applied_power
 from .kane import SOLVED, accelerations
 from .kinematics import attitude_rates
@@ -23,7 +24,7 @@ def parts(tree: "TreeArrays", z: "np.ndarray") -> "tuple[np.ndarray, np.ndarray,
     """Views of z: speeds, coordinates, Euler parameters (balls, 4)."""
     n = tree.given.shape[0]
     balls = (z.shape[0] - 2 * n) // 4
-    return z[:n], z[n : 2 * n], z[2 * n : 2 * n + 4 * balls].reshape((balls, 4))
+    return z[:n], z[n : 2 * n], block(z, 2 * n, (balls, 4))
 
 
 @kernel

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import allocating, kernel
 from .kinematics import attitude_rates, place_frames
 from .loop_closures import apply_row_forces, evaluate_closures, solve_rows
 from .motion import normalise_attitudes, parts
@@ -84,11 +84,17 @@ def _close_gaps(tree: "TreeArrays", work: np.ndarray, coordinates: np.ndarray, z
 @kernel
 def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray) -> None:
     """Move the coordinates by their responses, none further than LONGEST."""
+    _y, q, attitudes = parts(tree, z)
+    _move_parts(tree, coordinates, q, attitudes)
+    normalise_attitudes(tree, z)
+
+
+@allocating
+def _move_parts(tree, coordinates, q, attitudes):
     largest = 0.0
     for m in range(coordinates.shape[0]):
         largest = max(largest, abs(coordinates[m]["response"]))
     share = min(1.0, LONGEST / largest) if largest > 0.0 else 1.0
-    _y, q, attitudes = parts(tree, z)
     move = np.zeros(q.shape[0])
     for m in range(q.shape[0]):
         move[m] = share * coordinates[m]["response"]
@@ -100,7 +106,6 @@ def move_coordinates(tree: "TreeArrays", coordinates: np.ndarray, z: np.ndarray)
     for ball in range(attitudes.shape[0]):
         for i in range(4):
             attitudes[ball, i] += turn[ball, i]
-    normalise_attitudes(tree, z)
 
 
 @kernel

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ..._jit import kernel
+from ..._jit import allocating, kernel
 from ...linalg.rotation import add_rotation_row, rotate
 from ..joint_primitives import (
     n1_acceleration,
@@ -105,7 +105,7 @@ def acceleration(
     gamma[c["first_row"] + 4] = slide + c["pitch"] * turn
 
 
-@kernel
+@allocating
 def second_rate(
     c: np.void,
     u_i: np.ndarray,

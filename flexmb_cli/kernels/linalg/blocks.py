@@ -1,0 +1,12 @@
+"""Parts of a row of numbers, seen as matrices."""
+
+from .._jit import built_in
+
+
+@built_in
+def block(flat, first, shape):
+    """Return the numbers of flat (k,) from `first` on as an array of this shape, a view."""
+    size = 1
+    for length in shape:
+        size *= length
+    return flat[first : first + size].reshape(shape)
