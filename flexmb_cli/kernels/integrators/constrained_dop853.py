@@ -30,8 +30,8 @@ from .constrained_equations import (
 from .dop853 import SLOWEST, Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .explicit_error import error_on_constraints
-from .singular_ahead import NOISE, leads_over, look_ahead, round_off
-from .time_loop import SHORT
+from .singular_ahead import NOISE, look_ahead, round_off
+from .time_loop import SHORT, leads_over
 
 MOST_BLURRED = 1e-5  # by how much the projection may move a step over a singular position, scaled
 

@@ -8,11 +8,18 @@ from typing import NamedTuple
 
 from .._jit import kernel
 from .clock import READY
-from .dop853_table import ALL_STAGES, DENSE_TERMS, DENSE_WEIGHTS, STAGE_TIMES, STAGE_WEIGHTS, STAGES
-from .error_norm import scaled_norm
-from .explicit_error import step_error
-from .singular_ahead import laid_out, leads_over
-from .time_loop import Method, time_loop
+from .dop853_table import (
+    ALL_STAGES,
+    DENSE_TERMS,
+    DENSE_WEIGHTS,
+    ERROR_3,
+    ERROR_5,
+    STAGE_TIMES,
+    STAGE_WEIGHTS,
+    STAGES,
+)
+from .error_norm import scaled_norm, tolerance
+from .time_loop import Method, laid_out, leads_over, time_loop
 
 SHARE = 0.46  # of a step in front of a singular position: no stage is nearer than an eighth of the step
 # Of a step over such a position: its error before it is projected, in tolerances or of the speeds, whichever
@@ -179,3 +186,37 @@ def interpolate(z, dense, x, out):
         for term in range(DENSE_TERMS - 1, -1, -1):
             total = (total + dense[term, i]) * (x if term % 2 == 0 else 1.0 - x)
         out[i] = z[i] + total
+
+
+@kernel
+def step_error(integration, h):
+    """Error of the step from z to trial, and the place in z of its largest component."""
+    clock, z, new = integration.clock[0], integration.z, integration.trial
+    counted, worst, largest = z.shape[0] - 1, 0, 0.0
+    square_5 = square_3 = 0.0
+    for i in range(counted):
+        scale = tolerance(clock, integration.units[i], max(abs(z[i]), abs(new[i])))
+        error_5 = weighted(ERROR_5, integration.slopes, i) / scale
+        square_5 += error_5**2
+        square_3 += (weighted(ERROR_3, integration.slopes, i) / scale) ** 2
+        # `not <=` lets a nan through as the worst place.
+        if not abs(error_5) <= largest:
+            worst, largest = i, abs(error_5)
+    return combined(h, square_5, square_3, counted), worst
+
+
+@kernel
+def weighted(weights, slopes, i):
+    """Return a sum of slopes of component i, one error of a step by its length."""
+    total = 0.0
+    for j in range(STAGES):
+        total += weights[j] * slopes[j, i]
+    return total
+
+
+@kernel
+def combined(h, square_5, square_3, counted):
+    """Return the error of a step of length h from the squares of its two estimates."""
+    if square_5 == 0.0:
+        return 0.0
+    return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5

@@ -1,4 +1,4 @@
-"""Errors of explicit steps in tolerances, of trees and of constrained mechanisms: DOP853.
+"""Errors of explicit steps in tolerances, of which only what the constraints allow counts: DOP853.
 
 Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I (second edition), section II.10.
 """
@@ -10,25 +10,9 @@ from ..constrained.accelerations import solve
 from ..constrained.speeds import speeds_of_rates
 from ..constrained.system import CORRECTION, GAMMA, QD
 from ..linalg.rank_revealing_lu import row_times
-from .dop853_table import ERROR_3, ERROR_5, STAGES
+from .dop853 import combined, weighted
+from .dop853_table import ERROR_3, ERROR_5
 from .error_norm import displacement_tolerance, tolerance
-
-
-@kernel
-def step_error(integration, h):
-    """Error of the step from z to trial, and the place in z of its largest component."""
-    clock, z, new = integration.clock[0], integration.z, integration.trial
-    counted, worst, largest = z.shape[0] - 1, 0, 0.0
-    square_5 = square_3 = 0.0
-    for i in range(counted):
-        scale = tolerance(clock, integration.units[i], max(abs(z[i]), abs(new[i])))
-        error_5 = _weighted(ERROR_5, integration.slopes, i) / scale
-        square_5 += error_5**2
-        square_3 += (_weighted(ERROR_3, integration.slopes, i) / scale) ** 2
-        # `not <=` lets a nan through as the worst place.
-        if not abs(error_5) <= largest:
-            worst, largest = i, abs(error_5)
-    return _combined(h, square_5, square_3, counted), worst
 
 
 @allocating
@@ -45,7 +29,7 @@ def error_on_constraints(system, work, integration, h):
     for order in range(2):
         change, square = np.empty(integration.z.shape[0]), 0.0
         for i in range(change.shape[0]):
-            change[i] = _weighted(ERROR_3 if order else ERROR_5, integration.slopes, i)
+            change[i] = weighted(ERROR_3 if order else ERROR_5, integration.slopes, i)
         of_q, of_speeds = change[:first], change[first : first + n]
         of_position = np.empty(n)
         speeds_of_rates(system.masses.shape[0], q, of_q, of_position)
@@ -59,7 +43,7 @@ def error_on_constraints(system, work, integration, h):
             square_3 = square
         else:
             square_5 = square
-    return _combined(h, square_5, square_3, 2 * n)
+    return combined(h, square_5, square_3, 2 * n)
 
 
 @kernel
@@ -74,18 +58,3 @@ def _keep_allowed(system, work, change):
     solve(system, work, zero, gamma, step)
     for k in range(change.shape[0]):
         change[k] += step[k]
-
-
-@kernel
-def _weighted(weights, slopes, i):
-    total = 0.0
-    for j in range(STAGES):
-        total += weights[j] * slopes[j, i]
-    return total
-
-
-@kernel
-def _combined(h, square_5, square_3, counted):
-    if square_5 == 0.0:
-        return 0.0
-    return abs(h) * square_5 / ((square_5 + 0.01 * square_3) * counted) ** 0.5

@@ -8,7 +8,8 @@ to it: the longest step that is exact enough leads over the position, and no oth
 import math
 
 from .._jit import kernel
-from .singular_ahead import LOOK, NOISE, ROUND_OFF, blur, leads_over, round_off
+from .singular_ahead import NOISE, ROUND_OFF, blur, round_off
+from .time_loop import LOOK, leads_over
 
 SAFETY, SLOWEST, FASTEST = 0.85, 0.2, 3.0
 SHARE = 0.5  # of the step over a singular position that lies in front of it

@@ -25,8 +25,8 @@ from .radau5_projection import between, close_gaps, moved, project_state
 from .radau5_singular_step import singular_step
 from .radau5_step import LAST, START, place_trial, prepare, renew_matrices, solve_step
 from .radau5_table import STAGES, WEIGHTS
-from .singular_ahead import blur, laid_out, look_ahead
-from .time_loop import Method, time_loop
+from .singular_ahead import blur, look_ahead
+from .time_loop import Method, laid_out, time_loop
 
 SLOW = 0.01  # what an iteration may leave before the matrices are renewed
 BRANCHING_START = 0.1  # of the smallest pivot at the start, where that is tiny: smaller ones are singular

@@ -11,9 +11,8 @@ import math
 from .._jit import allocating, kernel
 from ..constrained.accelerations import evaluate_jacobian, factorise_order
 from ..constrained.speeds import coordinate_rates, normalise
+from .time_loop import LOOK
 
-LOOK = 3.5  # steps
-CLOSER = 1.15  # of the share of a step in front of the position: still far from its stages
 MOST_SECANTS = 6
 FOUND = 0.02  # of the way: how well the time is known
 ROUND_OFF = 1e-13  # of speeds, where pivots are 1: it grows by their inverse squares
@@ -111,23 +110,3 @@ def round_off(work):
     for k in range(work.rank[0]):
         least = min(least, abs(work.pivots[k]))
     return ROUND_OFF / (least * least) if least > 0.0 else 0.0
-
-
-@kernel
-def laid_out(clock, h, share):
-    """Length of the next step, at most a little longer than h, for a step over the position ahead that has
-    it at this share of its length."""
-    way = clock["singular"] - clock["t"]
-    if not 0.0 < way < LOOK * h:
-        return h
-    if way <= share * h:
-        return way / share
-    if way <= CLOSER * share * h:
-        return h
-    return way / (math.ceil(way / h - share) + share)
-
-
-@kernel
-def leads_over(clock, h):
-    """Return whether a step of length h leads over the singular position ahead."""
-    return 0.0 < clock["singular"] - clock["t"] < h

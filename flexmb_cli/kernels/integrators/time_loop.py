@@ -4,6 +4,7 @@ A method gives its parts as kernels; numba has no cheap functions as arguments, 
 once for each method.  Steps do not depend on how the report rows are cut into calls.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,6 +14,10 @@ from .clock import AT_STOP, PAUSED, READY, ROWS_FULL, SMALLEST_STEP, STEP_SHORT,
 # Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
 # some 1e-8 s: steps so short follow that blow, and the speeds jump.
 SHORT = 1e-6
+# A singular position is looked for so many steps ahead; a step in front of it that reaches this share of the
+# way is still far from its stages.
+LOOK = 3.5
+CLOSER = 1.15
 
 
 class Method(NamedTuple):
@@ -84,3 +89,23 @@ def _steps(method):
             reject(integration, h, -factor, *arrays)
 
     return take_step
+
+
+@kernel
+def laid_out(clock, h, share):
+    """Length of the next step, at most a little longer than h, for a step over the position ahead that has
+    it at this share of its length."""
+    way = clock["singular"] - clock["t"]
+    if not 0.0 < way < LOOK * h:
+        return h
+    if way <= share * h:
+        return way / share
+    if way <= CLOSER * share * h:
+        return h
+    return way / (math.ceil(way / h - share) + share)
+
+
+@kernel
+def leads_over(clock, h):
+    """Return whether a step of length h leads over the singular position ahead."""
+    return 0.0 < clock["singular"] - clock["t"] < h
