@@ -46,7 +46,10 @@ def _plain(value: object, names: dict[str, object], module: str) -> object:
     """Return a global of `module` as interpreted functions shall see it."""
     function = getattr(value, "py_func", None)
     if function is not None:
-        if function.__module__ != module:
+        if "<locals>" in function.__qualname__:
+            # Made for its closure, as the loops of integrators are: no module has it by its name.
+            names = _globals_of(function.__module__)
+        elif function.__module__ != module:
             return _globals_of(function.__module__)[function.__name__]
         return FunctionType(
             function.__code__, names, function.__name__, function.__defaults__, function.__closure__

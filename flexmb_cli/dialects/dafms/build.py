@@ -10,7 +10,7 @@ from ...model.diagnostics import Findings
 from ...model.inertia_checks import check_inertia
 from ...model.tree import Tree
 from .bodies import build_bodies
-from .elements import with_elements
+from .elements.build import with_elements
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time

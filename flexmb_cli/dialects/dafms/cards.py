@@ -12,7 +12,7 @@ from functools import cache
 
 from ...deck.fortran_records import Item
 from .card import Card
-from .element_cards import ELEMENT_CARDS
+from .elements.cards import ELEMENT_CARDS
 
 MACROS = ("DFMB", "STAR", "STOP")
 END, PRINT_ON, PRINT_OFF = "END ", "PRIN", "NOPR"

@@ -11,7 +11,7 @@ from . import DIALECT
 from .card import Card, Column
 from .card import vector_columns as _vector
 from .card import whole_column as _whole
-from .element_cards import ELEMENT_CARDS
+from .elements.cards import ELEMENT_CARDS
 
 if TYPE_CHECKING:
     pass

@@ -10,7 +10,7 @@ from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.time_functions import SPIN_UP, TABLE
-from .element_cards import OF_TABLES
+from .elements.cards import OF_TABLES
 from .joints import BY_WORD, OF_FUNCTIONS
 
 if TYPE_CHECKING:

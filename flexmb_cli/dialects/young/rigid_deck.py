@@ -10,7 +10,7 @@ from ...model.exchange.rigid_model import ALPHA, GROUND, RADAU, Refusals, RigidM
 from ...model.joints import ANGLE, JOINT_TYPES
 from ...model.time_functions import SINE
 from .build_dynamics import LEAST_TOLERANCE, MOST_TOLERANCE
-from .sections import COUNTS
+from .sections import COUNT_OF, COUNTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -81,7 +81,7 @@ class _Deck:
             "NPOINT": len(self.model.points),
             "NGROUN": int(self.with_ground),
         }
-        counts |= {kind.young_count: len(self.sorted[kind.name]) for kind in JOINT_TYPES}  # type: ignore[attr-defined]
+        counts |= {COUNT_OF[kind.name]: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
     def _body(self, body: "Any") -> "Any":

@@ -1,7 +1,7 @@
 """The matrix formats by their names in the deck."""
 
-from typing import Any
 from pathlib import Path
+from typing import Any
 
 from .matrix_file import FEFileFault, MatrixFile
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexmb_cli.dialects.vsdf.build import build_vsdf
-from flexmb_cli.dialects.vsdf.spline_cards import spline_cards
+from flexmb_cli.dialects.vsdf.elements.splines import spline_cards
 from flexmb_cli.fe.build_mechanism import flexible_mechanism
 from flexmb_cli.solvers.constrained.flexible_dynamics import FlexibleDynamics
 from flexmb_cli.solvers.constrained.flexible_element_rows import FlexibleElementRows

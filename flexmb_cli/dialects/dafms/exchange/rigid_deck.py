@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...deck.fortran_fields import filled
-from ...errors import Fault, ModelError
-from ...model.exchange.chain import Link, chain_of
-from ...model.exchange.functions import points_of, polynomial_of, value_of
-from ...model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
-from ...model.joints import ANGLE
-from ...model.vectors import euler_parameters
-from ...quick_dataclass import dataclass
+from ....deck.fortran_fields import filled
+from ....errors import Fault, ModelError
+from ....model.exchange.chain import Link, chain_of
+from ....model.exchange.functions import points_of, polynomial_of, value_of
+from ....model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidModel, across
+from ....model.joints import ANGLE
+from ....model.vectors import euler_parameters
+from ....quick_dataclass import dataclass
 
 if TYPE_CHECKING:
     pass

@@ -3,17 +3,17 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ...deck.record import Number, Record
-from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
-from ...model.fe_model import GROUND, NodeJoint, Pin, VsdfBody
-from ...model.joint_elements import JointElements
-from ...quick_dataclass import replace
-from ..elements.build import JOINT_CARDS, JointMaker
-from ..elements.build import build_elements as elements_of
-from ..elements.functions import Functions, GivenFunction
-from .element_cards import FUNCTION_KINDS, OF_TABLES
-from .joints import find_end
+from ....deck.record import Number, Record
+from ....deck.records import DeckValues
+from ....model.diagnostics import Findings
+from ....model.fe_model import GROUND, NodeJoint, Pin, VsdfBody
+from ....model.joint_elements import JointElements
+from ....quick_dataclass import replace
+from ...elements.build import JOINT_CARDS, JointMaker
+from ...elements.build import build_elements as elements_of
+from ...elements.functions import Functions, GivenFunction
+from ..joints import find_end
+from .cards import FUNCTION_KINDS, OF_TABLES
 
 if TYPE_CHECKING:
     from typing import Any

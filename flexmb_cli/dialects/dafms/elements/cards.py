@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from ...deck.fortran_records import Item
-from .card import Card
+from ....deck.fortran_records import Item
+from ..card import Card
 
 # By the code of the card FUNC.
 FUNCTION_KINDS = {

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from .card import Card, Column, vector_columns, whole_column
+from ..card import Card, Column, vector_columns, whole_column
 
 if TYPE_CHECKING:
     from typing import Any

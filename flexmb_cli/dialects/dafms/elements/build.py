@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from ...deck.record import Number, Record
-from ...deck.records import DeckValues
-from ...model.diagnostics import Findings
-from ...model.flexible_mechanism import NodePoint
-from ...model.joint_elements import Coupling
-from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
-from ...model.tree_as_mechanism.frames import shape_of
-from ...quick_dataclass import replace
-from ..elements.build import (
+from ....deck.record import Number, Record
+from ....deck.records import DeckValues
+from ....model.diagnostics import Findings
+from ....model.flexible_mechanism import NodePoint
+from ....model.joint_elements import Coupling
+from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Hinge, Tree
+from ....model.tree_as_mechanism.frames import shape_of
+from ....quick_dataclass import replace
+from ...elements.build import (
     ElementMaker,
     bushing,
     cable,
@@ -25,9 +25,9 @@ from ..elements.build import (
     motor,
     stop,
 )
-from ..elements.build import build_elements as elements_of
-from ..elements.functions import Functions, GivenFunction
-from .element_cards import FUNCTION_KINDS
+from ...elements.build import build_elements as elements_of
+from ...elements.functions import Functions, GivenFunction
+from .cards import FUNCTION_KINDS
 
 CLOSED = 1e-9  # rate that the speeds of Y(L) may leave of a coupling, of the largest
 _CARDS = {

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...deck.record import Deck
-from ...errors import Fault, ModelError
-from ...model.exchange.functions import constant
-from ...model.exchange.rigid_model import (
+from ....deck.record import Deck
+from ....errors import Fault, ModelError
+from ....model.exchange.functions import constant
+from ....model.exchange.rigid_model import (
     RADAU,
     CoordinateSpring,
     Refusals,
@@ -18,14 +18,14 @@ from ...model.exchange.rigid_model import (
     Stepping,
     vector,
 )
-from ...model.exchange.start import Start
-from ...model.joint_elements import JointDriver, JointMotor
-from ...model.joints import ANGLE, STROKE
-from ...model.loads import AppliedForce, AppliedTorque
-from ...model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
-from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
-from ...model.vectors import rotation_matrix
-from ...quick_dataclass import dataclass, replace
+from ....model.exchange.start import Start
+from ....model.joint_elements import JointDriver, JointMotor
+from ....model.joints import ANGLE, STROKE
+from ....model.loads import AppliedForce, AppliedTorque
+from ....model.time_functions import HELD_TABLE, POLYNOMIAL, MotionFunction
+from ....model.tree import INERTIAL, ROTATION, TRANSLATION, Tree
+from ....model.vectors import rotation_matrix
+from ....quick_dataclass import dataclass, replace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

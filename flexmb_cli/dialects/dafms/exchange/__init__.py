@@ -1,0 +1,1 @@
+"""A DAFMS deck of rigid bodies to and from other dialects."""
