@@ -48,7 +48,7 @@ def flexible_mechanism(model: VsdfModel, cached: bool = True) -> tuple[FlexibleM
 
 
 def _stresses(model: Any, bodies: Any) -> Any:
-    """What is reported of stresses; most decks ask for none, and need no elements."""
+    """Return what is reported of stresses; most decks ask for none, and need no elements."""
     if not model.stresses:
         return ()
     from .elements.stress_outputs import stress_outputs

@@ -25,7 +25,7 @@ class CurveFamily:
 
 
 def names_series(table: h5py.File, patterns: Iterable[str], file: str) -> bool:
-    """Whether `patterns` name series of cases only."""
+    """Return whether `patterns` name series of cases only."""
     patterns = list(patterns)
     named = _named(table, patterns, file) if patterns else []
     return bool(named) and all(column.length for column in named)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from flexmb_cli.dialects.dafms import cards as dafms_cards
 from flexmb_cli.dialects.vsdf import cards as vsdf_cards
+from flexmb_cli.dialects.vsdf.card import WIDTHS
 from flexmb_cli.dialects.young import dynamic_cards
 from flexmb_cli.dialects.young.sections import COUNTS, TIME, YOUNG_SECTIONS
 
@@ -119,7 +120,7 @@ def _vsdf_line(draw, columns, number):
     fields = []
     for column in columns:
         text = str(number) if number and not fields else draw(_vsdf_value(column))
-        width = vsdf_cards.WIDTHS[column.letter]
+        width = WIDTHS[column.letter]
         fields.append(text if free or not width else column.skip * " " + text.rjust(width)[:width])
     return ",".join(fields) if free else "".join(fields)
 

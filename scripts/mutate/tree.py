@@ -12,7 +12,7 @@ from pathlib import Path
 CHECKOUT = Path(__file__).resolve().parents[2]
 PACKAGE = "flexmb_cli"
 COPIED = (PACKAGE, "tests", "decks", "scripts", "README.md", "pyproject.toml")
-DECORATORS = {"kernel", "part"}
+DECORATORS = {"kernel", "part", "allocating"}
 ONLY = "not long_motion and not processes"
 ENVIRONMENT = {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
 

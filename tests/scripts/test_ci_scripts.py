@@ -54,6 +54,7 @@ def checkout(tmp_path):
     program(tmp_path / "bin" / "id", "echo 0")
     program(tmp_path / "scripts" / "venv", "exit 0")
     program(tmp_path / ".venv" / "bin" / "ruff", "exit 0")
+    program(tmp_path / ".venv" / "bin" / "mypy", "exit 0")
     program(tmp_path / ".venv" / "bin" / "coverage", '[ "$1" != run ] || exec .venv/bin/python "$@"')
     program(tmp_path / ".venv" / "bin" / "python", f'echo "{SKIPPED}"; echo "{CLOSING}"; exit "${{ENDS:-0}}"')
     return tmp_path

@@ -80,7 +80,7 @@ def _refuse_rigid_cards(values: Any, k: Any, findings: Any) -> None:
 
 
 def _or_density(values: Any, k: Any, files: Any) -> Any:
-    """What else helps where both matrices are missing."""
+    """Return what else helps where both matrices are missing."""
     if values.record("material", k) and files["mass_matrix"] is files["stiffness_matrix"] is None:
         return ", or the density of its elements on MATL"
     return ""

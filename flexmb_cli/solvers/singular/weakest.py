@@ -72,7 +72,7 @@ class SingularityNotes:
 
     @property
     def full(self) -> bool:
-        """Whether no more are taken."""
+        """Return whether no more are taken."""
         return self.count >= MOST_NOTES
 
     def add(self, sentence: str, owners: list) -> None:

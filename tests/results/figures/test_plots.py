@@ -51,11 +51,13 @@ def test_every_unit_has_its_panel(bar):
 
 
 def test_a_panel_of_different_quantities_says_what_they_are():
-    """Of von Mises and principal stresses of a node and an element only the kind is common."""
+    """Of the von Mises stress of a node and a component of an element the last word is common."""
     words = [Readable("von Mises stress", "node 1", ""), Readable("stress", "element 2", "xx")]
     curves = tuple(Curve(each.label, TIMES, TIMES, words=each) for each in words)
-    assert Panel("time [s]", "Pa", curves).y_label == "stresses [Pa]"
-    assert Panel("time [s]", "kg", curves).y_label == "[kg]"
+    assert Panel("time [s]", "Pa", curves).y_label == "stress [Pa]"
+    other = Curve("", TIMES, TIMES, words=Readable("pressure", "node 1", ""))
+    assert Panel("time [s]", "Pa", (*curves, other)).y_label == "stresses [Pa]"
+    assert Panel("time [s]", "kg", (*curves, other)).y_label == "[kg]"
 
 
 def test_energies_are_drawn_by_default_as_changes_and_their_sum_by_itself(tmp_path):
