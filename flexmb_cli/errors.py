@@ -101,7 +101,7 @@ class FaultList(list[Fault]):
         return self
 
     @cached_property
-    def _counts(self) -> "Any":
+    def _counts(self) -> Any:
         return {}
 
 
@@ -164,7 +164,7 @@ class OutputError(FlexmbError):
         self.exit_code = exit_code
 
 
-def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: "Any" = ()) -> str:
+def compiler_style(deck_name: str, faults: "Sequence[Any]", lines: Any = ()) -> str:
     """Text of `faults` as compilers print them: place, severity, sentence, the line and a caret.
 
     `lines` are the deck's lines; a fault without a place shows neither line nor caret.
@@ -184,7 +184,7 @@ def _most_serious(faults: "Sequence[Any]") -> "Sequence[Any]":
     return [faults[index] for index in sorted(by_weight[:SHOWN_FAULTS])]
 
 
-def _one_fault(deck_name: str, fault: Fault, lines: "Any") -> str:
+def _one_fault(deck_name: str, fault: Fault, lines: Any) -> str:
     if fault.place is None:
         return f"{deck_name}: {fault.severity}: {visible(fault.sentence)}"
     place = fault.place

@@ -6,13 +6,9 @@ pipe could wait for ever, and opening a device could act on it; so only regular 
 
 import os
 import stat
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .errors import OutputError
-
-if TYPE_CHECKING:
-    pass
-
 
 # The file may be exchanged between the look at it and its opening: these keep the opening harmless.
 _CAREFUL = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
@@ -85,7 +81,7 @@ class ManagedFolder:
     def __enter__(self) -> "ManagedFolder":
         return self
 
-    def __exit__(self, *failure: "Any") -> None:
+    def __exit__(self, *failure: Any) -> None:
         if self._number is not None:
             os.close(self._number)
 

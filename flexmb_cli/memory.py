@@ -2,11 +2,7 @@
 
 import errno
 import mmap
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from typing import Any
-
+from typing import Any
 
 try:
     # Here, because where memory is short it could not be loaded any more.
@@ -55,7 +51,7 @@ def lack_of_memory_text(fault: BaseException) -> str:
     return LACK_OF_MEMORY
 
 
-def _is_there(size: "Any") -> "Any":
+def _is_there(size: Any) -> Any:
     try:
         require_memory(size)
     except MemoryError:

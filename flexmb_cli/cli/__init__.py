@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -20,10 +20,6 @@ from ..run.outcome import INTERRUPTED, TERMINATED, Stop, Terminated
 from .options.exit_codes import epilog
 from .terminal.screen import lines_visible
 from .terminal.stops import ignore_stops, pass_over_stops
-
-if TYPE_CHECKING:
-    pass
-
 
 # Two threads add up in another order than one, and end in other digits; decks in parallel are processes.
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -60,21 +56,21 @@ class Commands(Mapping):
         command.epilog = epilog(name)
         return command
 
-    def __iter__(self) -> "Any":
+    def __iter__(self) -> Any:
         return iter(COMMANDS)
 
-    def __len__(self) -> "Any":
+    def __len__(self) -> Any:
         return len(COMMANDS)
 
 
 class Group(click.Group):
     """Keeps the commands in the order of `COMMANDS`."""
 
-    def list_commands(self, ctx: Any) -> "Any":
+    def list_commands(self, ctx: Any) -> Any:
         """Names in the order a newcomer meets them."""
         return list(self.commands)
 
-    def parse_args(self, ctx: Any, args: "Any") -> "Any":
+    def parse_args(self, ctx: Any, args: Any) -> Any:
         """Read the options before the command; those of commands belong behind it."""
         try:
             return super().parse_args(ctx, args)
@@ -88,19 +84,19 @@ class Group(click.Group):
                 raise click.UsageError(message, ctx) from None
             raise
 
-    def resolve_command(self, ctx: Any, args: "Any") -> "Any":
+    def resolve_command(self, ctx: Any, args: Any) -> Any:
         """Return the command that the arguments name; a deck in its place is a slip."""
         if args[0] not in self.commands and os.path.exists(args[0]):
             raise click.UsageError(f"{args[0]} is a file, not a command: flexmb run {args[0]}", ctx)
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx: click.Context, formatter: "Any") -> None:
+    def format_commands(self, ctx: click.Context, formatter: Any) -> None:
         """Write the names with their help."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
-def _tell_version(context: click.Context, option: "Any", asked: bool) -> None:
+def _tell_version(context: click.Context, option: Any, asked: bool) -> None:
     if not asked or context.resilient_parsing:
         return
     from .terminal.commit import commit
@@ -182,14 +178,14 @@ def _run_command() -> None:
         _admit(fault)
 
 
-def _end_stopped(how: "Any", exit_code: "Any") -> None:
+def _end_stopped(how: Any, exit_code: Any) -> None:
     """Commands that keep something when they are stopped have their own words for it and end themselves."""
     _tell(f"flexmb: {how}; what was not complete is not written")
     _print_json(exit_code)
     sys.exit(exit_code)
 
 
-def _refuse_lack(fault: "Any") -> None:
+def _refuse_lack(fault: Any) -> None:
     """The machine has too little memory: no fault of flexmb, nor of the deck."""
     if "--debug" in sys.argv:
         raise fault
@@ -201,7 +197,7 @@ def _refuse_lack(fault: "Any") -> None:
     sys.exit(ANALYSIS_FAILED)
 
 
-def _admit(fault: "Any") -> None:
+def _admit(fault: Any) -> None:
     """A fault of flexmb itself, with a request to report it."""
     if "--debug" in sys.argv:
         raise fault
@@ -214,7 +210,7 @@ def _admit(fault: "Any") -> None:
     sys.exit(INTERNAL_FAULT)
 
 
-def _refuse_usage(fault: "Any") -> None:
+def _refuse_usage(fault: Any) -> None:
     """Return how the command is called, and what is wrong with the call, in the form of all errors."""
     context = getattr(fault, "ctx", None)
     if context is not None:
@@ -225,7 +221,7 @@ def _refuse_usage(fault: "Any") -> None:
     _print_json(BAD_INPUT, Fault("error", " ".join(said.split()), id="CLI-003"))
 
 
-def _print_json(exit_code: Any, *faults: "Any", file: Any = None) -> None:
+def _print_json(exit_code: Any, *faults: Any, file: Any = None) -> None:
     from .terminal.json_faults import print_record, wants_json
 
     if wants_json(cli.commands, sys.argv[1:]):  # type: ignore[arg-type]
@@ -247,7 +243,7 @@ def _end_in_order() -> None:
         signal.signal(signal.SIGHUP, _terminate)
 
 
-def _terminate(number: "Any", frame: "Any") -> None:
+def _terminate(number: Any, frame: Any) -> None:
     raise Terminated
 
 

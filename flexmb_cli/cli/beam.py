@@ -1,16 +1,12 @@
 """`flexmb beam`: a straight uniform beam as the finite-element block of a DAFMS deck."""
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from .options.finite import Finite
 from .terminal.screen import standard_output
-
-if TYPE_CHECKING:
-    pass
-
 
 # Powers and quotients of these are still numbers.
 ABOVE_ZERO = Finite(1e-50, 1e50)
@@ -83,7 +79,7 @@ def _check_choice(whole: bool, into: str | None, body: int | None) -> None:
         raise click.UsageError("--into DECK and --body K go together")
 
 
-def _text(made: "Any", ndm: Any, whole: bool, title: str, into: str | None, body: int | None) -> str:
+def _text(made: Any, ndm: Any, whole: bool, title: str, into: str | None, body: int | None) -> str:
     from ..dialects.dafms.beam_cards import beam_block, beam_deck
 
     if whole:

@@ -2,15 +2,12 @@
 
 import json
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .terminal.screen import show, wants_debug
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command()
@@ -24,7 +21,7 @@ def check(
     as_json: bool,
     quiet: Any,
     jacobian: str | None,
-    **options: "Any",
+    **options: Any,
 ) -> None:
     """Read every DECK, assemble it and report what is doubtful, without solving; writes nothing.
 

@@ -1,20 +1,17 @@
 """`flexmb compile`: all kernels compiled before the first run, for images of containers."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
 from .terminal.screen import tell
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 @click.command("compile")
 @click.option("--list", "listing", is_flag=True, help="Show what is kept in the user's cache, and its size.")
 @click.option("--clear", is_flag=True, help="Delete what is kept in the user's cache, of all versions.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def compile_(listing: "Any", clear: "Any", quiet: bool) -> None:
+def compile_(listing: Any, clear: Any, quiet: bool) -> None:
     """Compile all kernels now, so that no first run waits for them.
 
     An installed wheel contains them compiled; a source checkout compiles what a run needs, once per version.
@@ -45,7 +42,7 @@ def compile_(listing: "Any", clear: "Any", quiet: bool) -> None:
         tell(f"flexmb: warning: {sentence}")
 
 
-def _compile(units: "Any", compile_unit: "Any", quiet: bool) -> None:
+def _compile(units: Any, compile_unit: Any, quiet: bool) -> None:
     import sys
 
     if not quiet and not units:
@@ -58,7 +55,7 @@ def _compile(units: "Any", compile_unit: "Any", quiet: bool) -> None:
             compile_unit(unit)
 
 
-def _show(files: "Any") -> None:
+def _show(files: Any) -> None:
     """A line for each file, and their sum."""
     total = 0
     for path, size, compiler in files:

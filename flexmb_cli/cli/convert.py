@@ -1,7 +1,7 @@
 """`flexmb convert`: a deck's model for another program."""
 
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
@@ -9,10 +9,6 @@ from ..dialects.recognise import every_dialect
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 PROGRAMS = {"mjcf": ".xml", "exudyn": ".py"}
 DECKS = {each.name: each for each in every_dialect() if each.rigid_deck}
@@ -35,7 +31,7 @@ UNITS = ("m", "mm", "mm-kg", "cm", "in")
               help="Units of the new deck, where its dialect prescribes none.  [default: m]")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 def convert(
-    deck: str, form: str, output: str, changes: "tuple[Any, ...]", unit: "Any", to_unit: "Any", quiet: bool
+    deck: str, form: str, output: str, changes: "tuple[Any, ...]", unit: Any, to_unit: Any, quiet: bool
 ) -> None:
     """Write the model of DECK for another program or dialect.
 
@@ -63,7 +59,7 @@ def convert(
         tell(f"{deck} → {reported(output)}")
 
 
-def _check_units(form: str, unit: "Any", to_unit: "Any") -> None:
+def _check_units(form: str, unit: Any, to_unit: Any) -> None:
     """Other programs get SI units, as decks of most dialects do."""
     if unit != "m" and form in PROGRAMS:
         reported = (

@@ -45,9 +45,7 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing; the exit code tells.")
-def diff(
-    a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: "Any"
-) -> None:
+def diff(a: str, b: str, update: bool, junit: str | None, as_json: bool, quiet: bool, **options: Any) -> None:
     """Compare results number by number: OUT tables, DAFMS echoes or series, HDF5, CSV or MATLAB files.
 
     A is the reference.  A value differs when it exceeds all tolerances given; by default every printed

@@ -4,16 +4,12 @@ import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from ..dialects.recognise import every_dialect
 from .options.completion import example_names
-
-if TYPE_CHECKING:
-    pass
-
 
 PACKAGE = Path(__file__).resolve().parents[1]
 # In a wheel the decks lie in the package, in a checkout beside it.
@@ -146,7 +142,7 @@ def _copy(deck: Path, folder: Path, force: bool) -> list[Path]:
     return [folder / deck.name, *targets.values()]
 
 
-def _refuse_taken(targets: "Any", force: "Any") -> None:
+def _refuse_taken(targets: Any, force: Any) -> None:
     taken = [str(target) for target in targets if target.exists()]
     if taken and not force:
         raise click.UsageError(f"{taken[0]} is there already; --force replaces it")

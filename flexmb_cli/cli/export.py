@@ -1,7 +1,7 @@
 """`flexmb export`: a result for other programs."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -10,8 +10,6 @@ from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import h5py
 
 
@@ -59,7 +57,7 @@ def export(result: str, form: str, output: str | None, quiet: bool) -> None:
         tell(f"{result} → {reported(output)}")
 
 
-def _export_study(path: str, form: str, output: str) -> "Any":
+def _export_study(path: str, form: str, output: str) -> Any:
     """Write the table of a study; return what its reader should know."""
     from ..results.files.matlab import matlab_bytes
     from ..results.files.replaced_file import write_whole

@@ -3,7 +3,7 @@
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -12,9 +12,6 @@ from .options.finite import AnyFinite
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
 from .terminal.written_place import WrittenPlace
-
-if TYPE_CHECKING:
-    pass
 
 
 @click.command()
@@ -47,7 +44,7 @@ def modes(
     time: Any,
     equilibrium: Any,
     out: Any,
-    **options: "Any",
+    **options: Any,
 ) -> None:
     """List eigenfrequencies and damping of the mechanism of every DECK, and of its flexible bodies.
 

@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -14,10 +14,6 @@ from ..quick_dataclass import replace
 from ..run.outcome import Terminated
 from .terminal.screen import standard_output, tell
 from .terminal.written_place import WrittenPlace
-
-if TYPE_CHECKING:
-    pass
-
 
 # The dialects that have a dialogue, and the decks that it writes.
 _NAMES = {each.name: each.new_name for each in reversed([*every_dialect()]) if each.form}
@@ -45,7 +41,7 @@ _LOST = "the answers are not kept (--draft keeps them)"
 @click.option("--restart", is_flag=True, help="Forget the draft of an earlier call.")
 @click.option("--draft", "with_draft", is_flag=True,
               help="Keep a draft, and go on with one, in a pipe, too.")  # fmt: skip
-def new(dialect: "Any", output: "Any", force: "Any", restart: "Any", with_draft: "Any") -> None:
+def new(dialect: Any, output: Any, force: Any, restart: Any, with_draft: Any) -> None:
     """Ask for the data of a deck, number by number, and write a deck that `flexmb check` accepts.
 
     Every answer is checked at once.  What is answered is kept in PATH.draft until the deck is written, and
@@ -69,7 +65,7 @@ def new(dialect: "Any", output: "Any", force: "Any", restart: "Any", with_draft:
         sys.exit(143)
 
 
-def _ask_to_replace(path: str, force: "Any") -> None:
+def _ask_to_replace(path: str, force: Any) -> None:
     if os.path.isdir(path):
         raise click.UsageError(f"{path} is a folder; -o names the deck to write")
     if path != "-":
@@ -84,7 +80,7 @@ def _ask_to_replace(path: str, force: "Any") -> None:
         sys.exit(BAD_INPUT)
 
 
-def _form(name: "Any") -> "Any":
+def _form(name: Any) -> Any:
     dialect = dialect_named(name)
     return dialect.part(dialect.form)()
 
@@ -103,7 +99,7 @@ class _Talk:
         self.lines: list[Any] = []  # of a pipe, for the places of faults
         self.dialogue = self._begin(_form(dialect), restart)
 
-    def _begin(self, form: Any, restart: "Any") -> "Any":
+    def _begin(self, form: Any, restart: Any) -> Any:
         from ..deck.dialogue import Dialogue, from_draft
         from ..deck.text import read_text
 
@@ -126,7 +122,7 @@ class _Talk:
         return dialogue
 
     @property
-    def _keys(self) -> "Any":
+    def _keys(self) -> Any:
         return _KEYS.format(stop=_KEPT if self.keeps_draft else _LOST)
 
     def run(self) -> None:
@@ -140,7 +136,7 @@ class _Talk:
                 break
         self.write()
 
-    def ask(self, question: "Any") -> "Any":
+    def ask(self, question: Any) -> Any:
         """The answer to `question` as typed."""
         if not self.at_terminal:
             return self._next_line()
@@ -158,14 +154,14 @@ class _Talk:
         except EOFError:
             return self.stop("end of input")
 
-    def _next_line(self) -> "Any":
+    def _next_line(self) -> Any:
         line = sys.stdin.readline()
         if not line:
             self.stop("the answers end before the deck is complete")
         self.lines.append(line.rstrip("\r\n"))
         return self.lines[-1]
 
-    def take(self, question: "Any", line: "Any") -> None:
+    def take(self, question: Any, line: Any) -> None:
         """Obey a command, or give the answer to the machine; the draft follows every change."""
         word = line.strip()
         if word == "?":
@@ -180,7 +176,7 @@ class _Talk:
             self.show(self.dialogue.answer(line), question)
             self.keep()
 
-    def go_back(self, name: "Any") -> None:
+    def go_back(self, name: Any) -> None:
         """To the question before, or to the record called `name`."""
         if not name and not self.dialogue.back():
             self.show([Fault("error", "this is the first question", id="CLI-004")])
@@ -189,7 +185,7 @@ class _Talk:
                 [Fault("error", f"no record {name} was asked for yet; names are like driver.1", id="CLI-005")]
             )
 
-    def show(self, faults: "Any", question: "Any" = None) -> Any:
+    def show(self, faults: Any, question: Any = None) -> Any:
         """Faults as sentences; in a pipe, where nobody can answer again, an error is the end."""
         if self.at_terminal:
             for fault in faults:
@@ -202,14 +198,14 @@ class _Talk:
             self.say_kept("a wrong answer")
             sys.exit(BAD_INPUT)
 
-    def _in_pipe(self, fault: "Any", question: "Any") -> "Any":
+    def _in_pipe(self, fault: Any, question: Any) -> Any:
         """`fault` at its word of the last line, where it has one."""
         words = list(re.finditer(r"\S+", self.lines[-1])) if self.lines else []
         k = fault.place.column - 1 - question.first if fault.place and question else 0
         start, width = (words[k].start(), len(words[k][0])) if 0 <= k < len(words) else (0, 1)
         return replace(fault, place=Place(max(1, len(self.lines)), start + 1, width))
 
-    def accepted(self) -> "Any":
+    def accepted(self) -> Any:
         """Return whether `flexmb check` takes the deck; else show its faults and let the dialogue go back."""
         from ..run.check.check import check_deck
         from ..run.outcome import RunOptions
@@ -231,7 +227,7 @@ class _Talk:
         self._return_to(next((f for f in outcome.faults if f.severity == "error" and f.place), None))
         return False
 
-    def _trial(self) -> "Any":
+    def _trial(self) -> Any:
         """The deck in a file to be removed; where this call is killed, the next one does it."""
         from ..results.files.replaced_file import ReplacedText
 
@@ -242,13 +238,13 @@ class _Talk:
         trial.flush()
         return trial
 
-    def _return_to(self, fault: "Any") -> None:
+    def _return_to(self, fault: Any) -> None:
         """To the record that `check` names, else to the first; Enter keeps what is right."""
         prefix = self.dialogue.lines[fault.place.line - 1][1] if fault else ""
         if not (prefix and self.dialogue.back_to(prefix)):
             self.dialogue.back_to("counts")
 
-    def _text(self) -> "Any":
+    def _text(self) -> Any:
         return "".join(f"{line}\n" for line, _ in self.dialogue.lines)
 
     def write(self) -> Any:
@@ -273,7 +269,7 @@ class _Talk:
         refuse_unsafe(self.draft)
         write_whole(self.draft, draft_text(self.dialogue).encode())
 
-    def say_kept(self, why: "Any") -> None:
+    def say_kept(self, why: Any) -> None:
         """Return why the dialogue ends, and where its answers are."""
         if not self.keeps_draft:
             where = "and no draft kept: give all answers again"
@@ -284,7 +280,7 @@ class _Talk:
         click.echo(err=True)
         tell(f"flexmb: {why}; no deck is written, {where}")
 
-    def stop(self, why: "Any") -> None:
+    def stop(self, why: Any) -> None:
         """End without a deck (exit 1)."""
         self.say_kept(why)
         sys.exit(ANALYSIS_FAILED)

@@ -54,7 +54,7 @@ def plot(
     kind: str,
     width: None,
     quiet: bool,
-    **print_options: "Any",
+    **print_options: Any,
 ) -> None:
     """Draw quantities of RESULT.h5 over time, a panel for each unit.
 
@@ -180,7 +180,7 @@ def _drawn(
 
 
 def _source(
-    open_files: "Any",
+    open_files: Any,
     path: str,
     label: Any,
     names: Any,

@@ -1,15 +1,12 @@
 """`flexmb report`: a page on a result."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import click
 
 from .options.completion import files
 from .terminal.screen import tell
 from .terminal.written_place import WrittenPlace
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 @click.command()
@@ -26,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--view", type=click.Choice(["start", "x", "y", "z"]), default="start",
               help="Look along this axis [default: the page's first view].")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-def report(result: str, output: str | None, quiet: bool, movie: "Any", **film: "Any") -> None:
+def report(result: str, output: str | None, quiet: bool, movie: Any, **film: Any) -> None:
     """Write a self-contained HTML page: motion in 3-D, curves, audit and deck of RESULT.h5.
 
     The page needs no network and no graphics card: play, scrub and turn the motion in any browser.
@@ -68,7 +65,7 @@ def _size(count: int) -> str:
     return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"
 
 
-def _write_film(path: str, target: "Any", page: "Any", film: "Any", quiet: bool) -> None:
+def _write_film(path: str, target: Any, page: Any, film: Any, quiet: bool) -> None:
     from pathlib import Path
 
     from ..results.figures.film import FORMATS, film_bytes
@@ -96,7 +93,7 @@ def _write_film(path: str, target: "Any", page: "Any", film: "Any", quiet: bool)
         tell(f"{path} → {target}, {len(content) / 1e6:.1f} MB")
 
 
-def _film_look(film: "Any") -> "Any":
+def _film_look(film: Any) -> Any:
     import re
 
     from ..results.figures.film import FilmLook

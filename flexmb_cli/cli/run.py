@@ -71,7 +71,7 @@ def run(
     quiet: bool,
     verbose: bool,
     jobs: int,
-    **options: "Any",
+    **options: Any,
 ) -> None:
     """Solve every DECK and write its OUT table and HDF5 result.
 
@@ -135,7 +135,7 @@ def _refuse_foreign_estimate(options: "dict[Any, Any]") -> None:
         raise click.UsageError("--estimate-error and --as-printed exclude each other: give one")
 
 
-def _given(options: "dict[Any, Any]", **names: "Any") -> "dict[Any, Any]":
+def _given(options: "dict[Any, Any]", **names: Any) -> "dict[Any, Any]":
     """Takes the options called as the values of `names` out of `options`; those given, by the keys."""
     values = {key: options.pop(name) for key, name in names.items()}
     return {key: value for key, value in values.items() if value is not None}
@@ -217,7 +217,7 @@ def _dialect(deck: str, options: "RunOptions") -> str:
         return options.dialect
 
 
-def _report_outcome(outcome: "Outcome", options: "Any", quiet: bool, verbose: bool) -> None:
+def _report_outcome(outcome: "Outcome", options: Any, quiet: bool, verbose: bool) -> None:
     show_faults(outcome, quiet)
     if outcome.exit_code > 128:
         tell(f"{outcome.deck}: interrupted; {_kept(outcome)}")
@@ -233,7 +233,7 @@ def _report_outcome(outcome: "Outcome", options: "Any", quiet: bool, verbose: bo
         click.echo(f"  {outcome.statistics}", err=True)
 
 
-def _no_file(options: "Any") -> "Any":
+def _no_file(options: Any) -> Any:
     return "standard output" if options.out == "-" else "no file"
 
 

@@ -93,7 +93,7 @@ def _require_libraries(output: str, scheduler: None) -> None:
 
 
 def _report_stop(
-    study: str, output: "Any", made: "Any", parts: "Any", on_cluster: "Any", as_json: bool, exit_code: "Any"
+    study: str, output: Any, made: Any, parts: Any, on_cluster: Any, as_json: bool, exit_code: Any
 ) -> None:
     cases, failed, table = made.job.study.cases, made.failed, output
     reported = f"{output} is complete"
@@ -152,7 +152,7 @@ def _solve(made: "Sweep", study: str, jobs: int, scheduler: None, quiet: bool, v
             workers.solve_here(made, blocks, advance)
 
 
-def _first_failures(made: "Sweep", most: int = 3) -> "Any":
+def _first_failures(made: "Sweep", most: int = 3) -> Any:
     if not made.failed:
         return []
     from itertools import islice
@@ -167,7 +167,7 @@ def _write(made: Any, output: Any) -> None:
     write_study_table(output, made)
 
 
-def _report(study: str, output: str, made: "Sweep", failures: "Any", quiet: bool) -> None:
+def _report(study: str, output: str, made: "Sweep", failures: Any, quiet: bool) -> None:
     cases = made.job.study.cases
     for case, message in failures:
         _say(f"{study}: case {case}: {message}", quiet)
@@ -179,9 +179,7 @@ def _report(study: str, output: str, made: "Sweep", failures: "Any", quiet: bool
     _say(f"{study}: {cases} cases{reported} → {output}", quiet)
 
 
-def _print_record(
-    study: str, status: "Any", exit_code: "Any", made: "Any", failed: "Any", table: "Any"
-) -> None:
+def _print_record(study: str, status: Any, exit_code: Any, made: Any, failed: Any, table: Any) -> None:
     """`table` is None while there is none yet."""
     record = {"study": study, "status": status, "exit_code": exit_code, "faults": []}
     record |= {"cases": made.job.study.cases, "failed": failed, "file": table}

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -10,10 +10,6 @@ from .options.deck_options import DECK, deck_options, every_deck, show_faults
 from .options.finite import Finite
 from .terminal.progress import Progress
 from .terminal.screen import show, wants_debug
-
-if TYPE_CHECKING:
-    pass
-
 
 TOLERANCE = Finite(0, 1, min_open=True, max_open=True)
 RELATIVE = Finite(1e-14, 1, max_open=True)  # `model.time_checks.FINEST`
@@ -35,7 +31,7 @@ def verify(
     tolerance: float,
     rtol: None,
     atol: None,
-    **options: "Any",
+    **options: Any,
 ) -> None:
     """Run every DECK by two formulations and compare the motions; writes nothing.
 

@@ -7,17 +7,13 @@ one number, one question or the rest of a record, as Pascal's READ took them.
 import json
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ..errors import DeckError, Fault, Place
 from ..quick_dataclass import replace
 from . import number
 from .questions import TEXT, Cell, Entry, Question, spelled
 from .record import Number, Record
-
-if TYPE_CHECKING:
-    pass
-
 
 _DRAFT = "flexmb new"
 
@@ -155,7 +151,7 @@ class Dialogue:
             faults.append(Fault("error", message, place, entry.subject, id="DECK-003"))
         return faults
 
-    def _known(self, entry: Entry, cell: Cell) -> "Any":
+    def _known(self, entry: Entry, cell: Cell) -> Any:
         """The value kept for a cell when it is well spelled, else None."""
         text = self.values.get(_name(entry, cell))
         try:

@@ -9,15 +9,11 @@ prints stars.  The two give the same bytes wherever a field has room.
 import math
 from functools import cache
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 SAFE, HISTORIC = "safe", "historic"
 LAYOUTS = (SAFE, HISTORIC)
@@ -145,7 +141,7 @@ class Layout:
     of values.
     """
 
-    def __init__(self, *parts: "Any", layout: str = SAFE):
+    def __init__(self, *parts: Any, layout: str = SAFE):
         if layout not in LAYOUTS:
             raise ValueError(f"layout must be one of {LAYOUTS}, not {layout!r}")
         self.layout = layout

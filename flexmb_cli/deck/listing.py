@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from .fortran_format import Edit
 
 if TYPE_CHECKING:
     from pathlib import Path
-    from typing import Any
 
 
 # Bytes.  The numbers of two listings take seven times their size in memory.
@@ -126,7 +125,7 @@ def read_bytes(path: "Path | str") -> bytes:
     raise TableError(str(path), [Fault("error", reason, id="DECK-006")])
 
 
-def _bounded(path: "Path | str", file: "Any") -> bytes:
+def _bounded(path: "Path | str", file: Any) -> bytes:
     # A device or a pipe tells no size, and may never end.
     content = file.read(LARGEST_LISTING + 1)
     if len(content) > LARGEST_LISTING:

@@ -2,14 +2,10 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..quick_dataclass import dataclass, field, replace
 from .record import Record
-
-if TYPE_CHECKING:
-    pass
-
 
 MANY = 100_000  # numbers; fewer are kept as records, which studies share
 
@@ -99,7 +95,7 @@ class Made(Sequence):
     def __len__(self) -> int:
         return len(self.records)
 
-    def __getitem__(self, index: int | slice) -> "Any":
+    def __getitem__(self, index: int | slice) -> Any:
         if isinstance(index, slice):
             return tuple(self[k] for k in range(len(self))[index])
         return self.make(self.records[index])
@@ -117,7 +113,7 @@ class Chained(Sequence):
     def __len__(self) -> int:
         return sum(map(len, self.parts))
 
-    def __getitem__(self, index: "Any") -> "Any":
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return tuple(self[k] for k in range(len(self))[index])
         index = range(len(self))[index]

@@ -5,15 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import Place
 from .fortran_card import Format, cut
 from .record import Number, Record
-
-if TYPE_CHECKING:
-    pass
-
 
 LONG = 1000  # numbers; shorter lists are kept as they are
 
@@ -32,7 +28,7 @@ class NumberList(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.values)
 
-    def __getitem__(self, index: "Any") -> Any:
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self._number(k) for k in range(len(self))[index]]
         return self._number(range(len(self))[index])
@@ -45,7 +41,7 @@ class NumberList(Sequence[Number]):
         other.changed = self.changed | {index: number}
         return other
 
-    def _number(self, k: "Any") -> Any:
+    def _number(self, k: Any) -> Any:
         if k in self.changed:
             return self.changed[k]
         line, field = divmod(k, len(self.fmt.edits))
@@ -64,13 +60,13 @@ class _Joined(Sequence[Number]):
     def __len__(self) -> int:
         return len(self.head) + len(self.rest)
 
-    def __getitem__(self, index: "Any") -> Any:
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[k] for k in range(len(self))[index]]
         index = range(len(self))[index]
         return self.head[index] if index < len(self.head) else self.rest[index - len(self.head)]
 
-    def __iter__(self) -> "Any":
+    def __iter__(self) -> Any:
         return chain(self.head, self.rest)
 
 
@@ -89,7 +85,7 @@ class _Positions(Mapping[str, int]):
     def __len__(self) -> int:
         return len(self.numbers)
 
-    def __iter__(self) -> "Any":
+    def __iter__(self) -> Any:
         return (number.key for number in self.numbers)
 
 
@@ -111,7 +107,7 @@ class LongRecord(Record):
         """Return where among the numbers each key stands."""
         return _Positions(self.numbers)
 
-    def __getitem__(self, key: str) -> "Any":
+    def __getitem__(self, key: str) -> Any:
         return self.numbers[self.positions[key]].value
 
     def with_number(self, index: int, number: Number) -> Record:

@@ -1,11 +1,8 @@
 """The sections of a YOUNG OUT table and their columns, as its reader and `diff` name them."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 @dataclass(frozen=True)
@@ -18,7 +15,7 @@ class Columns:
     decimals: tuple[int, ...]
 
 
-def _columns(item: str, *groups: "Any") -> Columns:
+def _columns(item: str, *groups: Any) -> Columns:
     """Groups (kind, names, decimals) side by side."""
     names = tuple(name for _, words, _ in groups for name in words.split())
     kinds = tuple(kind for kind, words, _ in groups for _ in words.split())

@@ -5,14 +5,10 @@ import os
 import stat
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..errors import DeckError, Fault, Place
 from .record import DeckText
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 LARGEST_DECK = 64 * 1024 * 1024
 STANDARD_INPUT = "-"
@@ -59,7 +55,7 @@ def _file_bytes(path: Path, what: str) -> bytes:
         raise _unreadable(f"cannot be read: {_reason(fault)}") from None
 
 
-def _first_bytes(stream: "Any", what: str) -> bytes:
+def _first_bytes(stream: Any, what: str) -> bytes:
     # Pipes and devices have no size beforehand: one byte more than allowed is enough to know.
     raw = stream.read(LARGEST_DECK + 1)
     if len(raw) > LARGEST_DECK:

@@ -8,14 +8,10 @@ import re
 from array import array
 from collections.abc import Iterator, Sequence
 from itertools import islice
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ..errors import Place
 from .lines import Lines, as_lines
-
-if TYPE_CHECKING:
-    pass
-
 
 _WORD_OR_COMMENT = re.compile(r"\{[^}]*\}?|[^\s{]+")
 LONGEST_CARET = 40

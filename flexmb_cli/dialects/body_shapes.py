@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..deck.record import Record
 from ..fe.formats.matrix_file import FEFileFault
@@ -10,10 +10,6 @@ from ..fe.formats.stl import read_stl
 from ..model.diagnostics import Findings
 from ..model.shapes import Shape, fault_of_sizes, moved, primitive
 from ..quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    pass
-
 
 OFFSET = tuple(f"offset.{axis}" for axis in "xyz")
 ANGLES = ("alpha", "beta", "gamma")
@@ -74,10 +70,10 @@ def stl_shape_of(record: Record, keys: Keys, folder: Path, findings: Findings) -
     return Shape(record[keys.body], moved(unit.value * vertices, *_placed(record, keys)), triangles)
 
 
-def _placed(record: Any, keys: "Any") -> "Any":
+def _placed(record: Any, keys: Any) -> Any:
     return _three(record, keys.offset), _three(record, keys.angles)
 
 
-def _three(record: Any, keys: "Any") -> "Any":
+def _three(record: Any, keys: Any) -> Any:
     x, y, z = (float(record[key]) for key in keys)
     return x, y, z

@@ -1,17 +1,13 @@
 """`--set NAME=VALUE`: numbers of a deck overridden by their readable names."""
 
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..deck import number
 from ..deck.record import Deck, Number
 from ..errors import DeckError, Fault
 from ..quick_dataclass import replace
 from .recognise import dialect_named
-
-if TYPE_CHECKING:
-    pass
-
 
 COUNTS = "counts"
 _NEAREST = 3

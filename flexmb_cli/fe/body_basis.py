@@ -1,7 +1,7 @@
 """The basis that a deck asks for: eigenmodes, attachment modes or Craig-Bampton, with faults at the cards."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,6 @@ from .linear_algebra import distinct
 from .massless_shapes import IndefiniteMass
 from .reference_frame import Frame
 from .static_shapes import static_shapes, unit_forces
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # J2 has 9 N² numbers, and copies while it is made: a run with so many shapes takes 1.1 GB, seconds a step.
 LARGEST_BASIS = 1500
@@ -151,7 +147,7 @@ def _eigen_basis(given: FlexibleInput, K: np.ndarray, S: np.ndarray, frame: Fram
     return _with_attachment(given, K, S, frame, basis) if given.attachment else basis
 
 
-def _with_attachment(given: FlexibleInput, K: "Any", S: "Any", frame: Frame, basis: Basis) -> Basis:
+def _with_attachment(given: FlexibleInput, K: Any, S: Any, frame: Frame, basis: Basis) -> Basis:
     """The eigenmodes and the static shapes under forces at the nodes of the deck."""
     rows = _rows_of(given, given.attachment)
     moving = np.setdiff1d(rows, frame.held)

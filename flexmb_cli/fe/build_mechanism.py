@@ -155,7 +155,7 @@ class _Points:
         target = self.model.global_position(pin.end) if pin.point is None else np.array(pin.point)
         return PointPin(pin.name, self.point(pin.end), pin.directions, target, pin.place, pin.functions)
 
-    def _force(self, force: "Any") -> "Any":
+    def _force(self, force: Any) -> Any:
         return PointForce(
             force.name, self.point(force.end), force.force, force.follows, force.factor, force.place
         )

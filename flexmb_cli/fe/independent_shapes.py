@@ -4,17 +4,13 @@ K measures independence, not the mass matrix: static shapes of neighbouring node
 any mass, and that difference is the local deformation under a load at either.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..quick_dataclass import dataclass
 from .free_motion import NO_STRAIN
 from .massless_shapes import IndefiniteMass
-
-if TYPE_CHECKING:
-    pass
-
 
 # A shape is dropped when less than this share of its strain energy is independent of the others; round-off
 # leaves about 1e-14 of a shape that is a sum of others.
@@ -39,7 +35,7 @@ class ReducedBasis:
     massless: int
 
 
-def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S: "Any", first: int) -> ReducedBasis:
+def reduced_basis(shapes: np.ndarray, forces: np.ndarray, S: Any, first: int) -> ReducedBasis:
     """Return the basis that `shapes` (3 n, k) span, the `first` of them kept before any other.
 
     `forces` (3 n, k) are those that bend the body into the shapes: work done on the shapes is their strain

@@ -3,7 +3,7 @@
 What the nodes leave of the mass and the inertia stays with the frame, which is clamped to the body's root.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -17,9 +17,6 @@ from ..model.tree_as_mechanism.frames import NodeFrame, shape_of
 from ..model.tree_as_mechanism.poses import Pose
 from .build_mechanism import euler_parameters
 from .invariants import inertia_invariants
-
-if TYPE_CHECKING:
-    pass
 
 
 def floating_body(tree: Tree, k: int, pose: Pose) -> FloatingBody:
@@ -39,7 +36,7 @@ def massless_body(node_frame: NodeFrame, pose: Pose) -> FloatingBody:
     return FloatingBody(node_frame.name, *_motion(pose), 0.0, np.zeros(3), np.zeros((3, 3)))  # type: ignore[call-arg]
 
 
-def _motion(pose: "Any") -> Any:
+def _motion(pose: Any) -> Any:
     return pose.r, euler_parameters(pose.A), pose.v, pose.A.T @ pose.w
 
 
@@ -72,7 +69,7 @@ def lumped_body(tree: Tree, k: int) -> FlexibleBody:
     )
 
 
-def _stiffening(tree: Any, k: Any) -> "Any":
+def _stiffening(tree: Any, k: Any) -> Any:
     """KG (3, 3, NM, NM): a pull by w² - (w d)² along the beam d; empty for a body that is not stiffened."""
     elastic = tree.bodies[k].elastic
     if elastic.stiffened_from is None:

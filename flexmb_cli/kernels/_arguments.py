@@ -106,7 +106,7 @@ class Words:
         return _number_packer(room, first, _ACCEPTED[parameter])
 
 
-def _array_packer(words: "Any", first: int, dimensions: Any, dtype: np.dtype) -> "Callable[..., Any]":
+def _array_packer(words: Any, first: int, dimensions: Any, dtype: np.dtype) -> "Callable[..., Any]":
     end = first + 1 + dimensions
 
     def put(array: float | list[float] | np.ndarray) -> bool:
@@ -145,7 +145,7 @@ def _tuple_packer(parts: "list[Callable[..., Any]]", name: str) -> "Callable[...
     return put
 
 
-def _number_packer(words: "Any", place: int, accepted: frozenset[type]) -> "Callable[..., Any]":
+def _number_packer(words: Any, place: int, accepted: frozenset[type]) -> "Callable[..., Any]":
     def put(value: float) -> bool:
         if type(value) not in accepted:
             return False

@@ -5,7 +5,7 @@ import hashlib
 import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..collector import without_collector
 from ..memory import TO_COMPILE, require_memory
@@ -13,10 +13,6 @@ from . import _cache, _objects
 from ._arguments import NotDescribedError, Words, describe, key_of
 from ._interpreted import is_interpreting, twin
 from .signatures import PROCESSORS, UNITS, unit_of, unit_parameters
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 _PACKAGE = __package__ + "."
 _functions: dict[str, list] = {}  # compiled code by the name of the entry
@@ -68,7 +64,7 @@ class Entry:
         self.__name__, self.__doc__ = function.__name__, function.__doc__
         self._name, self._made = entry_name(function), None
 
-    def __call__(self, *values: "Any"):
+    def __call__(self, *values: Any):
         """Call compiled code; the first call of an entry without any compiles it."""
         if is_interpreting():
             return self.interpreted(*values)
@@ -153,7 +149,7 @@ class Entry:
 class PlainEntry(Entry):
     """A kernel that Python runs as it is."""
 
-    def __call__(self, *values: "Any"):
+    def __call__(self, *values: Any):
         """Call the function itself."""
         if is_interpreting():
             return self.interpreted(*values)

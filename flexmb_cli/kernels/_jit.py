@@ -5,14 +5,13 @@ Whoever builds a system to look at it only, as `check` does, builds and evaluate
 """
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ._entry import BuiltIn, Entry, PlainEntry, is_ready
 from ._interpreted import interpreting, is_interpreting
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 __all__ = [
@@ -43,7 +42,7 @@ def must_compile(name: str) -> bool:
     return not interpreted() and not is_ready(name)
 
 
-def kernel(function: "Callable[..., Any]", **options: "Any") -> "Callable[..., Any]":
+def kernel(function: "Callable[..., Any]", **options: Any) -> "Callable[..., Any]":
     """Compile `function` when it is called, or leave it alone when kernels are interpreted."""
     return function if _never_compiled else Entry(function, OPTIONS | options)
 

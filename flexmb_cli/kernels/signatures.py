@@ -7,11 +7,7 @@ numbers; the others are named tuples of TUPLES.
 
 import functools
 import importlib
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from typing import Any
-
+from typing import Any
 
 # Processor and system → what LLVM calls it, and the oldest processor of that kind: no fused multiply-add.
 PROCESSORS = {

@@ -5,16 +5,12 @@ displacement and two turns, are given once too often for every closed loop.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from .mechanism import Joint
 from .vectors import rotation_matrix
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 PARALLEL = 1e-9
 REPEATED = 3  # equations of a loop
@@ -39,14 +35,14 @@ def repeated_in_plane(joints: Sequence[Joint], grounds: Sequence[int], attitudes
     return REPEATED * _loops(joints, grounds, len(attitudes))
 
 
-def _axis(joint: Joint, attitudes: "Any") -> np.ndarray:
+def _axis(joint: Joint, attitudes: Any) -> np.ndarray:
     s = np.array(joint.s_i)
     if joint.i >= 0:
         s = rotation_matrix(attitudes[joint.i]) @ s
     return s / np.linalg.norm(s)
 
 
-def _loops(joints: "Any", grounds: "Any", bodies: "Any") -> int:
+def _loops(joints: Any, grounds: Any, bodies: Any) -> int:
     """Independent loops of the joints, all grounds being one body, which has the last place."""
     root = list(range(bodies + 1))
 

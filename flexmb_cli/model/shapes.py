@@ -6,16 +6,12 @@ axes x, y, z in this order (roll, pitch, yaw of URDF).  Shapes take no part in a
 
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..quick_dataclass import dataclass
 from .mechanism import Vector
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 BOX, CYLINDER, TUBE, CONE, SPHERE = "box", "cylinder", "tube", "cone", "sphere"
 KINDS = (BOX, CYLINDER, TUBE, CONE, SPHERE)
@@ -74,12 +70,12 @@ def primitive(body: int, kind: str, sizes: Vector, offset: Vector, angles: Vecto
     return Shape(body, moved(vertices, offset, angles), triangles)
 
 
-def _turned(k: int) -> "Any":
+def _turned(k: int) -> Any:
     angle = math.pi * k / (CIRCLES + 1)
     return math.cos(angle), math.sin(angle)
 
 
-def _rounded(pair: "Any") -> "Any":
+def _rounded(pair: Any) -> Any:
     return tuple(round(x, DIGITS) for x in pair)
 
 
@@ -95,14 +91,14 @@ def moved(vertices: np.ndarray, offset: Vector, angles: Vector) -> np.ndarray:
     return np.column_stack([x + offset[0], y + offset[1], z + offset[2]]) + 0.0
 
 
-def _box(sizes: "Any") -> "Any":
+def _box(sizes: Any) -> Any:
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     vertices = np.array([(x, y, z) for z in (-1, 1) for x, y in corners]) * (np.array(sizes) / 2)
     triangles = [(p, q, r) for p, q, r, _ in _CUBE] + [(p, r, s) for p, _, r, s in _CUBE]
     return vertices, np.array(triangles)
 
 
-def _revolved(profile: "Any") -> "Any":
+def _revolved(profile: Any) -> Any:
     """Surface of revolution of the points (radius, z) of a profile about z; points on the axis are one."""
     circle = [
         _rounded((math.cos(2 * math.pi * k / SIDES), math.sin(2 * math.pi * k / SIDES))) for k in range(SIDES)

@@ -7,17 +7,13 @@ The spin-up is that of Kane, Ryan and Banerjee (1987): from rest to the rate w o
 import math
 from array import array
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..errors import Place
 from ..quick_dataclass import dataclass
 from .piecewise_polynomials import Pieces, continuous_rates, integral, value_and_rates
-
-if TYPE_CHECKING:
-    pass
-
 
 POLYNOMIAL, SPIN_UP, SINE, TABLE, HELD_TABLE, PIECEWISE, COMPOUND = 1, 2, 3, 4, 5, 6, 7
 
@@ -62,7 +58,7 @@ def table_function(times: Sequence[float], values: Sequence[float]) -> MotionFun
     return MotionFunction(TABLE, times=t, values=f, curvature=_natural_curvature(t, f))
 
 
-def _natural_curvature(t: "Any", f: "Any") -> "Any":
+def _natural_curvature(t: Any, f: Any) -> Any:
     """Second derivatives at the points, 0 at the ends.
 
     Three diagonals, the middle one larger than the others together: eliminated without pivots.  A full

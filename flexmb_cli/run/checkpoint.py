@@ -14,7 +14,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.lib.format import descr_to_dtype, dtype_to_descr
@@ -23,10 +23,6 @@ from ..errors import Fault, ModelError, OutputError
 from ..managed_files import open_managed, unbuffered
 from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.replaced_file import hold, is_unfinished, located
-
-if TYPE_CHECKING:
-    pass
-
 
 _HEAD = struct.Struct("<QI")
 _STATE = "checkpoint/"
@@ -85,7 +81,7 @@ class ResumeFile:
         if lost:
             self._doubt("note", f"torn or damaged at byte {whole}; the {lost} bytes there are not used")
 
-    def _doubt(self, severity: "Any", what: "Any") -> None:
+    def _doubt(self, severity: Any, what: Any) -> None:
         self.doubts.append(Fault(severity, f"--resume: {self.path} is {what}", id="RUN-005"))
 
     @property
@@ -154,7 +150,7 @@ class ResumeFile:
             with suppress(OSError):
                 os.unlink(self.path)
 
-    def _opened(self) -> "Any":
+    def _opened(self) -> Any:
         try:
             return open(open_managed(self.path, os.O_RDONLY), "rb")  # type: ignore[arg-type]
         except OSError as error:
@@ -182,7 +178,7 @@ class ResumeFile:
             view = view[self._file.write(view) :]  # type: ignore[attr-defined]
         GROWING.grown(self.path)  # type: ignore[arg-type]
 
-    def _check_identity(self, head: "Any") -> None:
+    def _check_identity(self, head: Any) -> None:
         try:
             found = dict(json.loads(head))
         except (ValueError, TypeError, RecursionError) as fault:
@@ -192,14 +188,14 @@ class ResumeFile:
         if other:
             raise ModelError([Fault("error", self._refusal(found, other), id="RUN-009")])
 
-    def _refusal(self, found: "Any", names: "Any") -> "Any":
+    def _refusal(self, found: Any, names: Any) -> Any:
         changes = "; ".join(
             f"{name} was {_shown(found.get(name))}, is {_shown(self.identity[name])}" for name in names
         )
         return f"--resume: {self.path} is of another run: {changes}; run without --resume to start anew"
 
 
-def _obstacle(file: "Any") -> str:
+def _obstacle(file: Any) -> str:
     """Return why the open file may not be written as a resume file; "" where it may."""
     if hold(file) is False:
         return "another run is writing it; wait until it ends"
@@ -214,7 +210,7 @@ def _is_blank(head: bytes) -> bool:
     return not head.strip(b"\0")
 
 
-def _entries(file: "Any") -> Any:
+def _entries(file: Any) -> Any:
     """Whole entries up to the end or the first torn one."""
     size = os.fstat(file.fileno()).st_size
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
@@ -238,7 +234,7 @@ def _packed(arrays: dict[str, np.ndarray]) -> bytes:
     return json.dumps(reported).encode() + b"\n" + b"".join(array.tobytes() for array in given.values())
 
 
-def _is_whole(entry: "Any") -> "Any":
+def _is_whole(entry: Any) -> Any:
     """Return whether an entry describes arrays, and holds as many bytes as they have."""
     try:
         size = sum(dtype.itemsize * math.prod(shape) for _, dtype, shape in _described(entry))
@@ -247,7 +243,7 @@ def _is_whole(entry: "Any") -> "Any":
         return False
 
 
-def _described(entry: "Any") -> "Any":
+def _described(entry: Any) -> Any:
     """Name, type and shape of the arrays of an entry.  Raises one of `_UNDESCRIBED`."""
     described = []
     for name, reported, shape in json.loads(entry.partition(b"\n")[0]):
@@ -259,12 +255,12 @@ def _described(entry: "Any") -> "Any":
     return described
 
 
-def _names(entry: "Any") -> "Any":
+def _names(entry: Any) -> Any:
     """The names of the arrays of an entry."""
     return [name for name, _, _ in _described(entry)]
 
 
-def _arrays(entry: "Any", names: "Any" = None) -> "Any":
+def _arrays(entry: Any, names: Any = None) -> Any:
     """The arrays of an entry, or those of them that are called `names`."""
     content = entry.partition(b"\n")[2]
     found, start = {}, 0
@@ -278,19 +274,19 @@ def _arrays(entry: "Any", names: "Any" = None) -> "Any":
     return found
 
 
-def _with_tuples(described: "Any") -> "Any":
+def _with_tuples(described: Any) -> Any:
     """A type's description as numpy has it: JSON knows lists only."""
     if isinstance(described, str):
         return described
     return [(name, _with_tuples(kind), *map(tuple, shape)) for name, kind, *shape in described]
 
 
-def _split(arrays: "Any") -> "Any":
+def _split(arrays: Any) -> Any:
     state = {name.removeprefix(_STATE): array for name, array in arrays.items() if name.startswith(_STATE)}
     return {name: array for name, array in arrays.items() if not name.startswith(_STATE)}, state
 
 
-def _remove_unfinished(arrays: "Any", folder: "Any") -> None:
+def _remove_unfinished(arrays: Any, folder: Any) -> None:
     for names in arrays.values():
         for name in map(os.path.basename, names.tolist()):
             if is_unfinished(name):
@@ -298,6 +294,6 @@ def _remove_unfinished(arrays: "Any", folder: "Any") -> None:
                     os.unlink(os.path.join(folder, name))
 
 
-def _shown(value: Any) -> "Any":
+def _shown(value: Any) -> Any:
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 20 else f"{text[:12]}…"

@@ -45,13 +45,13 @@ def converted(path: str, form: str, changes: tuple[str, ...] = (), unit: str = S
         raise
 
 
-def _refuse_own(deck: Any, form: "Any") -> None:
+def _refuse_own(deck: Any, form: Any) -> None:
     if deck.dialect == form:
         message = f"the deck is a {dialect_named(form).title} deck already"
         raise ModelError([Fault("error", message, id="RUN-060")])
 
 
-def _deck_of(deck: Any, run: Any, form: "Any", units: "Any") -> "Any":
+def _deck_of(deck: Any, run: Any, form: Any, units: Any) -> Any:
     """The model as a deck of the dialect `form`, which that dialect accepts."""
     from ..model.exchange.units import UNITS, in_units
 
@@ -67,11 +67,11 @@ def _deck_of(deck: Any, run: Any, form: "Any", units: "Any") -> "Any":
     return text
 
 
-def _title(deck: Any) -> "Any":
+def _title(deck: Any) -> Any:
     return f"converted from the {dialect_named(deck.dialect).title} deck {PurePath(deck.source.name).name}"
 
 
-def _refuse_unreadable(text: "Any", form: "Any", run: Any) -> None:
+def _refuse_unreadable(text: Any, form: Any, run: Any) -> None:
     """Refuse what the writer let through and the dialect does not accept."""
     try:
         dialect_named(form).build(read_deck(DeckText("converted", text, ""), form), folder_of(run))
@@ -113,13 +113,13 @@ def start_of(model: "DynamicModel", run: Run | None = None) -> dict:
     return found | {"q": values["coordinate/q"][0] if "coordinate/q" in values else ()}
 
 
-def _start(model: "Any", run: Any) -> "Any":
+def _start(model: Any, run: Any) -> Any:
     from ..model.exchange.start import Start
 
     return Start(**start_of(model, run))
 
 
-def _first_row_of(model: "Any") -> "Any":
+def _first_row_of(model: Any) -> Any:
     mechanism = getattr(model, "mechanism", None)
     timed = mechanism or model
     timed = replace(timed, time=replace(timed.time, end=timed.time.start))

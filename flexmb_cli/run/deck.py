@@ -1,6 +1,6 @@
 """Run one deck of any dialect; every failure becomes an outcome with its exit code."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..deck.record import Deck
 from ..errors import BAD_INPUT
@@ -12,13 +12,8 @@ from .open_deck import open_deck, own_options, warn_of_foreign_options
 from .outcome import Listener, Outcome, RunOptions, Stop
 from .solution import solve_deck
 
-if TYPE_CHECKING:
-    from typing import Any
 
-
-def run_deck(
-    path: str, options: RunOptions, listener: Listener | None = None, stdout: "Any" = None
-) -> Outcome:
+def run_deck(path: str, options: RunOptions, listener: Listener | None = None, stdout: Any = None) -> Outcome:
     """Read, solve and write the deck at `path` ("-": standard input).
 
     `stdout` receives the OUT table of `--out -`.  Never raises for what a deck, a disk or a signal

@@ -1,7 +1,7 @@
 """The global error of every quantity of a run: what a second run at a tighter tolerance gives otherwise."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -9,10 +9,6 @@ from ..errors import AnalysisError, Fault
 from ..model.time_checks import FINEST
 from ..quick_dataclass import replace
 from .context import Run
-
-if TYPE_CHECKING:
-    pass
-
 
 FINER = 1e-2  # of the tolerance: errors of the second run are hardly seen beside those of the first
 PLACE = "audit/global_error/"
@@ -63,7 +59,7 @@ class ErrorEstimate:
         self._note(values, errors)
         return {**values, **errors}
 
-    def _next(self, times: "Any") -> "Any":
+    def _next(self, times: Any) -> Any:
         """The rows of the second run at these times, fewer where it stops."""
         count = len(times)
         while len(self.waiting.get("time", ())) < count and not self.doubts:
@@ -81,7 +77,7 @@ class ErrorEstimate:
         self.waiting = {path: rows[count:] for path, rows in self.waiting.items()}
         return taken
 
-    def _note(self, values: Any, errors: "Any") -> None:
+    def _note(self, values: Any, errors: Any) -> None:
         for name, error in errors.items():
             if np.isnan(error).all():
                 continue
@@ -124,7 +120,7 @@ def finer_motion(analysis_of: Callable, values: Callable, run: Run) -> Iterator[
     return (values(rows) for rows in second.rows())
 
 
-def with_errors(layout: "Any") -> "Any":
+def with_errors(layout: Any) -> Any:
     """A Layout with the largest error of every quantity along time."""
     errors = tuple(
         replace(item, path=PLACE + item.path, axes=(), long_name=f"largest global error: {item.long_name}")
@@ -134,11 +130,11 @@ def with_errors(layout: "Any") -> "Any":
     return replace(layout, series=(*layout.series, *errors))
 
 
-def _is_estimated(path: str) -> "Any":
+def _is_estimated(path: str) -> Any:
     return not path.startswith(NOT_ESTIMATED)
 
 
-def _apart(a: "Any", b: "Any") -> "Any":
+def _apart(a: Any, b: Any) -> Any:
     """The largest distance in each row of a and b (T, ...); nan in rows that only a has."""
     found = np.full(len(a), np.nan)
     count = len(b)

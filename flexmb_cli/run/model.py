@@ -29,7 +29,7 @@ ANALYSES = {
 }
 
 
-def model_of(deck: Deck, run: Run) -> "Any":
+def model_of(deck: Deck, run: Run) -> Any:
     """Return the model of `deck` as the options want it solved; file names are relative to the deck.
 
     Its doubts go into the outcome.  Raises ModelError.

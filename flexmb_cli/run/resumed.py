@@ -4,18 +4,15 @@ A checksum says that the file is as it was written, not that this run wrote it: 
 state behind them must have the names, shapes and types that this run gives them.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import Fault, ModelError
 from ..results.hdf5.result_file import TIME, Layout
 from ..solvers.checkpoint import OtherRun, row_of, taken
 from .checkpoint import ResumeFile
 
-if TYPE_CHECKING:
-    pass
 
-
-def restore(resume_file: ResumeFile, analysis: "Any", layout: Layout) -> None:
+def restore(resume_file: ResumeFile, analysis: Any, layout: Layout) -> None:
     """Restore the analysis from the last checkpoint of a resume file whose blocks have the rows of `layout`.
 
     Raises ModelError where state or blocks are not of this run.
@@ -34,13 +31,13 @@ def restore(resume_file: ResumeFile, analysis: "Any", layout: Layout) -> None:
         raise ModelError([Fault("error", message, id="RUN-040")]) from found
 
 
-def _shapes_of(layout: "Any") -> "Any":
+def _shapes_of(layout: Any) -> Any:
     """Return the shape of a row of every series, by its path."""
     length = {axis.path: len(axis.values) for axis in layout.axes}
     return {item.path: tuple(length[path] for path in item.axes) for item in (TIME, *layout.series)}
 
 
-def _rows_of(values: Any, shapes: "Any") -> "Any":
+def _rows_of(values: Any, shapes: Any) -> Any:
     """Return how many rows a block has.  Raises OtherRun."""
     rows = values["time"].size
     for path, shape in shapes.items():

@@ -6,7 +6,7 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..deck.record import Deck
@@ -22,8 +22,6 @@ from .outcome import Stop, Terminated
 from .result_files import ResultFiles
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
 
@@ -75,7 +73,7 @@ class Solution:
             yield values
 
 
-def solution_of(model: "Any", run: Run) -> Solution:
+def solution_of(model: Any, run: Run) -> Solution:
     """Return the solution of a model; raises ModelError."""
     return module_for(model, "solutions").solution(model, run)
 
@@ -133,7 +131,7 @@ def identity_of(deck: Deck, solution: Solution, run: Run) -> dict:
     }
 
 
-def _estimate(solution: Solution, run: Run) -> "Any":
+def _estimate(solution: Solution, run: Run) -> Any:
     """The comparison with a second run, where it is asked for and can be made."""
     if not run.options.estimate_error:
         return None

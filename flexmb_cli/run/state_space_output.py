@@ -1,15 +1,12 @@
 """Writes the state space of a mechanism in the form that the name of the file asks for."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..results.files.replaced_file import write_whole
 from ..results.files.state_space import arrays_of, json_bytes, npz_bytes
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 def write_state_space(path: str, record: dict) -> None:
@@ -18,7 +15,7 @@ def write_state_space(path: str, record: dict) -> None:
     write_whole(path, forms[Path(path).suffix.lower()](record))
 
 
-def _matlab_bytes(record: "Any") -> "Any":
+def _matlab_bytes(record: Any) -> Any:
     from ..results.files.matlab import variable_bytes
 
     # MATLAB has cells of texts where NumPy has arrays of them.

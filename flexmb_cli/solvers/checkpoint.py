@@ -2,21 +2,19 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import Fault
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..kernels.constrained.system import Work
     from ..kernels.integrators.constrained_dop853 import Integration
     from ..kernels.integrators.generalised_alpha import AlphaIntegration
 
 
-def arrays_in(**records: "Any") -> dict[str, np.ndarray]:
+def arrays_in(**records: Any) -> dict[str, np.ndarray]:
     """Return the arrays of named tuples, and of those in them, by their paths; a shared one once."""
     found, seen = {}, set()
     for path, array in (pair for name, record in records.items() for pair in _walk(record, name)):
@@ -30,7 +28,7 @@ class OtherRun(ValueError):
     """What a checkpoint holds does not fit the analysis that is to go on from it."""
 
 
-def fill_arrays(stored: Mapping, **records: "Any") -> None:
+def fill_arrays(stored: Mapping, **records: Any) -> None:
     """Fill the arrays of named tuples with what `arrays_in` gave of such ones.  Raises OtherRun."""
     for path, array in arrays_in(**records).items():
         array[...] = taken(stored, path, array.shape, array.dtype)

@@ -1,13 +1,10 @@
 """The variants of a study: settings of the deck's numbers, case by case."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from .study import LATIN, Study
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class Cases:
@@ -34,7 +31,7 @@ class Cases:
         return [f"{item.name}={value!r}" for item, value in named]
 
 
-def _sample(study: "Any") -> "Any":
+def _sample(study: Any) -> Any:
     from scipy.stats import qmc
 
     parameters = study.parameters

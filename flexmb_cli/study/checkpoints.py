@@ -11,7 +11,7 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,10 +21,6 @@ from ..results.files.durable import GROWING, sync, sync_folder
 from ..results.files.replaced_file import located
 from .lock import LOCK, StudyLock
 from .solver import CaseResult
-
-if TYPE_CHECKING:
-    pass
-
 
 _HEAD = struct.Struct("<II")
 _FIXED = struct.Struct("<qiiiii")
@@ -171,7 +167,7 @@ class Part:
     def __enter__(self) -> "Part":
         return self
 
-    def __exit__(self, *failure: "Any") -> None:
+    def __exit__(self, *failure: Any) -> None:
         self._file.close()
 
 
@@ -179,7 +175,7 @@ def _name(block: int) -> Any:
     return f"block-{block:08d}{_PART}"
 
 
-def _lock(file: "Any") -> None:
+def _lock(file: Any) -> None:
     try:
         import fcntl
     except ImportError:  # no such locks here: blocks are given out one by one anyway
@@ -195,7 +191,7 @@ def _packed(result: CaseResult) -> bytes:
     return fixed + struct.pack("<I", len(message)) + message + numbers.astype("<f8").tobytes()
 
 
-def _records(file: "Any", cases: range) -> Iterator[CaseResult]:
+def _records(file: Any, cases: range) -> Iterator[CaseResult]:
     """Whole records of `cases`, up to the end or the first that is torn or of another case."""
     size = os.fstat(file.fileno()).st_size
     for case in cases:

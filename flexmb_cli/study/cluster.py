@@ -8,17 +8,13 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .. import __version__
 from ..errors import ANALYSIS_FAILED, BAD_INPUT, FlexmbError
 from ..extras import needed
 from .sweep import BlockDone, Job, Sweep, next_case, solve_block
 from .workers import keep, note_deaths
-
-if TYPE_CHECKING:
-    pass
-
 
 IN_FLIGHT = 2  # shares a thread of a worker is given: one that it solves and the next
 SHARES = 3  # so many as one that is handed out shall still be there for every thread
@@ -81,7 +77,7 @@ def solve_share(job: Job, blocks: list[int]) -> tuple[list[BlockDone], float]:
     return done, time.perf_counter() - start
 
 
-def _handed_on(job: Any) -> "Any":
+def _handed_on(job: Any) -> Any:
     return job
 
 
@@ -104,7 +100,7 @@ class _Cluster:
         self.threads, self.counted = 1, -CENSUS
         self.arriving = as_completed(loop=client.loop)
 
-    def solve(self, blocks: "Any") -> None:
+    def solve(self, blocks: Any) -> None:
         self._await_workers()
         self.rest.extend(blocks)
         self._hand_out()
@@ -129,7 +125,7 @@ class _Cluster:
         while self.rest and len(self.shares) < self.threads * IN_FLIGHT:
             self._submit([self.rest.popleft() for _ in range(self._size())])
 
-    def _submit(self, share: "Any") -> None:
+    def _submit(self, share: Any) -> None:
         # Impure: blocks that are given once more have cases that the first attempt lacked.
         future = self.client.submit(solve_share, self.shared, share, pure=False)
         self.shares[future.key] = share
@@ -140,14 +136,14 @@ class _Cluster:
         if now - self.counted >= CENSUS:
             self.threads, self.counted = max(1, sum(self.client.nthreads().values())), now
 
-    def _size(self) -> "Any":
+    def _size(self) -> Any:
         """Blocks of the next share."""
         if self.seconds is None:
             return 1
         fair = len(self.rest) // (SHARES * self.threads)
         return max(1, min(fair, int(LONGEST_SHARE / self.seconds)))
 
-    def _finish(self, future: "Any") -> None:
+    def _finish(self, future: Any) -> None:
         """Keep what a future brings; what its workers died of is given once more."""
         from distributed import KilledWorker
 
@@ -165,7 +161,7 @@ class _Cluster:
             for block in done:
                 keep(self.sweep, block, self.advance)
 
-    def _give_again(self, share: "Any") -> None:
+    def _give_again(self, share: Any) -> None:
         job = self.sweep.job
         lacking = [block for block in share if next_case(job, block) in job.cases(block)][:1]
         note_deaths(job, lacking, self.deaths)

@@ -2,16 +2,12 @@
 
 import io
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..results.figures.plots import COLOURS, HEIGHT, METADATA, RESOLUTION, WIDTH
 from .cases_table import CasesTable
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 KINDS = ("auto", "curve", "map", "scatter", "parallel")
 MOST_LINES = 2000  # of parallel coordinates: more hide each other
@@ -49,7 +45,7 @@ def drawn(draw: Callable, form: str, title: str) -> bytes:
     return stream.getvalue()
 
 
-def _curves(figure: "Any", cases: CasesTable) -> None:
+def _curves(figure: Any, cases: CasesTable) -> None:
     """Each result over the one parameter that varies."""
     if len(cases.varied) > 1:
         names = ", ".join(cases.varied)
@@ -65,7 +61,7 @@ def _curves(figure: "Any", cases: CasesTable) -> None:
     axes[-1].set_xlabel(_plain(name))
 
 
-def _maps(figure: "Any", cases: CasesTable) -> None:
+def _maps(figure: Any, cases: CasesTable) -> None:
     """Each result over two parameters, a cell for every pair of values."""
     if not cases.is_grid:
         raise ValueError("a map needs two parameters with every pair of values solved; take --kind scatter")
@@ -83,7 +79,7 @@ def _maps(figure: "Any", cases: CasesTable) -> None:
         axis.set_ylabel(_plain(y_name))
 
 
-def _scatter(figure: "Any", cases: CasesTable) -> None:
+def _scatter(figure: Any, cases: CasesTable) -> None:
     """Each result over each parameter that varies."""
     across = cases.varied or cases.parameters
     figure.set_size_inches(max(WIDTH, 3.0 * len(across)), HEIGHT * len(cases.results) + 0.5)
@@ -99,7 +95,7 @@ def _scatter(figure: "Any", cases: CasesTable) -> None:
                 axis.set_xlabel(_plain(name))
 
 
-def _parallel(figure: "Any", cases: CasesTable) -> None:
+def _parallel(figure: Any, cases: CasesTable) -> None:
     """A line for every case through its parameters and results, coloured by the last result."""
     axes = {**(cases.varied or cases.parameters), **cases.results}
     last = next(reversed(cases.results))

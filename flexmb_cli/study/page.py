@@ -2,15 +2,11 @@
 
 import html
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .cases_table import CasesTable
-
-if TYPE_CHECKING:
-    pass
-
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">

@@ -7,7 +7,7 @@ import math
 import re
 import tomllib
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..deck.record import DeckText
 from ..dialects import DIALECTS
@@ -15,10 +15,6 @@ from ..dialects.recognise import AUTO
 from ..errors import DeckError, Fault, Place
 from .key_places import key_places
 from .study import GRID, LATIN, SAMPLINGS, SERIES, TAKES, TOGETHER, Kept, Study, Varied
-
-if TYPE_CHECKING:
-    pass
-
 
 MOST_CASES = 100_000_000
 MOST_VALUES = 1_000_000  # of one parameter
@@ -94,7 +90,7 @@ class _Reader:
             self._check_size(study)
         return study
 
-    def _sample_size(self) -> "Any":
+    def _sample_size(self) -> Any:
         if "count" in self.table:
             return self._whole("count", 1, MOST_CASES)
         return self._fault("sampling", f"a {LATIN} needs `count`, the number of its cases: count = 100")
@@ -119,7 +115,7 @@ class _Reader:
         self.within = key
         return list(table.items())
 
-    def _varied(self, name: str, given: "Any", sampled: bool) -> Varied | None:
+    def _varied(self, name: str, given: Any, sampled: bool) -> Varied | None:
         if isinstance(given, dict):
             return self._range(name, given, sampled)
         if sampled:
@@ -185,7 +181,7 @@ class _Reader:
             if key not in known:
                 self._fault(key, f"unknown in {owner}; known are {', '.join(known)}")
 
-    def _fault(self, name: str, message: str, place: "Any" = None) -> None:
+    def _fault(self, name: str, message: str, place: Any = None) -> None:
         place = place or self._place(name)
         self.faults.append(Fault("error", message, place, name, id="STUDY-013"))
 
@@ -211,7 +207,7 @@ def _names_a_column(name: Any) -> Any:
     return bool(name.strip()) and name.isprintable() and "/" not in name and name not in (".", "..")
 
 
-def _dotted(name: str, given: "Any") -> "Any":
+def _dotted(name: str, given: Any) -> Any:
     """The name that TOML took apart at its points, "" where the table is a range."""
     if not isinstance(given, dict) or set(given) & set(RANGE_KEYS) or len(given) != 1:
         return ""

@@ -124,7 +124,7 @@ class CaseSolver:
             raise DeckError([Fault("error", message, id="STUDY-015")])
 
 
-def _reported(fault: Any) -> "Any":
+def _reported(fault: Any) -> Any:
     """Exit code and message of a case that ended of what no deck should bring about."""
     if lacks_memory(fault):
         return ANALYSIS_FAILED, f"{LACK_OF_MEMORY}; `sweep --fresh` solves the study anew"
@@ -148,7 +148,7 @@ def _quantities(study: Any, deck: Any, solution: Any) -> list[Quantity]:
     return found  # type: ignore[return-value]
 
 
-def _one(result: "h5py.File", item: Kept, faults: "Any") -> Quantity | None:
+def _one(result: "h5py.File", item: Kept, faults: Any) -> Quantity | None:
     message = ""
     try:
         found = resolve(result, [item.quantity])

@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..deck.record import Deck, DeckText
@@ -21,8 +21,6 @@ from .solver import CaseResult, CaseSolver
 from .study import Study
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ..deck.lines import Lines
 
 
@@ -192,7 +190,7 @@ def _readable_deck(path: str, study: Study) -> DeckText:
     return text
 
 
-def _for_a_study(fault: "Any") -> "Any":
+def _for_a_study(fault: Any) -> Any:
     """A study has a key where the commands have an option."""
     return replace(fault, message=fault.message.replace(CHOOSES, 'dialect = "…" in the study chooses one'))
 

@@ -5,7 +5,7 @@ Rows are written in blocks as they come: a study may be larger than the memory.
 
 from collections.abc import Iterable, Iterator
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,10 +16,6 @@ from ..quick_dataclass import dataclass
 from ..results.files.full_disk_guard import FullDiskGuard
 from ..results.files.replaced_file import Replacement, located
 from ..results.hdf5.result_file import FILE_FORMAT, TEXT, printable_name
-
-if TYPE_CHECKING:
-    pass
-
 
 # 2: series have a dimension scale along their report rows, too.
 CONVENTIONS = "flexmb-study-2"
@@ -162,14 +158,14 @@ def require_library(path: str) -> None:
         _pyarrow()
 
 
-def _pyarrow() -> "Any":
+def _pyarrow() -> Any:
     needed("pyarrow.parquet", "pyarrow", "parquet", "a Parquet table (a table .h5 needs nothing more)")
     import pyarrow
 
     return pyarrow
 
 
-def _write_parquet(place: "Any", head: Any, rows: "Any") -> None:
+def _write_parquet(place: Any, head: Any, rows: Any) -> None:
     pyarrow = _pyarrow()
     kinds = {name: pyarrow.int64() for name, _ in COUNTS} | {"message": pyarrow.string()}
     for column in head.columns:
@@ -186,5 +182,5 @@ def _write_parquet(place: "Any", head: Any, rows: "Any") -> None:
             writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
 
-def _plain(value: "Any") -> "Any":
+def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else float(value)

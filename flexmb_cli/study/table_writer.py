@@ -1,17 +1,13 @@
 """The table of a study from the cases that are kept."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import ANALYSIS_FAILED, OutputError
 from ..run.outcome import Stop
 from .study import LARGEST, MEAN, SERIES, SMALLEST
 from .sweep import Job, Sweep
 from .table import Column, Row, TableHead, write_table
-
-if TYPE_CHECKING:
-    pass
-
 
 MOST_RANGES = 5  # of missing cases named
 
@@ -53,7 +49,7 @@ def _result_columns(sweep: Sweep) -> Iterator[Column]:
         yield Column(f"result/{item.name}", quantity.unit, _meaning(item.take, quantity.name), length)
 
 
-def _meaning(take: "Any", name: str) -> "Any":
+def _meaning(take: Any, name: str) -> Any:
     """Return in words what is taken; a peak between two report rows is none of the rows."""
     over = " over the report rows" if take in (LARGEST, SMALLEST, MEAN) else ""
     return f"{take} of {name}{over}"

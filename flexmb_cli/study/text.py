@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -21,10 +21,6 @@ from ..results.quantities.quantities import NOTHING, ResultError
 from ..results.quantities.quantity_names import folded
 from ..results.quantities.table import SEPARATOR, TEXT_NUMBER, TEXT_WIDTH
 from .table import BLOCK_NUMBERS
-
-if TYPE_CHECKING:
-    pass
-
 
 # Of any number behind it.
 CONVENTIONS = "flexmb-study-"

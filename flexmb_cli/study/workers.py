@@ -3,17 +3,13 @@
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import ANALYSIS_FAILED, FlexmbError
 from ..quick_dataclass import dataclass, field
 from ..run.processes.signal_mask import unblock_stops
 from ..run.processes.worker import Worker, end_all, having_answers, portable
 from .sweep import MOST_DEATHS, BlockDone, Job, Sweep, give_up_case, next_case, solve_block
-
-if TYPE_CHECKING:
-    pass
-
 
 IN_FLIGHT = 2  # blocks a worker is given: one that it solves and the next
 BEGUN = "begun"
@@ -93,16 +89,16 @@ class _Work:
                 if len(blocks) < most and len(self.waiting) > (self.jobs if most > 1 else 0):
                     self._give(worker, self.waiting.popleft())
 
-    def _do_with_fewer(self, reason: "Any") -> None:
+    def _do_with_fewer(self, reason: Any) -> None:
         if not self.given:
             raise WorkersError(f"no process can be started: {reason}; -j 1 needs none", id="STUDY-024")
         self.jobs = len(self.given)
 
-    def _give(self, worker: "Any", block: int) -> None:
+    def _give(self, worker: Any, block: int) -> None:
         self.given[worker].append(block)
         worker.send(block)
 
-    def _hear(self, worker: "Any", answer: "Any") -> None:
+    def _hear(self, worker: Any, answer: Any) -> None:
         if answer is None:
             self._replace(worker)
         elif isinstance(answer, BlockDone):
@@ -118,7 +114,7 @@ class _Work:
             self._take_back(worker)
             self._do_with_fewer(str(answer))
 
-    def _replace(self, worker: "Any") -> None:
+    def _replace(self, worker: Any) -> None:
         """A process has died: whatever it was at is counted."""
         if worker in self.begun:
             note_deaths(self.sweep.job, list(self.given[worker])[:1], self.deaths)
@@ -132,21 +128,21 @@ class _Work:
                 id="STUDY-025",
             )
 
-    def _take_back(self, worker: "Any") -> None:
+    def _take_back(self, worker: Any) -> None:
         """The blocks that a process was given wait again."""
         for block in reversed(self.given.pop(worker)):
             last_try = self.deaths[_place(self.sweep.job, block)] == MOST_DEATHS - 1
             (self.alone if last_try else self.waiting).appendleft(block)
 
 
-def _serve(line: "Any", job: Any) -> None:
+def _serve(line: Any, job: Any) -> None:
     """Solve the blocks that come through `line`."""
     line.send(_begin_process() or BEGUN)
     while True:
         line.send(_solve(job, line.recv()))
 
 
-def _begin_process() -> "Any":
+def _begin_process() -> Any:
     """Ctrl-C reaches every process of the terminal; a worker ends with its driver, however that ends."""
     from ..run.processes.parent_watch import end_with_parent
 
@@ -159,7 +155,7 @@ def _begin_process() -> "Any":
     return None
 
 
-def _solve(job: Any, block: int) -> "Any":
+def _solve(job: Any, block: int) -> Any:
     try:
         return solve_block(job, block)
     except Exception as fault:

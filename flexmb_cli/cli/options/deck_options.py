@@ -1,6 +1,6 @@
 """What the commands that take decks share: options, and how faults are shown."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,7 +12,6 @@ from .completion import files
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Any
 
     from ...run.check.check import CheckReport
     from ...run.modes import ModesReport

@@ -1,12 +1,9 @@
 """A real number on the command line that is neither nan nor inf: in a range, or any."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
-
-if TYPE_CHECKING:
-    pass
 
 
 class Finite(click.FloatRange):
@@ -25,7 +22,7 @@ class AnyFinite(click.types.FloatParamType):
         return _finite(self, super().convert(value, param, ctx), value, param, ctx)
 
 
-def _finite(kind: AnyFinite | Finite, number: float, value: "Any", param: "Any", ctx: click.Context) -> Any:
+def _finite(kind: AnyFinite | Finite, number: float, value: Any, param: Any, ctx: click.Context) -> Any:
     if not math.isfinite(number):
         kind.fail(f"{value} is no finite number", param, ctx)
     return number

@@ -1,13 +1,12 @@
 """Where a command that reads results writes: to a file of its own, or to standard output."""
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
 
 STANDARD_OUTPUT = "-"

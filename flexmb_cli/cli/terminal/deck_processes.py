@@ -4,7 +4,7 @@ import signal
 import sys
 from collections import deque
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...errors import ANALYSIS_FAILED, Fault
 from ...memory import lack_of_memory_text, lacks_memory
@@ -15,19 +15,13 @@ from ...run.processes.worker import Worker, end_all, having_answers, portable
 from .progress import Progress
 from .stops import pass_over_stops, stop_on_signals
 
-if TYPE_CHECKING:
-    from typing import Any
-
-
 KILLED = (
     "the process that solved this deck was killed from outside, or out of memory: give it again; with "
     "--resume the run goes on"
 )
 
 
-def outcomes_in_parallel(
-    decks: "Any", options: RunOptions, jobs: int, progress: Progress
-) -> Iterator[Outcome]:
+def outcomes_in_parallel(decks: Any, options: RunOptions, jobs: int, progress: Progress) -> Iterator[Outcome]:
     """Return what became of every deck, in order; after a stop, of those that had been begun."""
     from ...run.processes.parent_watch import outlive_workers
 
@@ -86,7 +80,7 @@ class _Work:
         if self.fault:
             raise self.fault
 
-    def _begin(self, index: "Any", deck: "Any") -> None:
+    def _begin(self, index: Any, deck: Any) -> None:
         while self.idle:
             worker = self.idle.pop()
             if worker.send(deck):
@@ -101,7 +95,7 @@ class _Work:
         worker.send(deck)
         self.running[worker] = index, deck
 
-    def _put_back(self, index: "Any", deck: "Any", reason: "Any") -> None:
+    def _put_back(self, index: Any, deck: Any, reason: Any) -> None:
         """No more processes than there are can be had; a deck that has none at all is done with."""
         if self.running:
             self.jobs = len(self.running)
@@ -109,14 +103,14 @@ class _Work:
         else:
             self.ended[index] = _failed(deck, f"no process can be started for this deck: {reason}")
 
-    def stop(self, number: "Any") -> None:
+    def stop(self, number: Any) -> None:
         """Stop the processes as this one was: a signal may have come to this process alone."""
         for worker in self.running:
             worker.signal(number)
         while self.running:
             self._hear(having_answers(self.running))
 
-    def _hear(self, workers: "Any") -> None:
+    def _hear(self, workers: Any) -> None:
         for worker in workers:
             answer = worker.answer()
             if isinstance(answer, str):
@@ -132,7 +126,7 @@ class _Work:
             else:
                 self.progress.notice(sentence)
 
-    def _take(self, worker: "Any", index: "Any", deck: "Any", answer: "Any") -> None:
+    def _take(self, worker: Any, index: Any, deck: Any, answer: Any) -> None:
         """Return what became of a deck; `answer` None: its process was killed."""
         outcome, goes_on = answer or (_failed(deck, KILLED), False)
         if goes_on:
@@ -147,11 +141,11 @@ class _Work:
             self.fault = outcome
 
 
-def _failed(deck: "Any", reported: "Any") -> "Any":
+def _failed(deck: Any, reported: Any) -> Any:
     return Outcome(deck, ANALYSIS_FAILED, faults=[Fault("error", reported, id="CLI-008")])
 
 
-def _serve(line: "Any", options: "Any") -> None:
+def _serve(line: Any, options: Any) -> None:
     """Solve what comes through `line` until nothing more can come.
 
     Sent are sentences for who looks on, and (what became of a deck, whether the process goes on).  It does
@@ -167,7 +161,7 @@ def _serve(line: "Any", options: "Any") -> None:
         line.send((outcome, goes_on))
 
 
-def _begin_process() -> "Any":
+def _begin_process() -> Any:
     from ...run.processes.parent_watch import end_with_parent
 
     sys.unraisablehook = pass_over_stops
@@ -180,7 +174,7 @@ def _begin_process() -> "Any":
     return None
 
 
-def _solve(deck: "Any", options: "Any", listener: "Any") -> "Any":
+def _solve(deck: Any, options: Any, listener: Any) -> Any:
     try:
         from ...run.deck import run_deck
 

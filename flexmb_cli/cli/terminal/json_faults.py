@@ -2,7 +2,7 @@
 
 import json
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,7 +11,6 @@ from ...run.outcome import INTERRUPTED, TERMINATED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 STATUS = {BAD_INPUT: "bad input", INTERNAL_FAULT: "internal fault"}

@@ -5,13 +5,9 @@ Written here and not by a library: the least one that estimates the remaining ti
 
 import sys
 import time
-from typing import TYPE_CHECKING
+from typing import Any
 
 from .screen import tell, terminal_width
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 REDRAWN_AFTER = 0.1  # s
 LOGGED_AFTER = 10.0  # s
@@ -20,7 +16,7 @@ LOGGED_AFTER = 10.0  # s
 class Progress:
     """Shows how many of `unit` are done, after `title`; as a context, ends its line before others print."""
 
-    def __init__(self, title: str, unit: str, quiet: bool, verbose: bool, stream: "Any" = None):
+    def __init__(self, title: str, unit: str, quiet: bool, verbose: bool, stream: Any = None):
         self.title, self.unit, self.quiet = title, unit, quiet
         self.stream = stream or sys.stderr
         self.drawn = not quiet and self.stream.isatty()
@@ -91,7 +87,7 @@ class Progress:
     def __enter__(self) -> "Progress":
         return self
 
-    def __exit__(self, *failure: "Any") -> None:
+    def __exit__(self, *failure: Any) -> None:
         self.clear()
 
 

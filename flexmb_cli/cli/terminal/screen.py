@@ -4,7 +4,7 @@ import os
 import re
 import sys
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,7 +13,6 @@ from ...run.exit_status import StreamError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 class OutputText:
@@ -22,7 +21,7 @@ class OutputText:
     Its OSErrors become StreamErrors: they end the command, and not the deck alone.
     """
 
-    def __init__(self, stream: "Any"):
+    def __init__(self, stream: Any):
         self._stream = stream
         self._shown = lines_visible if stream.isatty() else str
 
@@ -68,7 +67,7 @@ def show(text: str, err: bool = False) -> None:
     click.echo(fitted(text, terminal_width(stream)) if stream.isatty() else text, nl=False, err=err)
 
 
-def terminal_width(stream: "Any") -> int:
+def terminal_width(stream: Any) -> int:
     """Return the columns of the terminal behind `stream`; COLUMNS overrules it, and 80 is the last resort."""
     given = os.environ.get("COLUMNS", "")
     if given.isdecimal() and int(given):

@@ -2,13 +2,10 @@
 
 import signal
 import sys
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...run.outcome import Stop, Terminated
 from ...run.processes.signal_mask import STOPS
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 def stop_on_signals() -> None:
@@ -18,7 +15,7 @@ def stop_on_signals() -> None:
     terminal tells a process what its parent tells it, too.
     """
 
-    def stop(number: "Any", frame: "Any") -> None:
+    def stop(number: Any, frame: Any) -> None:
         before, Stop.asked = Stop.asked, KeyboardInterrupt if number == signal.SIGINT else Terminated
         if before is None and not Stop.held:
             raise Stop.asked
@@ -36,7 +33,7 @@ def ignore_stops() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def pass_over_stops(lost: "Any") -> None:
+def pass_over_stops(lost: Any) -> None:
     """`sys.unraisablehook`: a stop amid Python's own clearing up is not raised there; it is no traceback.
 
     Nor is it where memory is short: what needs it says so.

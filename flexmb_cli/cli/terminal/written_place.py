@@ -1,13 +1,10 @@
 """Where something is to be written, as the command line names it."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from ..options.completion import files
-
-if TYPE_CHECKING:
-    pass
 
 
 class WrittenPlace(click.types.StringParamType):
@@ -19,6 +16,6 @@ class WrittenPlace(click.types.StringParamType):
             self.fail("an empty name; give a path", param, ctx)
         return super().convert(value, param, ctx)
 
-    def shell_complete(self, ctx: Any, param: "Any", incomplete: "Any") -> "Any":
+    def shell_complete(self, ctx: Any, param: Any, incomplete: Any) -> Any:
         """Have the shell complete names of files."""
         return files(ctx, param, incomplete)

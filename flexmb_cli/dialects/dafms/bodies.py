@@ -4,7 +4,7 @@ DAFMS thesis (Zhao, 1992), appendix C, DFIN (skyline, lumped masses) and TSYSIN 
 TOQU).
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +13,6 @@ from ...model.diagnostics import Findings
 from ...model.geometric_stiffness import beam_direction
 from ...model.tree import Body, Elasticity
 from .skyline import full_matrix
-
-if TYPE_CHECKING:
-    pass
-
 
 AXES_BY_DOFS = {1: (3,), 2: (2, 3), 3: (1, 2, 3)}
 

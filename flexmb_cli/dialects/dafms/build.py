@@ -1,7 +1,7 @@
 """FMBD.DAT → Tree: what the cards of DAFMS mean (thesis of Zhao, 1992, chapter 2 and appendix C)."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -14,10 +14,6 @@ from .elements.build import with_elements
 from .hinges import build_hinges
 from .start import build_integration, build_start, build_time
 from .time_functions import build_closures, build_functions_of_time
-
-if TYPE_CHECKING:
-    pass
-
 
 GRAVITY = (0.0, 9.8, 0.0)
 
@@ -71,7 +67,7 @@ def build_dafms(deck: Deck) -> tuple[Tree, list[Fault]]:
     return tree, findings.in_order
 
 
-def _shapes(values: "Any", findings: Any) -> "Any":
+def _shapes(values: Any, findings: Any) -> Any:
     if not values.section("shape"):
         return ()
     # Few decks have any.

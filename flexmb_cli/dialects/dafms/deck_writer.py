@@ -4,7 +4,7 @@ Sequence and FORMATs: DAFMS thesis (Zhao, 1992), appendix C, and the reader's ta
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.fortran_fields import filled
 from ...deck.record import Number, Record
@@ -12,10 +12,6 @@ from ...errors import Fault
 from .beam import Beam
 from .beam_cards import beam_block
 from .cards import CARDS, Card
-
-if TYPE_CHECKING:
-    pass
-
 
 OF_EVERY_BODY = ("MASS", "INER", "Q(k)", "NOFP", "EULT", "EULL", "XI  ", "RC(K")
 OPTIONAL = ("GRAV", "LOOP", "SPRI", "DAMP", "MOTR", "TABM", "PRES", "FORC", "TOQU", "TABL", "DESN")
@@ -120,7 +116,7 @@ class _Deck:
         elastic = self.by_prefix.get(f"elastic.{k}") if self._body(k)["kind"] == "TYPED" else None
         return (elastic["NUMNP"], elastic["NDF"]) if elastic else (0, 0)
 
-    def _beam(self, k: int) -> "Any":
+    def _beam(self, k: int) -> Any:
         if self._body(k)["kind"] != "BEAM":
             return None
         record = self.by_prefix[f"beam.{k}"]

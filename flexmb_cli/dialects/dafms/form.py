@@ -5,7 +5,7 @@ itself is written by `deck_writer.py`.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...deck.questions import INTEGER, TEXT, WORD, Cell, Entry
 from ...deck.record import Record
@@ -18,7 +18,6 @@ from .form_faults import MOST, faults_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 _KINDS = ("RIGID", "BEAM", "TYPED")

@@ -54,13 +54,13 @@ def _rows(word: str, answers: Any, n: int) -> Any:
     return _rotations(section, answers, f"{word} {n}") if word == "NROT" else []
 
 
-def _points(section: str, count: int, subject: str) -> "Any":
+def _points(section: str, count: int, subject: str) -> Any:
     unit = "N m" if section.startswith("torque") else "N m or N"
     cells = (Cell("t", "time", "s"), Cell("f", "torque or force, linear between the points", unit))
     return [Entry(section, i, f"{subject}, point {i}", cells) for i in counted(min(count, MOST_POINTS))]
 
 
-def _rotations(section: str, answers: Answers, subject: str) -> "Any":
+def _rotations(section: str, answers: Answers, subject: str) -> Any:
     """Rotations of a node per unit of each elastic coordinate; those of a beam are offered."""
     k, node = answers.integer(f"{section}.K"), answers.integer(f"{section}.I")
     axes, nodes = answers.axes(k)

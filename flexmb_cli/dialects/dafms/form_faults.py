@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.record import Record
 from ...errors import DeckError, Fault
@@ -13,10 +13,6 @@ from .cards import CARDS
 from .deck_writer import beam_of, faults_of_fields
 from .form_blocks import MOST_TYPED
 from .form_cards import MOST_POINTS
-
-if TYPE_CHECKING:
-    pass
-
 
 MOST = 1000
 MOST_OF_BEAM = 446  # the last whose skyline addresses fit I5
@@ -73,7 +69,7 @@ def _faults_of_node(records: Any, record: Record) -> list[Fault]:
     return [Fault("error", message, node[0].place, record.subject, id="DAFMS-026")]
 
 
-def _faults_of_time(before: Record, record: Record) -> "Any":
+def _faults_of_time(before: Record, record: Record) -> Any:
     """Points of a table come in the order of time; two at one time are a jump."""
     tables = tuple(f"{CARDS[word].section}." for word in ("TABM", "TABL"))
     if not record.section.startswith(tables) or before.section != record.section:
@@ -85,14 +81,14 @@ def _faults_of_time(before: Record, record: Record) -> "Any":
     return [Fault("error", message, time.place, record.subject, id="DAFMS-027")]
 
 
-def _faults_of_title(record: Record) -> "Any":
+def _faults_of_title(record: Record) -> Any:
     message = f"the heading card has room for 75 characters; read {len(record['text'])}"
     return (
         [Fault("error", message, record.place, "title", id="DAFMS-028")] if len(record["text"]) > 75 else []
     )
 
 
-def _outside(records: Any, record: Record, value: Any) -> "Any":
+def _outside(records: Any, record: Record, value: Any) -> Any:
     least, most = _range(records, record, value.key)
     if least is None or least <= value.value <= most:
         return []

@@ -7,17 +7,13 @@ differ.  It knew no extension cards, and echoes none; its ==WKD== debug lines ar
 
 from collections.abc import Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.fortran_format import SAFE, E, Edit, F, I, Layout
 from ...deck.record import Deck, Record
 from .skyline import full_matrix
-
-if TYPE_CHECKING:
-    pass
-
 
 # DFIN adds the weight of the nodes to their forces when it reads them; a GRAV card, which it did not know,
 # gives another gravity.
@@ -62,7 +58,7 @@ class _Page:
         self.counts = self.sections["counts"]
         self.heading = self.sections["heading"][0].numbers[0].text.ljust(80) + "\n"
 
-    def line(self, *parts: "Any", values: Any) -> str:
+    def line(self, *parts: Any, values: Any) -> str:
         return Layout(*parts, "\n", layout=self.layout).lines(values)
 
     def listed(self, tag: str, edit: Edit, per_line: int, values: Sequence) -> str:
@@ -185,7 +181,7 @@ class Series:
     Y lists the NS speeds and then the NS coordinates; entries that a small model lacks are left out.
     """
 
-    def __init__(self, unit2: "Any", unit3: "Any", coordinates: int, layout: str = SAFE):
+    def __init__(self, unit2: Any, unit3: Any, coordinates: int, layout: str = SAFE):
         self.layout = layout
         self.units = (
             (unit2, [coordinates - 1, coordinates, coordinates + 1]),

@@ -6,7 +6,7 @@ program, blank lines) are passed over.
 
 import os
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,6 @@ from ...deck.listing import EchoLine, Listing, ListingForm, Section, TableError
 from ...errors import Fault, Place
 from ...quick_dataclass import dataclass
 from .errata import SINGLE_PRECISION, single_precision
-
-if TYPE_CHECKING:
-    pass
-
 
 ECHO = ListingForm(
     "echo of a DAFMS deck",
@@ -41,7 +37,7 @@ class _Tag:
     columns: tuple[str, ...] = ()
 
 
-def _vector(name: str, kind: str, *indices: "Any") -> _Tag:
+def _vector(name: str, kind: str, *indices: Any) -> _Tag:
     edits = (*len(indices) * (I(5),), *3 * (F(10, 5),))
     return _Tag(name, kind, edits, (*indices, "axis 1", "axis 2", "axis 3"))
 
@@ -107,7 +103,7 @@ def parse_echo(name: str, text: str) -> Listing | None:
     return Listing(name, tuple(echo), empty, 1.0, {}, form=ECHO, words=tuple(words))  # type: ignore[arg-type]
 
 
-def _echo_line(number: int, line: str, match: re.Match[str], faults: "Any") -> EchoLine | None:
+def _echo_line(number: int, line: str, match: re.Match[str], faults: Any) -> EchoLine | None:
     tag = TAGS["".join(match[1].split())]
     rest = line[match.end() :]
     words = split_fields(rest, tag.edits) if tag.columns else split_list(rest, tag.edits[0])

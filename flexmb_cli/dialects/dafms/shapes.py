@@ -1,15 +1,11 @@
 """The card GEOM: what rigid bodies and the inertial frame look like in pictures."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
 from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, on_rigid_body, primitive_of
-
-if TYPE_CHECKING:
-    pass
-
 
 _KEYS = Keys("K", ("SA", "SB", "SC"), ("SO1", "SO2", "SO3"), ("SW1", "SW2", "SW3"))
 
@@ -26,7 +22,7 @@ def build_shapes(values: DeckValues, findings: Findings) -> tuple[Shape, ...]:
     return tuple(shape for shape in found if shape is not None)
 
 
-def _shape(record: Any, findings: Any) -> "Any":
+def _shape(record: Any, findings: Any) -> Any:
     number = record.at("IS")
     if not 1 <= number.value <= len(KINDS):
         message = f"IS must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.value}"

@@ -12,8 +12,6 @@ from .cards import CARDS, END, MACROS, PRINT_OFF, PRINT_ON
 from .skipped_lines import SkippedLines
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from .reader import Layout
 
 

@@ -5,7 +5,7 @@ A dialect says by a subclass of `ElementMaker` how its cards name joints and end
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...deck.record import Record
 from ...model.diagnostics import Findings
@@ -24,10 +24,6 @@ from ...model.joint_elements import (
 )
 from ...model.joints import ANGLE, STROKE
 from .functions import Functions
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 _COORDINATES = {1: ANGLE, 2: STROKE}
 _A = {ANGLE: "an angle", STROKE: "a stroke"}
@@ -90,7 +86,7 @@ class JointMaker(ElementMaker):
         joint = self._joint(record, coordinate, f"joint{suffix}")
         return None if joint is None or coordinate is None else (joint, coordinate)
 
-    def _joint(self, record: "Any", coordinate: str, key: str) -> "Any":
+    def _joint(self, record: Any, coordinate: str, key: str) -> Any:
         number = record[key]
         if not 1 <= number <= len(self.joints):
             message = f"joint number {number} is outside 1..{len(self.joints)}"
@@ -104,7 +100,7 @@ class JointMaker(ElementMaker):
             return None
         return number - 1
 
-    def _coordinate(self, record: "Any", key: str) -> "Any":
+    def _coordinate(self, record: Any, key: str) -> Any:
         if record[key] not in _COORDINATES:
             message = f"must be 1 (angle) or 2 (stroke); read {record[key]}"
             self.findings.error(record.subject, message, record.at(key).place, id="ELEMENTS-005")
@@ -128,7 +124,7 @@ def build_elements(
     maker: ElementMaker,
     sections: Callable,
     cards: Mapping[str, Sequence[tuple[str, Callable]]],
-    **more: "Any",
+    **more: Any,
 ) -> JointElements:
     """The elements of the records `sections(name)`, by `cards`: fields of `JointElements`, pairs of a
     section and what makes one of its records.
@@ -144,7 +140,7 @@ def build_elements(
 def joint_driver(coordinate: str | None) -> Callable:
     """Return what makes drivers of a coordinate."""
 
-    def make(maker: "Any", record: "Any") -> "Any":
+    def make(maker: Any, record: Any) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.motion(record, maker.start)
         return JointDriver(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
@@ -154,14 +150,14 @@ def joint_driver(coordinate: str | None) -> Callable:
 def motor(coordinate: str | None) -> Callable:
     """Return what makes motors in a coordinate."""
 
-    def make(maker: "Any", record: "Any") -> "Any":
+    def make(maker: Any, record: Any) -> Any:
         where, function = maker.where(record, coordinate), maker.functions.function(record)
         return JointMotor(record.subject, *where, function, record.place) if where and function else None  # type: ignore[call-arg]
 
     return make
 
 
-def _spring_data(maker: "Any", record: "Any") -> "Any":
+def _spring_data(maker: Any, record: Any) -> Any:
     return {
         "stiffness": float(record["stiffness"]),
         "rest": float(record["rest"]),
@@ -176,7 +172,7 @@ def _spring_data(maker: "Any", record: "Any") -> "Any":
 def joint_spring(coordinate: str | None) -> Callable:
     """Return what makes springs in a coordinate."""
 
-    def make(maker: "Any", record: "Any") -> "Any":
+    def make(maker: Any, record: Any) -> Any:
         where, data = maker.where(record, coordinate), _spring_data(maker, record)
         return JointSpring(record.subject, *where, **data) if where else None
 
@@ -200,7 +196,7 @@ def cable(maker: ElementMaker, record: Record) -> LineSpring | None:
 def stop(coordinate: str | None) -> Callable:
     """Return what makes stops of a coordinate."""
 
-    def make(maker: "Any", record: "Any") -> "Any":
+    def make(maker: Any, record: Any) -> Any:
         maker.not_negative(record, "stiffness", "damping")
         if not record["lower"] < record["upper"]:
             place = record.at("upper").place

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...deck.record import Number, Record
 from ...errors import Place
@@ -18,10 +18,6 @@ from ...model.time_functions import (
     sum_of,
 )
 from ...quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 MOST_FACTORS = 1000  # of a product that is multiplied out
 
@@ -51,7 +47,7 @@ class Functions:
         for function in given:
             self._take(function)
 
-    def _take(self, given: "Any") -> None:
+    def _take(self, given: Any) -> None:
         number, record = given.number, given.record
         if number.value < 1 or number.value in self._records:
             other = self._records.get(number.value)
@@ -122,7 +118,7 @@ class Functions:
             return None
         return function
 
-    def _refuse_rough(self, record: "Any", function: "Any", least: "Any", why: "Any", key: str) -> None:
+    def _refuse_rough(self, record: Any, function: Any, least: Any, why: Any, key: str) -> None:
         if smoothness(function) < least:
             remedy = "use SPLINE or STEP" if least else "move its points apart"
             message = f"{why}, but that of function {record[key]:g} does; {remedy}"
@@ -137,7 +133,7 @@ class Functions:
                 )
 
 
-def _points(functions: "Any", given: "Any", make: Callable) -> MotionFunction | None:
+def _points(functions: Any, given: Any, make: Callable) -> MotionFunction | None:
     times, found = given.values[0::2], given.values[1::2]
     for k, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
@@ -149,15 +145,15 @@ def _points(functions: "Any", given: "Any", make: Callable) -> MotionFunction | 
     return piecewise(make(times, found))
 
 
-def _polynomial(_functions: "Any", given: "Any") -> "Any":
+def _polynomial(_functions: Any, given: Any) -> Any:
     return piecewise(polynomial(given.values))
 
 
-def _sine(_functions: "Any", given: "Any") -> "Any":
+def _sine(_functions: Any, given: Any) -> Any:
     return MotionFunction(SINE, tuple(float(value) for value in (*given.values, 0.0)[:4]))  # type: ignore[arg-type]
 
 
-def _between(functions: "Any", given: "Any", make: "Any") -> "Any":
+def _between(functions: Any, given: Any, make: Any) -> Any:
     ends = [float(value) for value in given.values]
     if not ends[0] < ends[2]:
         message = f"the end {ends[2]:g} s must be later than the start {ends[0]:g} s"
@@ -166,11 +162,11 @@ def _between(functions: "Any", given: "Any", make: "Any") -> "Any":
     return piecewise(make(*ends))
 
 
-def _ramp(t0: "Any", v0: "Any", t1: "Any", v1: "Any") -> "Any":
+def _ramp(t0: Any, v0: Any, t1: Any, v1: Any) -> Any:
     return linear_table((t0, t1), (v0, v1))
 
 
-def _combined(known: "Any", given: "Any", combine: "Any") -> "Any":
+def _combined(known: Any, given: Any, combine: Any) -> Any:
     parts = []
     for k, value in enumerate(given.values):
         known._used.add(value)

@@ -1,7 +1,7 @@
 """VSDF deck → VsdfModel: what its cards mean, all faults collected."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.record import Deck
 from ...deck.records import DeckValues
@@ -18,10 +18,6 @@ from .loads import Factors, build_forces, build_joint_springs, build_outputs, bu
 from .motion_angles import check_motion_functions
 from .stress_outputs import build_stresses
 from .unused_fields import doubt_tables, refuse_unread
-
-if TYPE_CHECKING:
-    pass
-
 
 MOST_ROWS = 10_000_000
 
@@ -68,7 +64,7 @@ def build_vsdf(deck: Deck, folder: Path) -> tuple[VsdfModel, list[Fault]]:
     return VsdfModel(bodies, time, integrator, ground, gravity=g, **parts), findings.in_order
 
 
-def _shapes(values: "Any", bodies: "Any", folder: Path, findings: Any) -> "Any":
+def _shapes(values: Any, bodies: Any, folder: Path, findings: Any) -> Any:
     if not (values.section("shape") or values.section("shape_file")):
         return ()
     # Few decks have any.

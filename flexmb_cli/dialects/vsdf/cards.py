@@ -4,7 +4,7 @@ Vlasenko and Kasper (2008) typed their models into Maple; this deck is flexmb's 
 whole format is described for users in decks/vsdf/FORMAT.md.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...solvers.constrained.integrators import METHODS
 from . import DIALECT
@@ -13,15 +13,11 @@ from .card import vector_columns as _vector
 from .card import whole_column as _whole
 from .elements.cards import ELEMENT_CARDS
 
-if TYPE_CHECKING:
-    pass
-
-
 END, STAR, STOP = "END", "STAR", "STOP"
 FINAL = (END, STAR, STOP)
 
 
-def _word(key: str, meaning: str, words: tuple[str, ...], default: None = None) -> "Any":
+def _word(key: str, meaning: str, words: tuple[str, ...], default: None = None) -> Any:
     return Column(key, meaning, letter="A", skip=1, words=words, default=default)
 
 

@@ -6,7 +6,7 @@ of the origin strains nothing: the two models are one and the same.
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from ...model.flexible_mechanism import FlexibleMechanism
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import replace
 from .build import build_vsdf
-
-if TYPE_CHECKING:
-    pass
 
 
 def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> FlexibleMechanism:
@@ -39,14 +36,14 @@ def exchanged_model(deck: Deck, folder: Path, first: FlexibleMechanism) -> Flexi
     return replace(second, bodies=tuple(_moving(*pair) for pair in pairs), forces=forces)
 
 
-def _moving(body: "Any", other: "Any") -> "Any":
+def _moving(body: Any, other: Any) -> Any:
     """Return `other` with the motion that `body` has at the start."""
     A, B = rotation_matrix(body.p), rotation_matrix(other.p)
     omega = A @ body.omega
     return replace(other, velocity=body.velocity + np.cross(omega, other.r - body.r), omega=B.T @ omega)
 
 
-def _turned(force: "Any", body: "Any", other: "Any") -> "Any":
+def _turned(force: Any, body: Any, other: Any) -> Any:
     """Return a force that follows its body in the axes of the other frame."""
     if not force.follows:
         return force

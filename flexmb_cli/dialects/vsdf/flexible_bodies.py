@@ -15,8 +15,6 @@ from .materials import matrices_of_elements, stiffening_material, stress_materia
 from .nodes import members_of, sets_of
 
 if TYPE_CHECKING:
-    from typing import Any
-
     import numpy as np
 
 

@@ -5,7 +5,7 @@ body's two matrices, the dialogue asks how many there are.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...deck import number
 from ...deck.questions import INTEGER, TEXT, Cell, Entry
@@ -13,10 +13,6 @@ from ...deck.record import Number, Record
 from ...errors import Fault
 from .card import Card, Column
 from .cards import BY_WORD, CARDS, END, FINAL
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 MOST = 1000
 _BODY, _FLEXIBLE, _RIGID = BY_WORD["BODY"], ("FEMN",), ("RIGI",)
@@ -132,7 +128,7 @@ def _data_lines(card: Card, record: Record) -> list[str]:
     return ["    " + ",".join(part) for part in (texts[:first], texts[first:]) if part]
 
 
-def _outside(record: Record, value: Number, least: bool, most: int) -> "Any":
+def _outside(record: Record, value: Number, least: bool, most: int) -> Any:
     if int(least) <= value.value <= most:
         return []
     message = f"{value.key} must be within {int(least)}..{most}; read {value.text}"

@@ -3,7 +3,7 @@
 import math
 from array import array
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +18,6 @@ from ...quick_dataclass import dataclass, field
 from ..elements.functions import Functions
 from . import DIALECT
 from .bodies import end_of_body
-
-if TYPE_CHECKING:
-    pass
-
 
 _COINCIDENT = 1e-12
 # Laws of MOTN: the coordinate, or its rate, follows a function.
@@ -135,7 +131,7 @@ def _side(
 
 
 def _with_ground(
-    record: Record, kind: "Any", a: None, b: tuple[End, ...], bodies: tuple[VsdfBody, ...], findings: Findings
+    record: Record, kind: Any, a: None, b: tuple[End, ...], bodies: tuple[VsdfBody, ...], findings: Findings
 ) -> "tuple[tuple[Any, ...] | None, tuple[Any, ...] | None]":
     """The ground's points where those of the other body are at t = 0."""
     ends = a or b
@@ -183,7 +179,7 @@ def _check_axis(
 
 def _size(
     record: Record,
-    kind: "Any",
+    kind: Any,
     a: tuple[End, ...],
     b: tuple[End, ...],
     bodies: tuple[VsdfBody, ...],

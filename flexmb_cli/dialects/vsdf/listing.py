@@ -1,6 +1,6 @@
 """The listing of a VSDF deck: cards, bodies, frequencies, constraints, and output nodes in time."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from ...deck.record import Deck
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
     from ...model.flexible_mechanism import FloatingBody
 
@@ -24,7 +23,7 @@ class VsdfTable:
     `analysis` has the `mechanism` and, where that could be assembled, what was `found` of its equations.
     """
 
-    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: "Any"):
+    def __init__(self, streams: tuple, deck: Deck, layout: str, analysis: Any):
         self.stream, self.deck, self.analysis = streams[0], deck, analysis
         self.mechanism = analysis.mechanism
         time, energy = (" TIME =", P(13, 5), "\n"), (" ENERGY", *4 * (P(13, 5),), "\n")
@@ -93,6 +92,6 @@ def _vector(values: list[float] | np.ndarray) -> str:
     return " ".join(f"{value + 0.0:.6g}" for value in values)
 
 
-def _numbers(point: "Any") -> tuple[int, int]:
+def _numbers(point: Any) -> tuple[int, int]:
     """Numbers of a point's body, 0 for the ground, and of its node."""
     return point.body + 1, int(point.name.rpartition(" ")[2])

@@ -1,15 +1,12 @@
 """Nodes that cards of a VSDF deck give to rigid bodies and the ground, and sets of any body's nodes."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.record import Record
 from ...deck.records import DeckValues
 from ...model.diagnostics import Findings
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 def given_nodes(values: DeckValues, k: int, findings: Findings) -> dict[int, np.ndarray]:

@@ -3,7 +3,7 @@
 import re
 from array import array
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck import many_records
 from ...deck.many_records import Block, ManyRecords
@@ -12,10 +12,6 @@ from ...errors import DeckError, Fault, Place
 from . import fields
 from .card import Card, Column
 from .cards import BY_WORD, DATA_WORDS, END, FINAL, KNOWN_WORDS, STAR, STOP
-
-if TYPE_CHECKING:
-    pass
-
 
 _TITLE_WIDTH = 75
 # Nobody reads more, and each costs a search for near words.
@@ -47,7 +43,7 @@ def _many(source: DeckText, starts: "dict[str, Any]") -> ManyRecords:
     return ManyRecords(blocks)
 
 
-def _again(source: DeckText, card: Card, lines: "Any", index: int) -> Record:
+def _again(source: DeckText, card: Card, lines: Any, index: int) -> Record:
     """A record that was read without error before."""
     reader = _Reader(source)
     reader.at = lines[index]

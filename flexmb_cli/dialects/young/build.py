@@ -6,7 +6,7 @@ Liang Yong, YOUNG dissertation (1996), chapter 5: the equations must be as many 
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...collector import without_collector
 from ...deck.many_records import Chained, Made
@@ -22,10 +22,6 @@ from .element_cards import CONSTRAINING
 from .equation_count import check_equation_count
 from .parts import part_of
 from .prescribed_coordinates import check_held_coordinates
-
-if TYPE_CHECKING:
-    pass
-
 
 _HOLDERS = ("ground", "simplified", "driver")
 _SECTIONS = ("body", "simplified", "distance", "driver", "ground", "point")
@@ -104,11 +100,11 @@ def _parts(deck: Deck, findings: Findings) -> "dict[Any, Any]":
     return {**found, "joint": joints, "time": tuple(parts["time"])}
 
 
-def _part(bodies: int, record: "Any") -> "Any":
+def _part(bodies: int, record: Any) -> Any:
     return part_of(record, bodies)[0]
 
 
-def _kept_part(record: "Any", bodies: int) -> "tuple[Any, FaultList]":
+def _kept_part(record: Any, bodies: int) -> "tuple[Any, FaultList]":
     # A study makes thousands of decks that differ in a record or two, and share the others.
     if bodies not in record.made:
         record.made[bodies] = part_of(record, bodies)

@@ -3,7 +3,7 @@
 import math
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from .dynamic_cards import FORWARD, analysis_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 ELEMENTS = ("Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx")
@@ -88,7 +87,7 @@ def _made(deck: Deck, section: str, make: "Callable[..., Any]", findings: Findin
     return Made(records, partial(_again, make))  # type: ignore[return-value]
 
 
-def _again(make: "Any", record: "Any") -> "Any":
+def _again(make: Any, record: Any) -> Any:
     return make(record, Findings())
 
 
@@ -165,7 +164,7 @@ def _following(record: Record, findings: Findings) -> bool:
     return following == 1
 
 
-def _force(record: Record, findings: Findings, functions: "Any") -> AppliedForce:
+def _force(record: Record, findings: Findings, functions: Any) -> AppliedForce:
     following = _following(record, findings)
     return AppliedForce(
         record.subject,
@@ -178,7 +177,7 @@ def _force(record: Record, findings: Findings, functions: "Any") -> AppliedForce
     )
 
 
-def _torque(record: Record, findings: Findings, functions: "Any") -> AppliedTorque:
+def _torque(record: Record, findings: Findings, functions: Any) -> AppliedTorque:
     following = _following(record, findings)
     return AppliedTorque(
         record.subject,
@@ -196,7 +195,7 @@ def _spring(record: Record, findings: Findings) -> SpringDamper:
     return _line(record, record["stiffness"], record["free_length"])
 
 
-def _damper(record: Record, findings: "Any") -> SpringDamper:
+def _damper(record: Record, findings: Any) -> SpringDamper:
     _doubt_negative(record, "damping", findings)
     return _line(record, 0.0, 0.0)
 
@@ -221,7 +220,7 @@ def _doubt_negative(record: Record, key: str, findings: Findings) -> None:
         findings.warn(record.subject, message, record.at(key).place, id="YOUNG-008")
 
 
-def _velocity(record: Record, _findings: "Any") -> InitialVelocity:
+def _velocity(record: Record, _findings: Any) -> InitialVelocity:
     return InitialVelocity(
         record.subject, record["body"] - 1, record.vector("v"), record.vector("w"), record.place
     )

@@ -1,7 +1,7 @@
 """The cards of functions, drivers, supports, composite joints and elements of a YOUNG deck."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...deck.record import Deck, Record
 from ...model.diagnostics import Findings
@@ -13,10 +13,6 @@ from ..elements.build import build_elements as elements_of
 from ..elements.functions import Functions, GivenFunction
 from .element_cards import FUNCTION_CARDS
 
-if TYPE_CHECKING:
-    from typing import Any
-
-
 _SECTIONS = tuple(card.section for card in FUNCTION_CARDS)
 _LINKS = {"revcyl": "revolute-cylindrical", "revsph": "revolute-spherical", "sphsph": "spherical-spherical"}
 
@@ -26,14 +22,14 @@ def build_functions(deck: Deck, findings: Findings) -> Functions:
     return Functions(_given(deck), findings)
 
 
-def _given(deck: "Any") -> Iterator[GivenFunction]:
+def _given(deck: Any) -> Iterator[GivenFunction]:
     for record in deck.records:
         if record.section in _SECTIONS:
             place = _places(record)
             yield GivenFunction(record, record.at("number"), record.section, record.values[1:], place)
 
 
-def _places(record: "Any") -> "Any":
+def _places(record: Any) -> Any:
     return lambda k: record.numbers[1 + k].place
 
 
@@ -48,7 +44,7 @@ def build_elements(
 class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, mechanism: Mechanism, functions: "Any", findings: Findings):
+    def __init__(self, mechanism: Mechanism, functions: Any, findings: Findings):
         super().__init__(mechanism.joints, functions, findings, mechanism.time.start)
         self.mechanism = mechanism
 
@@ -60,7 +56,7 @@ class _Maker(JointMaker):
         }  # fmt: skip
 
 
-def _driven(maker: _Maker, record: Record) -> "Any":
+def _driven(maker: _Maker, record: Record) -> Any:
     number, drivers = record["driver"], maker.mechanism.drivers
     if not 1 <= number <= len(drivers):
         message = f"driver number {number} is outside 1..{len(drivers)}"
@@ -71,7 +67,7 @@ def _driven(maker: _Maker, record: Record) -> "Any":
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _support(maker: _Maker, record: Record) -> "Any":
+def _support(maker: _Maker, record: Record) -> Any:
     number, held = record["simplified"], maker.mechanism.simplified
     if not 1 <= number <= len(held):
         message = f"simplified constraint {number} is outside 1..{len(held)}"
@@ -85,7 +81,7 @@ def _support(maker: _Maker, record: Record) -> "Any":
     return None if function is None else DrivenItem(record.subject, number - 1, function, record.place)
 
 
-def _composite(maker: "Any", record: "Any") -> "Any":
+def _composite(maker: Any, record: Any) -> Any:
     axes = {key: record.vector(key) for key in ("s_i", "s_j") if f"{key}.x" in record}
     for key, s in axes.items():
         if not any(s):

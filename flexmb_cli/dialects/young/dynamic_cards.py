@@ -302,7 +302,7 @@ class _Cards:
         return Number(column.key, value, column.meaning, column.unit, word.place, word.text)
 
 
-def _again(source: DeckText, section: str, starts: "Any", index: int) -> "_ReadCard":
+def _again(source: DeckText, section: str, starts: Any, index: int) -> "_ReadCard":
     kind = next(card for card in CARDS if card.section == section)
     return _ReadCard(source, kind, index + 1, starts[index])
 
@@ -363,7 +363,7 @@ def _is_keyword(word: Word) -> bool:
     return word.text[0].isalpha() and not NO_NUMBER.fullmatch(word.text)
 
 
-def _wants_text(card: "Any") -> "Any":
+def _wants_text(card: Any) -> Any:
     """Return whether a keyword alone has been read, behind which a word is no keyword."""
     kind = BY_KEYWORD.get(card[0].text.upper()) if len(card) == 1 else None
     return kind is not None and kind.begins_with_text

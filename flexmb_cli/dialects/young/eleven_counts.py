@@ -79,7 +79,7 @@ def completed(deck: Deck) -> Deck:
     return replace(deck, records=records, warnings=(*deck.warnings, note))
 
 
-def _made(made: "Any", index: "Any") -> "Any":
+def _made(made: Any, index: Any) -> Any:
     return _completed(made(index))
 
 

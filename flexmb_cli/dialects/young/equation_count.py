@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from itertools import chain, pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
@@ -17,10 +17,6 @@ from ...model.joints import BY_NAME
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass, field
 from . import DIALECT
-
-if TYPE_CHECKING:
-    pass
-
 
 SHOWN_GROUPS = 8
 SHOWN_BODIES = 6
@@ -97,7 +93,7 @@ def _links(mechanism: Any, grounded: Any) -> Iterator[tuple[int, tuple[int, ...]
         yield _PER_BODY, (body,)
 
 
-def _balanced(mechanism: Any, grounded: "Any") -> "Any":
+def _balanced(mechanism: Any, grounded: Any) -> Any:
     """Return whether every group of bodies has as many equations as coordinates."""
     count = len(mechanism.bodies)
     root, fixed = array("i", range(count)), bytearray(count)

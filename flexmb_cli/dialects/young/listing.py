@@ -5,17 +5,13 @@ body numbers that the program printed without a blank between them (screw joints
 both have one digit.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...deck.fortran_format import HISTORIC, SAFE, Edit, Layout, fixed, integer
 from ...deck.record import Deck, Record
 from ...solvers.as_printed.errors import AS_PRINTED
-
-if TYPE_CHECKING:
-    pass
-
 
 COUNT_TITLES = (
     "body : NBODY",

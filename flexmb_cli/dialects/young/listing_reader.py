@@ -164,7 +164,7 @@ class _Scan:
         )
 
 
-def _section(key: str, lines: list[str], gathered: _Gathered, faults: "Any") -> Section:
+def _section(key: str, lines: list[str], gathered: _Gathered, faults: Any) -> Section:
     columns = gathered.columns
     width = len(columns.names)
     table = np.empty((len(gathered.text), width + 1))
@@ -222,7 +222,7 @@ def _decimals_agree(joined: str, decimals: np.ndarray, lines: int) -> bool:
 
 
 def _read_one_by_one(
-    key: str, texts: list[str], numbers: list[int], columns: Columns, faults: "Any"
+    key: str, texts: list[str], numbers: list[int], columns: Columns, faults: Any
 ) -> np.ndarray:
     block = np.full((len(texts), len(columns.names) + 1), np.nan)
     block[:, 0] = 0
@@ -264,7 +264,7 @@ def _split_row(rest: str, columns: Columns) -> "Sequence[Any] | None":
     return None
 
 
-def _is_row_of(columns: "Any", line: str) -> "Any":
+def _is_row_of(columns: Any, line: str) -> Any:
     """Return whether a line reads as a body or point and its numbers."""
     index, rest, _ = _split_index(line)
     return index > 0 and _split_row(rest, columns) is not None

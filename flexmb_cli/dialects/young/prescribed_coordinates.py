@@ -8,16 +8,12 @@ import math
 from array import array
 from collections.abc import Iterator
 from itertools import chain, groupby
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...errors import Place
 from ...model.diagnostics import Findings
 from ...model.mechanism import Driver, Ground, Mechanism
 from ...quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    pass
-
 
 SAME = 1e-12
 MANY = 10_000  # holds
@@ -119,7 +115,7 @@ def _worth_looking_at(grounds: "Iterator[Any]", mechanism: Any) -> list[Ground]:
     ]
 
 
-def _of_grounds(grounds: "Any") -> Iterator[_Hold]:
+def _of_grounds(grounds: Any) -> Iterator[_Hold]:
     for ground in grounds:
         for direction, value in enumerate(ground.values, start=1):
             yield _Hold(ground.name, ground.body, direction, value, ground.place)

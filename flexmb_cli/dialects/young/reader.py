@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from functools import cached_property, partial
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck import many_records, number
 from ...deck.many_records import Block, ManyRecords
@@ -19,10 +19,6 @@ from ...errors import DeckError, Fault, FaultList, Place
 from ...quick_dataclass import dataclass, field, replace
 from .eleven_counts import EARLIER_SECTIONS, are_eleven_counts, completed, lines_begin_records
 from .sections import BODIES, COUNTS, YOUNG_SECTIONS, Section
-
-if TYPE_CHECKING:
-    pass
-
 
 DIALECT = "young"
 MOST_ERRORS = 1000
@@ -296,7 +292,7 @@ def _words_behind(reading: _Reading) -> list[Word]:
     return [*rest, *following] if rest else []
 
 
-def _lines_behind(reading: Any, last: int) -> "Any":
+def _lines_behind(reading: Any, last: int) -> Any:
     """The words behind the last number on its line `last`, and those of the next line that has any."""
     end = reading.taken
     reading.words.reach(end + 2 * LONGEST_RECORD)
@@ -307,7 +303,7 @@ def _lines_behind(reading: Any, last: int) -> "Any":
     return rest, [word for word in following if word.line == following[0].line]
 
 
-def _is_number(word: Any) -> "Any":
+def _is_number(word: Any) -> Any:
     try:
         number.real(word.text)
     except number.Misspelt:

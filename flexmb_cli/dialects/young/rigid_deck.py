@@ -49,7 +49,7 @@ class _Deck:
         order = [joint for joints in self.sorted.values() for joint in joints]
         self.joint_number = {id(joint): n for n, joint in enumerate(order, start=1)}
 
-    def lines(self) -> "Any":
+    def lines(self) -> Any:
         """The numbers of the 1996 program, then the cards of dynamics."""
         model, time = self.model, self.model.time
         drives = [self._driver(n, item) for n, item in enumerate(model.drivers, start=1)]
@@ -74,7 +74,7 @@ class _Deck:
             "END",
         ]
 
-    def _counts(self) -> "Any":
+    def _counts(self) -> Any:
         counts = {
             "NBODY": len(self.model.bodies) + self.with_ground,
             "NDRIVE": len(self.model.drivers),
@@ -84,11 +84,11 @@ class _Deck:
         counts |= {COUNT_OF[kind.name]: len(self.sorted[kind.name]) for kind in JOINT_TYPES}
         return [counts.get(column.key, 0) for column in COUNTS.columns]
 
-    def _body(self, body: "Any") -> "Any":
+    def _body(self, body: Any) -> Any:
         """Number of a body of a joint proper, which the ground is, too."""
         return len(self.model.bodies) + 1 if body == GROUND else body + 1
 
-    def _joint(self, joint: "Any") -> "Any":
+    def _joint(self, joint: Any) -> Any:
         kind = next(each for each in JOINT_TYPES if each.name == _KIND.get(joint.kind, joint.kind))
         axes = {joint.i: np.array(joint.s_i), joint.j: np.array(joint.s_j)}
         if joint.kind == "fixed":
@@ -108,7 +108,7 @@ class _Deck:
         pitch = [joint.size] if joint.kind == "screw" else []
         return _line(self._body(joint.i), self._body(joint.j), *numbers, *pitch)
 
-    def _driver(self, n: "Any", item: "Any") -> "Any":
+    def _driver(self, n: Any, item: Any) -> Any:
         """The record of a driver, and the card of one that follows a function."""
         c = polynomial_of(item.function)
         if c is not None and len(c) <= 3:
@@ -117,7 +117,7 @@ class _Deck:
         number = self._function(item.function, item)
         return _line(item.body + 1, item.direction, item.function.at(0.0)[0], 0, 0), f"DRIVE {n} {number}"
 
-    def _function(self, function: Any, item: "Any") -> "Any":
+    def _function(self, function: Any, item: Any) -> Any:
         """Number of a function card; 1 stands in where there is none."""
         function, number = simple(function), len(self.functions) + 1
         c, points = polynomial_of(function), points_of(function)
@@ -142,7 +142,7 @@ class _Deck:
             if any((*body.velocity, *body.omega)):
                 yield f"VELOCITY {_line(k, *body.velocity, *body.omega)}"
 
-    def _loads(self) -> "Any":
+    def _loads(self) -> Any:
         """The cards of loads, springs and drivers at joints."""
         model, cards = self.model, []
         for item in model.joints:
@@ -171,11 +171,11 @@ class _Deck:
             cards.append(f"TORQUE {_line(item.body + 1, *torque, int(item.following), factor)}")
         return cards
 
-    def _word(self, item: "Any", turning: "Any", sliding: "Any") -> "Any":
+    def _word(self, item: Any, turning: Any, sliding: Any) -> Any:
         number = self.joint_number[id(self.model.joints[item.joint])]
         return f"{turning if item.coordinate == ANGLE else sliding} {number}"
 
-    def _factor(self, load: "Any", item: "Any") -> "Any":
+    def _factor(self, load: Any, item: Any) -> Any:
         value = value_of(item.factor)
         if value is not None:
             return [value * x for x in load], 0
@@ -190,5 +190,5 @@ class _Deck:
             yield "RAD5"
 
 
-def _line(*values: "Any") -> "Any":
+def _line(*values: Any) -> Any:
     return " ".join(str(v) if isinstance(v, int) else repr(float(v) + 0.0) for v in values)

@@ -82,7 +82,7 @@ class _Conversion:
         self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)]  # type: ignore[attr-defined]
         self.joints: dict[int, int] = {}
 
-    def model(self) -> "Any":
+    def model(self) -> Any:
         deck, time = self.deck, self.mechanism.time
         self._refuse_foreign()
         joints = self._joints()
@@ -122,7 +122,7 @@ class _Conversion:
         for item in self.mechanism.distances:
             self.refusals.add(item, "differences of single coordinates (NSIMP2) are not converted")
 
-    def _notes(self) -> "Any":
+    def _notes(self) -> Any:
         notes = []
         if self.mechanism.time.start:
             notes.append(f"t = 0 is {self.mechanism.time.start!r} s of the other deck")
@@ -131,14 +131,14 @@ class _Conversion:
             notes.append(f"bodies here and there: {pairs}; the ground is no body")
         return tuple(notes)
 
-    def _stepping(self) -> "Any":
+    def _stepping(self) -> Any:
         deck = self.deck
         if deck.alpha_steps:
             steps = deck.alpha_steps
             return Stepping(ALPHA, deck.tolerance, steps.length, steps.radius)
         return Stepping(RADAU if deck.radau else EXPLICIT, deck.tolerance)
 
-    def _body(self, k: int) -> "Any":
+    def _body(self, k: int) -> Any:
         body, start = self.mechanism.bodies[k], self.start
         mass = next((item for item in self.deck.masses if item.body == k), None)
         data = (
@@ -149,19 +149,19 @@ class _Conversion:
         motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
         return RigidBody(f"body {k + 1}", *motion, *data, body.place)  # type: ignore[call-arg]
 
-    def _point(self, body: "Any", point: tuple[float, float, float]) -> "Any":
+    def _point(self, body: Any, point: tuple[float, float, float]) -> Any:
         """A point of a body, global where the body is at rest."""
         if self.number[body] != GROUND or body == GROUND:
             return vector(point)
         r, A = self.now[body]
         return vector(r + A @ np.array(point))
 
-    def _direction(self, body: "Any", s: "Any") -> "Any":
+    def _direction(self, body: Any, s: Any) -> Any:
         if self.number[body] != GROUND or body == GROUND:
             return vector(s)
         return vector(self.now[body][1] @ np.array(s))
 
-    def _joints(self) -> "Any":
+    def _joints(self) -> Any:
         found: list[Any] = []
         for k, joint in enumerate(self.mechanism.joints):
             self._add_joint(found, joint, joint.kind, joint.pitch, k)
@@ -172,7 +172,7 @@ class _Conversion:
                 self._add_joint(found, item, item.kind, item.size, None)  # type: ignore[arg-type]
         return tuple(found)
 
-    def _add_joint(self, found: "Any", joint: "Any", kind: "Any", size: "Any", k: int) -> None:
+    def _add_joint(self, found: Any, joint: Any, kind: Any, size: Any, k: int) -> None:
         i, j = self.number[joint.i], self.number[joint.j]
         if i == GROUND == j:
             return
@@ -182,10 +182,10 @@ class _Conversion:
         axes = self._direction(joint.i, joint.s_i), self._direction(joint.j, joint.s_j)
         found.append(RigidJoint(joint.name, kind, i, j, *ends, *axes, size, joint.place))
 
-    def _function(self, function: Any) -> "Any":
+    def _function(self, function: Any) -> Any:
         return function and moved(function, self.mechanism.time.start)
 
-    def _drivers(self) -> "Any":
+    def _drivers(self) -> Any:
         """Drivers, and coordinates that are held, of bodies that move."""
         elements = self.deck.elements
         driven = {item.item: item.function for item in elements.driven}
@@ -206,7 +206,7 @@ class _Conversion:
             if self.number[item.body] != GROUND
         )
 
-    def _offset(self, number: int, coordinate: str) -> "Any":
+    def _offset(self, number: int, coordinate: str) -> Any:
         """A joint coordinate at the start: YOUNG counts it from the estimates."""
         joint = self.mechanism.joints[number]
         first, now = (Pair(*poses[joint.i], *poses[joint.j]) for poses in (self.first, self.now))
@@ -214,7 +214,7 @@ class _Conversion:
             return angle_between(joint.s_i, first, now)
         return stroke_between(joint.s_i, joint.P_i, joint.P_j, first, now)
 
-    def _joint_driver(self, item: "Any") -> "Any":
+    def _joint_driver(self, item: Any) -> Any:
         # The function is met at the start, whatever number of turns it begins with.
         time = self.mechanism.time.start
         function = moved(item.function, time, item.function.at(time)[0])
@@ -225,7 +225,7 @@ class _Conversion:
             if item.joint in self.joints:
                 yield replace(item, joint=self.joints[item.joint], function=self._function(item.function))
 
-    def _joint_springs(self) -> "Any":
+    def _joint_springs(self) -> Any:
         """Springs without preload, and motors with the preload of those without stiffness."""
         springs, motors = [], []
         for item in self.deck.elements.springs:
@@ -246,7 +246,7 @@ class _Conversion:
                 )
         return tuple(springs), tuple(motors)
 
-    def _springs(self) -> "Any":
+    def _springs(self) -> Any:
         found = [self._spring(item, item.free_length) for item in self.deck.springs]
         for item in self.deck.elements.lines:
             if item.slack:
@@ -260,7 +260,7 @@ class _Conversion:
                 found.append(self._spring(item, item.rest - shift))
         return tuple(spring for spring in found if not spring.i == GROUND == spring.j)
 
-    def _spring(self, item: "Any", rest: "Any") -> "Any":
+    def _spring(self, item: Any, rest: Any) -> Any:
         i, j = self.number[item.i], self.number[item.j]
         ends = self._point(item.i, item.P_i), self._point(item.j, item.P_j)
         return SpringDamper(item.name, i, j, *ends, item.stiffness, rest, item.damping, item.place)

@@ -6,16 +6,12 @@ in m, angles in rad, times in s; points in the axes of their body.
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck import number
 from ...model.joints import JOINT_TYPES, PITCH
 from ...quick_dataclass import dataclass
 from . import DIALECT
-
-if TYPE_CHECKING:
-    pass
-
 
 COUNT_OF = {name: count for count, name in DIALECT.joints.items()}
 
@@ -75,7 +71,7 @@ def _whole(key: str, meaning: str) -> Any:
     return Column(key, meaning, is_integer=True)
 
 
-def _joint(kind: "Any") -> Section:
+def _joint(kind: Any) -> Section:
     columns = [_whole("I", "number of body I"), _whole("J", "number of body J")]
     for point in kind.points:
         body = point[-1].upper()

@@ -1,15 +1,12 @@
 """The cards GEOM and STL: what bodies look like in pictures."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...deck.record import Deck
 from ...model.diagnostics import Findings
 from ...model.shapes import KINDS, Shape
 from ..body_shapes import Keys, on_rigid_body, primitive_of, stl_shape_of
-
-if TYPE_CHECKING:
-    pass
 
 
 def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> tuple[Shape, ...]:
@@ -28,7 +25,7 @@ def build_shapes(deck: Deck, bodies: int, folder: Path, findings: Findings) -> t
     return tuple(shape for shape in found if shape is not None)
 
 
-def _primitive(record: Any, keys: "Any", findings: Any) -> "Any":
+def _primitive(record: Any, keys: Any, findings: Any) -> Any:
     number = record.at("shape")
     if not 1 <= number.value <= len(KINDS):
         message = f"shape must be within 1..{len(KINDS)}, {', '.join(KINDS)}; read {number.text}"

@@ -6,15 +6,11 @@ dynamic analysis into a kinematic one, and a card there would be lost.
 
 import re
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...deck.lines import Lines
 from ...deck.number import shown
 from ...errors import Fault, Place
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 _COMMENT = re.compile(r"\{[^}]*\}")
 _OPENING = "DYNAMICS"
@@ -37,7 +33,7 @@ def unread_lines(lines: Lines, behind: int, keywords: Iterable[str]) -> Iterator
     return iter(slips) if slips else _cards(lines, behind, keywords, message)
 
 
-def _like_openings(lines: "Any", behind: "Any") -> "Iterator[Any]":
+def _like_openings(lines: Any, behind: Any) -> "Iterator[Any]":
     text, start = _without_comments(lines, behind)
     for found in _LIKE_OPENING.finditer(text):
         if _is_like_opening(found[2]):
@@ -54,7 +50,7 @@ def cards_behind_end(lines: Lines, behind: int, keywords: Iterable[str]) -> Iter
     yield from _cards(lines, behind, keywords, "stands behind END and is not read: put it before END")
 
 
-def _cards(lines: "Any", behind: "Any", keywords: "Any", message: str) -> "Iterator[Any]":
+def _cards(lines: Any, behind: Any, keywords: Any, message: str) -> "Iterator[Any]":
     text, start = _without_comments(lines, behind)
     card = rf"^[ \t]*({'|'.join(keywords)})[ \t]+{_NUMBER}(?:[ \t]+{_NUMBER})*[ \t]*$"
     for found in re.finditer(card, text, re.IGNORECASE | re.MULTILINE):
@@ -62,7 +58,7 @@ def _cards(lines: "Any", behind: "Any", keywords: "Any", message: str) -> "Itera
         yield Fault("warning", f"{found[1].upper()} {message}", place, id="YOUNG-156")
 
 
-def _without_comments(lines: "Any", behind: "Any") -> "Any":
+def _without_comments(lines: Any, behind: Any) -> Any:
     """The text behind a line with blanks for comments and one kind of line end, and where it starts."""
     start = lines.start_of(behind)
     text = lines.text[start:].replace("\r", "\n")
@@ -73,7 +69,7 @@ def _without_comments(lines: "Any", behind: "Any") -> "Any":
     ], start
 
 
-def _is_like_opening(word: "Any") -> "Any":
+def _is_like_opening(word: Any) -> Any:
     from difflib import SequenceMatcher
 
     return SequenceMatcher(None, word.upper(), _OPENING).ratio() >= _LEAST_LIKENESS

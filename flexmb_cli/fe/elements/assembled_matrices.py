@@ -43,7 +43,7 @@ def element_matrix(given: FlexibleInput, table: BodyTable, letter: str) -> Matri
     return MatrixFile(matrix.shape[0], entries.row, entries.col, entries.data, False)
 
 
-def _stiffness(given: Any, table: Any) -> "Any":
+def _stiffness(given: Any, table: Any) -> Any:
     material = given.material
     name = element_type(material.file.path, material.file.form)
     formulation = formulation_of(name, table.rows.shape[1])
@@ -62,7 +62,7 @@ def formulation_of(name: str, nodes: int) -> Formulation:
     return next(one for one in FORMULATIONS[nodes] if one.name == wanted)
 
 
-def _mass(given: Any, table: BodyTable) -> "Any":
+def _mass(given: Any, table: BodyTable) -> Any:
     rows, nodes = table.rows, table.rows.shape[1]
     points, weights = _mass_rule(nodes)
     shapes, slopes = shape_values(points, nodes), shape_slopes(points, nodes)

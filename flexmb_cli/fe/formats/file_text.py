@@ -9,15 +9,11 @@ import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .matrix_file import FEFileFault
-
-if TYPE_CHECKING:
-    pass
-
 
 LARGEST = 2**31  # bytes
 _SHOWN = 40
@@ -44,7 +40,7 @@ def bytes_of(path: Path, largest: int = LARGEST) -> bytes:
         raise FEFileFault(f"{path.name} cannot be read: {reason}", id="FE-024") from None
 
 
-def _check_kind(name: str, found: "Any", largest: "Any") -> None:
+def _check_kind(name: str, found: Any, largest: Any) -> None:
     if not stat.S_ISREG(found.st_mode):
         raise FEFileFault(f"{name} is no regular file, but a folder, a pipe or a device", id="FE-025")
     if found.st_size >= largest:

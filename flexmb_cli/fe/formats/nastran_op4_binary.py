@@ -6,16 +6,12 @@ one for every column that is not zero follows, and one behind the last column cl
 
 import struct
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from .matrix_file import FEFileFault, MatrixFile, of_strings
-
-if TYPE_CHECKING:
-    pass
-
 
 REAL = (1, 2)
 _COMPLEX = (3, 4)

@@ -7,16 +7,12 @@ Writers begin binary files with "solid", too, so that the length tells the two k
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from .file_text import bytes_of
 from .matrix_file import FEFileFault
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # Triangles of a file: more are too many for a page, and nobody sees them.
 MOST = 200_000
@@ -52,12 +48,12 @@ def read_stl(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return _joined(path.name, corners)
 
 
-def _binary(name: str, raw: bytes, count: int) -> "Any":
+def _binary(name: str, raw: bytes, count: int) -> Any:
     _check_count(name, count)
     return np.frombuffer(raw, _RECORD, count, _HEAD)["corners"].reshape(-1, 3).astype(float)
 
 
-def _text(name: str, raw: bytes) -> "Any":
+def _text(name: str, raw: bytes) -> Any:
     facets = sum(1 for _ in _FACET.finditer(raw))
     _check_count(name, facets)
     if not _ENDING.search(raw):
@@ -82,7 +78,7 @@ def _check_count(name: str, count: int) -> None:
         raise FEFileFault(message, id="FE-081")
 
 
-def _joined(name: str, corners: "Any") -> "Any":
+def _joined(name: str, corners: Any) -> Any:
     """Vertices that differ, and triangles with three of them."""
     vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
     triangles = index.reshape(-1, 3)

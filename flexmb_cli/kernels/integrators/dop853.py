@@ -59,7 +59,7 @@ def dop853(equations: Equations) -> Callable:
 
 def _attempts(slope, normalise, finish):
     @kernel
-    def attempt(integration, h: float, *arrays: "Any"):
+    def attempt(integration, h: float, *arrays: Any):
         clock, trial = integration.clock[0], integration.trial
         for stage in range(1, STAGES):
             set_stage(integration.z, integration.slopes, stage, h, trial)
@@ -79,7 +79,7 @@ def _attempts(slope, normalise, finish):
 
 def _acceptance(slope, watch, close):
     @kernel
-    def fill_dense(integration, *arrays: "Any") -> None:
+    def fill_dense(integration, *arrays: Any) -> None:
         clock, old, slopes = integration.clock[0], integration.old, integration.slopes
         start, h = clock["step_start"], clock["step_length"]
         for stage in range(STAGES + 1, ALL_STAGES):
@@ -91,7 +91,7 @@ def _acceptance(slope, watch, close):
         set_dense(old, integration.z, slopes, h, integration.dense)
 
     @kernel
-    def accept(integration, factor: float, *arrays: "Any"):
+    def accept(integration, factor: float, *arrays: Any):
         clock = integration.clock[0]
         _end_step(integration, factor)
         code = watch(integration, *arrays)
@@ -103,7 +103,7 @@ def _acceptance(slope, watch, close):
 
 
 @kernel
-def _length(integration, *arrays: "Any"):
+def _length(integration, *arrays: Any):
     clock = integration.clock[0]
     return min(laid_out(clock, clock["step"], SHARE), clock["stop"] - clock["t"])
 
@@ -130,7 +130,7 @@ def _end_step(integration, factor: float) -> None:
 
 
 @kernel
-def _reject(integration, h: float, factor: float, *arrays: "Any") -> None:
+def _reject(integration, h: float, factor: float, *arrays: Any) -> None:
     clock = integration.clock[0]
     clock["step"] = h * factor
     clock["rejections"] += 1

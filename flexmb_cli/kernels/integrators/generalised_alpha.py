@@ -160,7 +160,7 @@ def _accept(integration: AlphaIntegration, factor: float, system: System, work: 
 
 
 @kernel
-def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: System, work: Work) -> "Any":
+def _fill_row(integration: AlphaIntegration, t: float, report: Report, system: System, work: Work) -> Any:
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)

@@ -1,13 +1,9 @@
 """Errors of a step of the generalised-α method, in tolerances, by the growth of the accelerations."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .._jit import kernel, part
 from .error_norm import displacement_tolerance, tolerance
-
-if TYPE_CHECKING:
-    pass
-
 
 # Rows of the accelerations kept (5, n): of the step's end as it is found, its start, the start of the step
 # before; the means at both ends.

@@ -251,7 +251,7 @@ def _is_singular(work, clock: Any, memory):
 
 
 @kernel
-def _fill_row(integration: RadauIntegration, t: float, report: Report, system: System, work: Work) -> "Any":
+def _fill_row(integration: RadauIntegration, t: float, report: Report, system: System, work: Work) -> Any:
     """Fill a report row at a time up to the present one; a code."""
     clock, angles, row, x = integration.clock[0], integration.angles, integration.clock[0]["row"], 1.0
     copy(integration.z, integration.trial)

@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II (second edition), section IV.8.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,6 @@ from .error_norm import displacement_tolerance, tolerance
 from .radau5_step import MASS, START, STIFFNESS
 from .radau5_table import ERROR, REAL, STAGES, WEIGHTS
 from .rotation_increments import LONGEST_TURN, largest_turn
-
-if TYPE_CHECKING:
-    pass
-
 
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 6.0
 CALM = 1e-2  # error in tolerances below which it has not grown

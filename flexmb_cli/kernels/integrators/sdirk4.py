@@ -10,7 +10,7 @@ The state is that of `tree_motion`: its speeds are iterated, coordinates follow 
 parameters and the applied work are taken from the last evaluation.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,10 +25,6 @@ from .hermite import cubic, quintic
 from .sdirk4_step import STAGES, prepare_matrix, solve_stages, step_error
 from .time_loop import Method, time_loop
 from .tree_dop853 import observe_trial
-
-if TYPE_CHECKING:
-    pass
-
 
 SLOW = 0.2  # contraction at which b is renewed for the next step
 KEPT = 1.3  # a growth up to this factor is not worth a new matrix

@@ -3,7 +3,7 @@
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +13,6 @@ from ..tree.implicit_matrix import factorise, renew, set_mass_times, solve_stiff
 from ..tree.kane import SOLVED
 from ..tree.motion import derivative
 from .error_norm import tolerance
-
-if TYPE_CHECKING:
-    pass
-
 
 STAGES, GAMMA = 5, 0.25
 TIMES = np.array([1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0])

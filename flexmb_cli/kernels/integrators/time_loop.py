@@ -5,14 +5,10 @@ once for each method.  Steps do not depend on how the report rows are cut into c
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from .._jit import kernel
 from .clock import AT_STOP, PAUSED, READY, ROWS_FULL, SMALLEST_STEP, STEP_SHORT, STEP_VANISHED
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # Of the longest step.  Where two motions cross, equations that are 1e-16 off lead from one to the other in
 # some 1e-8 s: steps so short follow that blow, and the speeds jump.
@@ -46,7 +42,7 @@ def time_loop(method: Method, same: float = 0.0) -> Callable:
     take_step, fill_row = _steps(method), method.fill_row
 
     @kernel
-    def advance(integration, report, budget: int, *arrays: "Any"):
+    def advance(integration, report, budget: int, *arrays: Any):
         clock = integration.clock[0]
         clock["row"], code = 0, READY
         spent = clock["evaluations"] + budget
@@ -71,7 +67,7 @@ def _steps(method):
     length, attempt, accept, reject, _ = method
 
     @kernel
-    def take_step(integration, *arrays: "Any"):
+    def take_step(integration, *arrays: Any):
         """Make one step; a code."""
         clock = integration.clock[0]
         while True:

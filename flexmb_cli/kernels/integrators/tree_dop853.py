@@ -3,7 +3,7 @@
 A resumed run goes on from the start of the last step and makes the same steps as an uninterrupted one.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,10 +17,6 @@ from .clock import NO_INERTIA, READY, new_clock
 from .dop853 import Equations, dop853, first_step, interpolate, next_factor
 from .dop853_table import ALL_STAGES, DENSE_TERMS, STAGES
 from .error_norm import scaled_norm, strayed
-
-if TYPE_CHECKING:
-    pass
-
 
 # Tasks besides BEGIN and INTEGRATION of `clock`: close the loops of z; go on at z with a known step.
 CLOSE, GO_ON = 2, 3

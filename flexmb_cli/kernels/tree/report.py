@@ -1,6 +1,6 @@
 """Report rows of a tree: what is found at the states of the report times."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,9 +9,6 @@ from ..linalg.copying import copy
 from .energy import energies
 from .motion import parts
 from .projection import largest_gap, largest_rate
-
-if TYPE_CHECKING:
-    pass
 
 
 class Report(NamedTuple):

@@ -4,13 +4,12 @@ Condensing the rotations out of a beam leaves a stiffness between any two nodes,
 factor 2 - sqrt(3) from node to node: thirty nodes away it is below the round-off of the diagonal.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
 
 NEGLIGIBLE = 1e-17  # of the geometric mean of the two diagonal places: a tenth of the unit round-off

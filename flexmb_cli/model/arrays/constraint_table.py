@@ -6,7 +6,7 @@ modal coordinates, as its points are.
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from ..mechanism import Body
 from ..vectors import rotation_matrix
 from .function_table import FunctionTable
 from .records import GROUP, NONE, PRIMITIVE, BodyVectorTable, blank_primitive
-
-if TYPE_CHECKING:
-    pass
 
 
 def tilde(v: np.ndarray) -> np.ndarray:
@@ -130,7 +127,7 @@ class PrimitiveTable(FunctionTable):
         self.springs.append(record)
         return len(self.measured) + len(self.springs) - 1
 
-    def chained(self, records: "Any") -> np.ndarray:
+    def chained(self, records: Any) -> np.ndarray:
         """The first of the primitives `records`, to which an equation adds all others."""
         for record in reversed(records[1:]):
             record["next"] = self._next

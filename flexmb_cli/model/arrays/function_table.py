@@ -1,15 +1,11 @@
 """Functions of time as the records and knots that kernels read."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..time_functions import COMPOUND, HELD_TABLE, PIECEWISE, TABLE, MotionFunction
 from .records import FUNCTION, function_record
-
-if TYPE_CHECKING:
-    pass
-
 
 OF_A_COORDINATE = 1.0  # in c[3] of a function of pieces whose argument is no time
 

@@ -118,7 +118,7 @@ class _Rows:
         self.bodies: list[Any] = []
         self.screw_angles: list[Any] = []
 
-    def add(self, kind: JointType, i: int, j: int, equations: list[Equation], **values: "Any") -> None:
+    def add(self, kind: JointType, i: int, j: int, equations: list[Equation], **values: Any) -> None:
         record = np.zeros((), dtype=CONSTRAINT)
         record["kind"], record["body_i"], record["body_j"] = kind.code, i, j
         record["first_row"] = len(self.equations)

@@ -1,6 +1,6 @@
 """Tree → structured arrays: what the kernels of tree dynamics read."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,10 +9,6 @@ from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, Motor, Prescribed, 
 from .bandwidth import row_reach
 from .node_frames import NodeFrames, empty_node_frames
 from .tree_frames import NODAL_MASS, tree_frames
-
-if TYPE_CHECKING:
-    pass
-
 
 ELASTIC_BODY = np.dtype(
     [

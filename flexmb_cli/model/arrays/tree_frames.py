@@ -8,16 +8,12 @@ frame.  Hinges that turn with the slope of their node hang on *node frames* inst
 """
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass, field
 from ..tree import ELASTIC, INERTIAL, ROTATION, TRANSLATION, UNTURNED, Body, Tree
-
-if TYPE_CHECKING:
-    pass
-
 
 FRAME = np.dtype(
     [

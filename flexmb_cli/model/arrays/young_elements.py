@@ -2,7 +2,7 @@
 joints.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,6 @@ from .constraint_table import PrimitiveTable
 from .element_table import ElementTable, PointJoints, coordinates_of_joints
 from .node_joints import EQUATIONS_OF, JointVectors
 from .records import NONE
-
-if TYPE_CHECKING:
-    pass
-
 
 TRANSLATIONAL = 3  # directions 1 to 3 are coordinates, 4 to 6 turns
 
@@ -77,7 +73,7 @@ class _Equations:
         for item in self.elements.composites:  # type: ignore[assignment]
             self._composite(item)  # type: ignore[arg-type]
 
-    def _driven(self, item: "Any") -> None:
+    def _driven(self, item: Any) -> None:
         driver = self.model.mechanism.drivers[item.item]
         if driver.direction <= TRANSLATIONAL:
             self._along_axis(driver.name, driver.body, driver.direction, item)
@@ -89,7 +85,7 @@ class _Equations:
         record["function"] = self.table.function(item.function)
         self.table.equations(driver.name, item.place, NONE, driver.body, [("angle", False, record)])
 
-    def _along_axis(self, name: "Any", body: "Any", direction: "Any", item: "Any") -> None:
+    def _along_axis(self, name: Any, body: Any, direction: Any, item: Any) -> None:
         origin = self.table.body_vector(body, np.zeros(3)), self.table.body_vector(NONE, np.zeros(3))
         record = self.table.product(origin, self.table.axis(direction - 1))
         record["function"] = self.table.function(item.function)
@@ -111,7 +107,7 @@ class _Equations:
         self.table.equations(item.name, item.place, item.i, item.j, parts)
 
 
-def _revolute_cylindrical(table: Any, a: "Any", b: "Any") -> "Any":
+def _revolute_cylindrical(table: Any, a: Any, b: Any) -> Any:
     """P_i stays on the axis of body j, and the two axes at right angles."""
     of_i, of_j = a[1].r0 - a[0].r0, b[1].r0 - b[0].r0
     s_i, s_j = of_i / np.linalg.norm(of_i), of_j / np.linalg.norm(of_j)

@@ -1,12 +1,9 @@
 """Open chains: a rigid model ordered outward from the ground, a joint for each body."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...quick_dataclass import dataclass
 from .rigid_model import GROUND, Refusals, RigidJoint, RigidModel
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ def chain_of(model: RigidModel, refusals: Refusals) -> list[Link]:
     return links
 
 
-def _link(model: Any, body: "Any", placed: "Any") -> "Any":
+def _link(model: Any, body: Any, placed: Any) -> Any:
     """The first joint that connects a body with those placed, None where there is none."""
     for k, joint in enumerate(model.joints):
         if joint.j == body and joint.i in placed:

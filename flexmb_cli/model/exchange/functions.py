@@ -3,7 +3,7 @@ ones.
 """
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -19,10 +19,6 @@ from ..time_functions import (
     MotionFunction,
     piecewise,
 )
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # Half the time in which a table without jumps passes one of another dialect: its impulse is the same.
 JUMP = 1e-9  # s
@@ -97,7 +93,7 @@ def simple(function: MotionFunction) -> MotionFunction:
     return function if any(total[1:]) else MotionFunction(SINE, (mean + total[0], size, omega, phase))
 
 
-def _sum(polynomials: "Any") -> "Any":
+def _sum(polynomials: Any) -> Any:
     total = np.zeros(max(map(len, polynomials), default=1))
     for c in polynomials:
         total[: len(c)] += c

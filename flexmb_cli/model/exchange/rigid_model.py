@@ -5,7 +5,7 @@ Bodies are numbered from 0; -1 is the ground, whose axes are global.  SI units; 
 of their body.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,6 @@ from ..loads import AppliedForce, AppliedTorque, SpringDamper
 from ..mechanism import Point, TimeGrid, Vector
 from ..time_functions import MotionFunction
 from ..vectors import rotation_matrix
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 GROUND = -1
 EXPLICIT, RADAU, ALPHA = "explicit", "radau", "alpha"
@@ -125,12 +121,12 @@ class RigidModel:
         """Rotation matrix (3, 3) of a body or of the ground."""
         return np.eye(3) if body == GROUND else self.bodies[body].A
 
-    def position(self, body: int, point: "Any") -> np.ndarray:
+    def position(self, body: int, point: Any) -> np.ndarray:
         """Global position (3,) at the start of a point of a body or of the ground."""
         point = np.asarray(point, float)
         return point if body == GROUND else self.bodies[body].r + self.bodies[body].A @ point
 
-    def velocity(self, body: int, point: "Any") -> np.ndarray:
+    def velocity(self, body: int, point: Any) -> np.ndarray:
         """Global velocity (3,) at the start of a point of a body or of the ground."""
         if body == GROUND:
             return np.zeros(3)
@@ -147,13 +143,13 @@ class RigidModel:
         return s / np.linalg.norm(s)
 
 
-def across(axis: "Any") -> np.ndarray:
+def across(axis: Any) -> np.ndarray:
     """A unit vector (3,) at right angles to an axis."""
     g = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     return g / np.linalg.norm(g)
 
 
-def vector(values: "Any") -> Vector:
+def vector(values: Any) -> Vector:
     """Three numbers as Python has them."""
     x, y, z = (float(value) for value in values)
     return x, y, z
@@ -165,7 +161,7 @@ class Refusals:
     def __init__(self) -> None:
         self.items: list[tuple[str, Place | None, str]] = []
 
-    def add(self, item: "Any", message: str) -> None:
+    def add(self, item: Any, message: str) -> None:
         """Refuse an item, which has a name and a place in its deck."""
         self.items.append((message, item.place, item.name))
 

@@ -1,15 +1,11 @@
 """A rigid model in other units: numbers of a deck in millimetres, kilograms and seconds in SI, and back."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...quick_dataclass import dataclass, replace
 from ..joints import ANGLE
 from .functions import scaled
 from .rigid_model import RigidModel, vector
-
-if TYPE_CHECKING:
-    pass
-
 
 _INCH, _POUND_FORCE = 0.0254, 4.4482216152605
 
@@ -44,7 +40,7 @@ class _Scaling:
     def __init__(self, L: float, M: float):
         self.L, self.M, self.force, self.torque = L, M, M * L, M * L * L
 
-    def model(self, model: Any) -> "Any":
+    def model(self, model: Any) -> Any:
         L, F, T = self.L, self.force, self.torque
         return replace(
             model,
@@ -73,7 +69,7 @@ class _Scaling:
             points=tuple(replace(item, s=_times(L, item.s)) for item in model.points),
         )
 
-    def _body(self, body: "Any") -> "Any":
+    def _body(self, body: Any) -> Any:
         L = self.L
         return replace(
             body,
@@ -84,22 +80,22 @@ class _Scaling:
             inertia=self.torque * body.inertia,
         )
 
-    def _joint(self, joint: "Any") -> "Any":
+    def _joint(self, joint: Any) -> Any:
         points = {name: _times(self.L, getattr(joint, name)) for name in ("P_i", "P_j")}
         return replace(joint, **points, size=self.L * joint.size)
 
-    def _joint_spring(self, item: "Any") -> "Any":
+    def _joint_spring(self, item: Any) -> Any:
         revolutions = item.coordinate == ANGLE
         factor = self.torque if revolutions else self.M
         rest = item.rest if revolutions else self.L * item.rest
         return replace(item, stiffness=factor * item.stiffness, damping=factor * item.damping, rest=rest)
 
-    def _spring(self, item: "Any") -> "Any":
+    def _spring(self, item: Any) -> Any:
         L, M = self.L, self.M
         ends = {name: _times(L, getattr(item, name)) for name in ("P_i", "P_j")}
         rest = L * item.free_length
         return replace(item, **ends, stiffness=M * item.stiffness, damping=M * item.damping, free_length=rest)
 
 
-def _times(factor: "Any", values: "Any") -> "Any":
+def _times(factor: Any, values: Any) -> Any:
     return vector(factor * value for value in values)

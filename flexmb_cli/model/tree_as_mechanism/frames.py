@@ -6,17 +6,13 @@ P_k.  Where P_k turns with the slope of its node (DAFMS thesis, 1992, eqs. 2.7 a
 as in the tree, node frames behind them; -1 is the inertial frame.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from ..tree import INERTIAL, Tree
 from ..vectors import rotation_matrix
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 RIGID = np.zeros((3, 0))
 
@@ -68,7 +64,7 @@ def hinge_frames(tree: Tree) -> Frames:
     return Frames(tuple(bases), tuple(node_frames))
 
 
-def node_shape(tree: Tree, hinge: "Any") -> np.ndarray:
+def node_shape(tree: Tree, hinge: Any) -> np.ndarray:
     """Displacement (3, NM) of P_k per unit of each elastic coordinate of the parent."""
     if hinge.parent == INERTIAL:
         return RIGID
@@ -76,7 +72,7 @@ def node_shape(tree: Tree, hinge: "Any") -> np.ndarray:
     return RIGID if elastic is None else shape_of(elastic, hinge.node)
 
 
-def shape_of(elastic: "Any", node: int | None) -> np.ndarray:
+def shape_of(elastic: Any, node: int | None) -> np.ndarray:
     """Displacement (3, NM) of a node per unit of each elastic coordinate; zeros for None."""
     shape = np.zeros((3, elastic.coordinates))
     if node is not None:

@@ -51,7 +51,7 @@ def _motors(tree: Any) -> "Iterator[Any]":
             yield _foreign_hinge(tree, motor, "motor", "a moving parent and three free rotations")
 
 
-def has_fixed_axis(tree: Tree, motor: "Any") -> bool:
+def has_fixed_axis(tree: Tree, motor: Any) -> bool:
     """Return whether a motor's axis rests, or is shared by both bodies of its hinge at all times."""
     hinge = tree.hinges[motor.body]
     alone = motor.motion == ROTATION or len(hinge.translations) == 1
@@ -63,7 +63,7 @@ def has_shared_axis(hinge: Hinge, axis: int) -> bool:
     return hinge.rotations in ((), (axis,))
 
 
-def _foreign_hinge(tree: Any, item: "Any", kind: "Any", what: "Any") -> "Any":
+def _foreign_hinge(tree: Any, item: Any, kind: Any, what: Any) -> Any:
     message = (
         f"a {kind} in a hinge with {what} is not carried over to absolute coordinates; run the deck by "
         "--formulation kane"

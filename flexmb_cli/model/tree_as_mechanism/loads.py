@@ -1,6 +1,6 @@
 """Loads of a tree on bodies with coordinates of their own: records of `records.LOAD`."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from ..vectors import rotation_matrix
 from .frames import Frames, shape_of
 from .hinges import coordinate_primitive
 from .limits import has_fixed_axis, has_shared_axis
-
-if TYPE_CHECKING:
-    pass
 
 
 def tree_loads(table: PrimitiveTable, tree: Tree, frames: Frames) -> np.ndarray:
@@ -29,7 +26,7 @@ class _Loads:
         self.table, self.tree, self.frames = table, tree, frames
         self.found: list[Any] = []
 
-    def records(self) -> "Any":
+    def records(self) -> Any:
         for k, body in enumerate(self.tree.bodies):
             self._add(FORCE, self.table.body_vector(k, np.zeros(3)), body.force)
             self._add(TORQUE, self.table.body_vector(k, np.zeros(3)), body.torque)
@@ -50,11 +47,11 @@ class _Loads:
 
     def _add(
         self,
-        kind: "Any",
-        body_vector: "Any",
-        vector: "Any",
+        kind: Any,
+        body_vector: Any,
+        vector: Any,
         function: Any = NONE,
-        following: "Any" = False,
+        following: Any = False,
     ) -> None:
         if not np.any(vector):
             return
@@ -63,12 +60,12 @@ class _Loads:
         record["function"], record["following"] = function, following
         self.found.append(record)
 
-    def _add_nodal(self, k: int, elastic: "Any") -> None:
+    def _add_nodal(self, k: int, elastic: Any) -> None:
         for node in range(len(elastic.masses) if elastic else 0):
             body_vector = self.table.body_vector(k, elastic.positions[node], shape_of(elastic, node))
             self._add(FORCE, body_vector, elastic.forces[node])
 
-    def _add_motor(self, motor: "Any") -> None:
+    def _add_motor(self, motor: Any) -> None:
         """Torque or force along an axis that rests or that both bodies share, and its opposite."""
         base, function = self.frames.bases[motor.body], self._function(motor.function)
         kind = TORQUE if motor.motion == ROTATION else FORCE
@@ -80,19 +77,19 @@ class _Loads:
             place = self.table.body_vector(base.body, base.place, base.shape if base.shape.size else None)
             self._add(kind, place, -axis, function, True)
 
-    def _add_along_coordinate(self, motor: "Any") -> None:
+    def _add_along_coordinate(self, motor: Any) -> None:
         """Generalised force along the hinge coordinate, whose axes move against each other."""
         record = self._relative(motor)
         record["function"] = self._function(motor.function)
         self.found.append(record)
 
-    def _add_spring(self, spring: "Any") -> None:
+    def _add_spring(self, spring: Any) -> None:
         record = self._relative(spring)
         record["stiffness"], record["damping"] = spring.stiffness, spring.damping
         record["free_length"] = spring.rest
         self.found.append(record)
 
-    def _relative(self, item: "Any") -> "Any":
+    def _relative(self, item: Any) -> Any:
         """A load that acts in the hinge coordinate of a spring or motor."""
         where = item.body, item.motion, item.axis
         expected = next(
@@ -113,7 +110,7 @@ class _Loads:
         return self.table.of_knots(HELD_TABLE, np.column_stack([times, values, np.zeros(len(times))]))
 
 
-def _axis_in_body(hinge: "Any", motor: "Any") -> "Any":
+def _axis_in_body(hinge: Any, motor: Any) -> Any:
     """Axis (3,) of a motor where it is fixed in the body, as that of a second rotation is; else None."""
     axis = np.eye(3)[motor.axis - 1]
     if motor.motion == ROTATION and hinge.rotations[1:] == (motor.axis,):

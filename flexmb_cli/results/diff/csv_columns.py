@@ -4,7 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,6 @@ from .forms import CSV
 from .hdf5 import DEFAULT_ATOL, DEFAULT_RTOL, kind_of, open_sound
 from .report import Found, Report
 from .tolerances import Tolerances
-
-if TYPE_CHECKING:
-    pass
-
 
 TIME_HEAD = "time [s]"
 # Rows belong together when their times agree to this part of the longest time.
@@ -146,7 +142,7 @@ def _compare_column(
     tables: tuple[Columns, Columns],
     rows: tuple[np.ndarray, np.ndarray],
     tolerances: Tolerances,
-) -> "Any":
+) -> Any:
     name = head.partition(" [")[0]
     kind = tables[1 if tables[1].whole else 0].kinds[head]
     a, b = (table.values[chosen, table.heads.index(head)] for table, chosen in zip(tables, rows, strict=True))

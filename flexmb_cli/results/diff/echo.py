@@ -99,7 +99,7 @@ def _compare_kind(
     flat: Any,
     tolerance: Any,
     form: Any,
-) -> "Any":
+) -> Any:
     places, others = ([part[k] for k in chosen] for part in flat)
     a, b = (np.array([line.values[n] for line, n in part]) for part in (places, others))
     units = [np.array([line.units[n] for line, n in part]) for part in (places, others)]

@@ -5,16 +5,12 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...errors import BAD_INPUT, FlexmbError, compiler_style, visible
 from ...quick_dataclass import dataclass, field
 from .forms import CSV, HDF5, LISTING, MATLAB, form_of
 from .report import Report
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 WILD = re.compile(r"[*?[]")
 # A table for print is known by its name or by its content; these are the names that runs give.

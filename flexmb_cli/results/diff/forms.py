@@ -1,11 +1,7 @@
 """The forms of files that `diff` compares, recognised by their first bytes."""
 
 import re
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    pass
-
+from typing import Any
 
 HDF5, CSV, MATLAB, LISTING = "an HDF5 file", "a CSV table", "a MATLAB file", "a table for print"
 UNREADABLE = "a file that cannot be opened"

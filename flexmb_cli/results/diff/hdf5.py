@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -27,10 +27,6 @@ from ..quantities.quantities import ResultError, resolve
 from .report import Found, Report
 from .tolerances import Tolerance, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
-
-if TYPE_CHECKING:
-    pass
-
 
 DEFAULT_ATOL, DEFAULT_RTOL = 1e-12, 1e-9
 # So many numbers are compared at once: results may be larger than the memory.
@@ -230,7 +226,7 @@ def _compare_part(
     part: slice,
     values: tuple[np.ndarray, np.ndarray],
     tolerance: Tolerance,
-) -> "Any":
+) -> Any:
     first, second = (np.atleast_1d(np.asarray(block, dtype=float)) for block in values)
 
     def describe(position: tuple[int, int, int], distance: float) -> Found:

@@ -2,14 +2,10 @@
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 from xml.etree import ElementTree
 
 from .folders import Compared
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # XML 1.0 knows no other characters below the blank.
 FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -32,7 +28,7 @@ def junit_bytes(title: str, compared: Sequence[Compared]) -> bytes:
     return ElementTree.tostring(top, encoding="utf-8", xml_declaration=True) + b"\n"
 
 
-def _add_failure(case: "Any", pair: Compared) -> None:
+def _add_failure(case: Any, pair: Compared) -> None:
     reported = _text(pair.sentence).rstrip("\n")
     what = "error" if pair.failure is not None else "failure"
     last = reported.splitlines()[0 if pair.failure is not None else -1] if reported else ""

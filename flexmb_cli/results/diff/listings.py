@@ -97,7 +97,7 @@ def _common(keys_a: "list[Any]", keys_b: "list[Any]") -> Any:
 
 def _compare_times(
     report: Report, a: Listing, b: Listing, rows_a: np.ndarray, rows_b: np.ndarray, tolerances: Tolerances
-) -> "Any":
+) -> Any:
     if not len(a.time) and not len(b.time):
         return
     time_a, time_b = a.time[rows_a], b.time[rows_b]
@@ -169,7 +169,7 @@ def _shared_block(section: Section, pick: np.ndarray, shared: list[str]) -> tupl
     return section.values[pick][:, columns], units[pick][:, columns]
 
 
-def _known_errors(report: Report, name: str, listing: Listing, pick: np.ndarray, shared: list[str]) -> "Any":
+def _known_errors(report: Report, name: str, listing: Listing, pick: np.ndarray, shared: list[str]) -> Any:
     """Causes, each with the mask (lines, columns) of the cells that it spoils."""
     if not report.explaining:
         return []

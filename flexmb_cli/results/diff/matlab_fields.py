@@ -1,7 +1,7 @@
 """Compare MATLAB files of results with each other and with HDF5 results, field by field."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from .hdf5 import (
 from .report import Found, Report
 from .tolerances import ToleranceError, Tolerances
 from .words import WORDS_OF_RESULTS, compare_names
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 def compare_matlab(path_a: str, path_b: str, forms: Sequence[str], tolerances: Tolerances) -> Report:
@@ -70,8 +67,8 @@ def _text(value: np.ndarray | str) -> str:
 
 
 def _compare_field(
-    report: Report, name: str, pairs: list[dict[str, np.ndarray]], tolerances: Tolerances, special: "Any"
-) -> "Any":
+    report: Report, name: str, pairs: list[dict[str, np.ndarray]], tolerances: Tolerances, special: Any
+) -> Any:
     values = [fields.get(name) for fields in pairs]
     kind = kind_of(name)
     if tolerances.of(kind).ignores and name not in special:

@@ -245,5 +245,5 @@ def _tally_record(tally: Tally) -> "dict[Any, Any]":
     }
 
 
-def _json_number(value: Any) -> "Any":
+def _json_number(value: Any) -> Any:
     return value if value is None or math.isfinite(value) else str(value)

@@ -11,14 +11,10 @@ last_digit = 1
 
 import tomllib
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...quick_dataclass import dataclass, field, replace
 from .tolerances import KINDS, Tolerance, ToleranceError, Tolerances
-
-if TYPE_CHECKING:
-    pass
-
 
 FIGURES = ("atol", "rtol", "last_digit")
 TABLES = ("kinds", "quantities")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import Any
 
 import h5py
 import numpy as np
@@ -10,10 +10,6 @@ import numpy as np
 from ...quick_dataclass import dataclass
 from ..hdf5.shapes import BODY, CORNERS, POSITION
 from ..hdf5.stored_result import Damaged, check_shapes
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 _SHAPES = {POSITION: "v3", BODY: "v", CORNERS: "k3"}
 
@@ -65,7 +61,7 @@ def body_shapes(
         yield BodyShape(number, names[number - 1] if number else "ground", places[own], faces, *motion)
 
 
-def _checked(triangles: "Any", owner: "Any", bodies: "Any") -> "Any":
+def _checked(triangles: Any, owner: Any, bodies: Any) -> Any:
     if triangles.dtype.kind not in "iu" or owner.dtype.kind not in "iu":
         raise Damaged(f"/{CORNERS} or /{BODY} holds no whole numbers")
     if not len(triangles) or triangles.min() < 1 or triangles.max() > len(owner):

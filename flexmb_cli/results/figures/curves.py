@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -13,10 +13,6 @@ from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import attribute
 from ..quantities.quantities import Quantity, names, read
 from ..quantities.readable import Readable, readable
-
-if TYPE_CHECKING:
-    pass
-
 
 # What is drawn of a result of no dialect, such as a study's.
 OF_ANY = ("point/position", "body/position", "driver/effort")
@@ -83,7 +79,7 @@ class Panel:
         return f"{changed}{common} [{self.unit}]" if common else f"[{self.unit}]"
 
 
-def _common_ending(texts: "Any") -> "Any":
+def _common_ending(texts: Any) -> Any:
     """The words that all texts end with: "von Mises stress" of those and of the largest one."""
     endings = [text.split()[::-1] for text in texts]
     if not endings:

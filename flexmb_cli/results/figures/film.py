@@ -6,7 +6,7 @@ Faces of bodies are drawn from back to front by matplotlib and written by imagei
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -18,10 +18,6 @@ from .element_faces import outer_faces, triangles
 from .report_scene import GREY, LONGEST, MOST_TRACES, SHORTEST, TRACE, colour_of, rounded
 from .scene import Scene, read_scene
 from .view import view_of
-
-if TYPE_CHECKING:
-    pass
-
 
 FORMATS = ("mp4", "gif")
 VIEWS = {"x": ((1, 0, 0), (0, 0, 1)), "y": ((0, -1, 0), (0, 0, 1)), "z": ((0, 0, 1), (0, 1, 0))}
@@ -88,7 +84,7 @@ def film_frames(result: h5py.File, look: FilmLook) -> Iterator[np.ndarray]:
 class _Camera:
     """From places in m to pixels, depth towards the viewer."""
 
-    def __init__(self, places: np.ndarray, gravity: "Any", look: "Any"):
+    def __init__(self, places: np.ndarray, gravity: Any, look: Any):
         view = view_of(places, gravity)
         eye, up = VIEWS.get(look.view, (view.eye, view.up))
         right = np.cross(up, eye)
@@ -102,7 +98,7 @@ class _Camera:
         self.scale = float(np.min(self.size / spans)) * FILLED
         self.middle = (low + high) / 2
 
-    def seen(self, places: np.ndarray) -> "Any":
+    def seen(self, places: np.ndarray) -> Any:
         """Pixels from the lower left corner, and depth in pixels (..., 3)."""
         seen = places @ self.axes.T * self.scale
         seen[..., :2] += self.size / 2 - self.middle * self.scale
@@ -112,12 +108,12 @@ class _Camera:
 class _Surface:
     """Triangles of a finite-element body or of shapes, their places and colours in every row."""
 
-    def __init__(self, body: "Any", most: int):
+    def __init__(self, body: Any, most: int):
         self.body, self.most = body, most
         self.of_elements = isinstance(body, ElementBody)
         self.triangles = triangles(outer_faces(body.cells)) if self.of_elements else body.triangles
 
-    def colours(self, row: "Any", contours: "Any") -> "Any":
+    def colours(self, row: Any, contours: Any) -> Any:
         """Colours (m, 3) of the triangles."""
         if not self.of_elements or not self.most:
             return np.tile(_rgb(colour_of(self.body)), (len(self.triangles), 1))
@@ -165,7 +161,7 @@ class _Canvas:
                 fontsize=11,
             )
 
-    def _points(self, length: "Any") -> "Any":
+    def _points(self, length: Any) -> Any:
         """Points of a length in parts of the mechanism's size."""
         return max(2.0, length * self.camera.extent * self.camera.scale)
 
@@ -184,7 +180,7 @@ class _Canvas:
         self.canvas.draw()
         return np.array(self.canvas.buffer_rgba())[..., :3]
 
-    def _surface(self, surface: "Any", row: "Any") -> "Any":
+    def _surface(self, surface: Any, row: Any) -> Any:
         """Corners (m, 4, 2), depths (m,) and colours (m, 3) of the triangles that are seen."""
         corners = self.camera.seen(surface.body.places(row))[surface.triangles]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -196,7 +192,7 @@ class _Canvas:
         flat = corners[seen][:, [0, 1, 2, 2], :2]
         return flat, corners[seen][..., 2].mean(axis=1), colours[seen]
 
-    def _tubes(self, body: "Any", row: "Any") -> "Any":
+    def _tubes(self, body: Any, row: Any) -> Any:
         marks = self.camera.seen(body.marks[row])
         start, end = (marks[body.edges[:, k]] for k in (0, 1))
         cuts = np.linspace(0, 1, PIECES + 1)[:, None, None]
@@ -211,17 +207,17 @@ class _Canvas:
         return polygons, (p[:, 2] + q[:, 2]) / 2 + radius, np.tile(colour, (len(polygons), 1))
 
 
-def _rgb(text: str) -> "Any":
+def _rgb(text: str) -> Any:
     return np.array([int(text[k : k + 2], 16) for k in (1, 3, 5)]) / 255
 
 
-def _all_places(scene: Any, bodies: "Any") -> "Any":
+def _all_places(scene: Any, bodies: Any) -> Any:
     """Everything at all times; of finite-element bodies at some."""
     rows = np.unique(np.linspace(0, len(scene.time) - 1, 20).astype(int))
     return np.concatenate([scene.places, *(body.places(row) for body in bodies for row in rows)])
 
 
-def _largest_stress(bodies: "Any") -> "Any":
+def _largest_stress(bodies: Any) -> Any:
     """The largest equivalent stress of some rows, Pa; 0 without elements."""
     largest = 0.0
     for body in bodies:

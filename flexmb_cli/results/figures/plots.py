@@ -75,7 +75,7 @@ def _sizes(panels: Any, look: Look | None) -> tuple[float, list[float], float]:
     return look.inches, heights, legends + 0.3
 
 
-def _draw(panel: Panel, axis: "Any", look: Any) -> None:
+def _draw(panel: Panel, axis: Any, look: Any) -> None:
     results = 1 + max(curve.result for curve in panel.curves)
     for curve in panel.curves:
         drawn = style(curve.quantity, curve.result, results)

@@ -5,16 +5,12 @@ each column, so that fast oscillations show as their envelope.
 """
 
 from html import escape
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from .curves import Curve, Panel
 from .report_scene import COLOURS
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 WIDTH, HEIGHT = 1000, 300
 LEFT, RIGHT, TOP, BOTTOM = 90, 34, 14, 44
@@ -100,7 +96,7 @@ def _ticks(low: float, high: float) -> list[tuple[float, str]]:
     return [(float(value), _shown(float(value))) for value in values]
 
 
-def _shown(value: "Any") -> "Any":
+def _shown(value: Any) -> Any:
     """The number as short as it can be written: 5e6."""
     mantissa, mark, power = f"{value + 0.0:.5g}".partition("e")
     return f"{mantissa}{mark}{int(power) if power else ''}".replace("-", "\N{MINUS SIGN}")

@@ -11,7 +11,7 @@ import json
 from html import escape
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -27,10 +27,6 @@ from ..texts.echo import echo
 from .curves import Panel, Source, default_quantities, panels, still_energies
 from .report_curves import curve_figure
 from .report_scene import report_scene
-
-if TYPE_CHECKING:
-    pass
-
 
 AUDITED = {"time": "t", "energy/total": "t", "energy/kinetic": "t"}
 

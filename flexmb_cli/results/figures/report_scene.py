@@ -5,7 +5,7 @@ space; the viewer superposes them.  Arrays are 32-bit numbers, little-endian, in
 """
 
 import base64
-from typing import TYPE_CHECKING
+from typing import Any
 
 import h5py
 import numpy as np
@@ -15,10 +15,6 @@ from .element_bodies import ElementBody, element_bodies
 from .element_faces import face_edges, outer_faces, triangles
 from .scene import DrawnBody, Scene, read_scene
 from .view import view_of
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # Okabe and Ito's colours, distinguished by everyone.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#B22222", "#6A3D9A")
@@ -89,7 +85,7 @@ def _lines(body: DrawnBody) -> "dict[str, Any]":
     return data | {"marks": _numbers(marks), "edges": _integers(body.edges)}
 
 
-def _surface(body: ElementBody) -> "Any":
+def _surface(body: ElementBody) -> Any:
     faces = outer_faces(body.cells)
     nodes = np.unique(faces)
     place = np.zeros(len(body.undeformed), int)
@@ -111,7 +107,7 @@ def _surface(body: ElementBody) -> "Any":
     }
 
 
-def _rigid_surface(shape: BodyShape) -> "Any":
+def _rigid_surface(shape: BodyShape) -> Any:
     """A surface without modes; triangles of files may face either way, and their edges are not drawn."""
     return {
         "name": shape.name,
@@ -146,7 +142,7 @@ def with_centres(values: np.ndarray, faces: np.ndarray) -> np.ndarray:
     )
 
 
-def _fans(faces: np.ndarray, first: "Any") -> "Any":
+def _fans(faces: np.ndarray, first: Any) -> Any:
     """Eight triangles round the middle of every face; the middles are numbered from `first`."""
     centres = np.arange(first, first + len(faces))
     pairs = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1)

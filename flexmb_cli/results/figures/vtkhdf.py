@@ -5,7 +5,7 @@ points of all steps stand one behind the other, the lines are given once and eve
 """
 
 import io
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -14,10 +14,6 @@ from ...quick_dataclass import replace
 from .element_bodies import ElementBody, element_bodies
 from .scene import Scene, read_scene
 from .vtkhdf_cells import write_cells
-
-if TYPE_CHECKING:
-    pass
-
 
 VERSION = (2, 3)
 CELLS = ("Vertices", "Lines", "Strips", "Polygons")
@@ -48,7 +44,7 @@ def vtkhdf_bytes(result: h5py.File, rows: slice = slice(None)) -> bytes:
     return stream.getvalue()
 
 
-def _points(scene: Any) -> "Any":
+def _points(scene: Any) -> Any:
     """Marks of bodies (T, n, 3), and behind them the vertices of shapes."""
     parts = [body.marks for body in scene.bodies]
     for shape in scene.shapes:

@@ -4,7 +4,7 @@ VTKHDF 2.3, "Temporal UnstructuredGrid" (https://docs.vtk.org/en/latest/vtk_file
 points of all steps stand one behind the other, the cells are given once and every step refers to them.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -13,10 +13,6 @@ from ..hdf5.stress import von_mises
 from .body_shapes import BodyShape
 from .element_bodies import ElementBody
 from .scene import GROUND, DrawnBody, Scene
-
-if TYPE_CHECKING:
-    pass
-
 
 # Types of VTK by the nodes of an element; nodes stand in the order of Abaqus in all four.
 CELL_TYPES = {4: 10, 8: 12, 10: 24, 20: 25}
@@ -85,7 +81,7 @@ def _rigid_velocities(scene: Scene, number: int, places: np.ndarray, row: int) -
     return scene.velocity[row, one] + np.cross(scene.spin[row, one], arms)  # type: ignore[index]
 
 
-def _cells_of(body: "Any") -> "Any":
+def _cells_of(body: Any) -> Any:
     """Type and nodes (m, k) of the cells of a body, of its lines or single marks, or of its shapes."""
     if isinstance(body, ElementBody):
         return CELL_TYPES[body.cells.shape[1]], body.cells

@@ -50,7 +50,7 @@ def output_error(path: str, error: OSError) -> OutputError:
     return OutputError(f"{path}: cannot be written: {reason}", BAD_INPUT, id="RESULT-007")
 
 
-def _reason(number: Any, error: "Any") -> str:
+def _reason(number: Any, error: Any) -> str:
     return {
         errno.EACCES: "permission denied",
         errno.EPERM: "permission denied",

@@ -4,10 +4,7 @@ import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    pass
+from typing import Any
 
 
 class FullDiskGuard(io.FileIO):
@@ -34,7 +31,7 @@ class FullDiskGuard(io.FileIO):
         """Return where HDF5 believes to be."""
         return self._at
 
-    def write(self, data: "Any") -> Any:
+    def write(self, data: Any) -> Any:
         """Write all of `data`; tell HDF5 that it is done in any case."""
         view, start, done = memoryview(data).cast("B"), self._at, 0
         try:
@@ -50,7 +47,7 @@ class FullDiskGuard(io.FileIO):
         self._length = max(self._length, self._at)
         return len(view)
 
-    def readinto(self, buffer: "Any") -> int:
+    def readinto(self, buffer: Any) -> int:
         """Fill `buffer` with what HDF5 believes to have written."""
         view, start, got = memoryview(buffer).cast("B"), self._at, 0
         try:

@@ -46,7 +46,7 @@ class Replacement:
                 _remove_leftovers(self._target)
                 self.temporary, self._hold = _reserve(self._target)
 
-    def open(self, mode: str, **how: "Any") -> Any:
+    def open(self, mode: str, **how: Any) -> Any:
         """Open the temporary file, once, as the built-in `open` does."""
         return open(self.duplicate(), mode, **how)
 
@@ -228,7 +228,7 @@ def is_unfinished(path: str) -> bool:
     return name.startswith(_PREFIX) and name.endswith(_SUFFIX)
 
 
-def hold(file: "Any") -> bool | None:
+def hold(file: Any) -> bool | None:
     """Lock the open file for this process until it ends; return whether it is locked, None without locks."""
     try:
         import fcntl
@@ -332,7 +332,7 @@ def _keep_mode(target: str, held: Any, temporary: str) -> None:
         os.chmod(place, stat.S_IMODE(os.stat(target).st_mode))
 
 
-def _close_quietly(stream: "Any") -> None:
+def _close_quietly(stream: Any) -> None:
     try:
         stream.close()
     except OSError:

@@ -1,6 +1,6 @@
 """What the HDF5 result of a YOUNG deck with elements at joints holds beyond its dynamics."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...model.element_names import element_names
 from ...model.joints import ANGLE
@@ -11,9 +11,6 @@ from .dynamic import FORCES, dynamic_layout, dynamic_values
 from .joint_coordinates import coordinate_names, joint_values, with_elements, with_units
 from .kinematic import readable_names
 from .result_file import Layout, Values, numbered_axis
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 def element_layout(model: DynamicModel) -> Layout:
@@ -32,12 +29,12 @@ def element_layout(model: DynamicModel) -> Layout:
     return with_elements(layout, coordinates, element_names(model))
 
 
-def element_values(model: DynamicModel, rows: "Any") -> Values:
+def element_values(model: DynamicModel, rows: Any) -> Values:
     """The fields of report rows (`element_rows.ElementRows`) by the paths of their datasets."""
     return dict(dynamic_values(model, rows)) | joint_values(rows)  # type: ignore[operator]
 
 
-def _driver_names(model: "Any") -> "Any":
+def _driver_names(model: Any) -> Any:
     mechanism = model.mechanism
     units = [FORCE if driver.direction <= 3 else TORQUE for driver in mechanism.drivers]
     own = list(zip(readable_names("driver", mechanism.drivers), units, strict=True))

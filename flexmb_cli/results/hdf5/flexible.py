@@ -1,6 +1,6 @@
 """What the HDF5 result of a mechanism of rigid and flexible bodies holds."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from .stress import element_axis, element_constants, stress_axes, stress_series,
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
     from ...solvers.constrained.flexible_rows import FlexibleRows
 

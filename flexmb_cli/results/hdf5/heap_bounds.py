@@ -7,13 +7,9 @@ signals, where a part of a heap has no size; so a stranger's file could stop `ta
 import mmap
 import struct
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 import h5py
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # Of larger files only the first part is searched, which takes a tenth of a second.
 SEARCHED = 2**28
@@ -34,7 +30,7 @@ def fault_of_heaps(file: h5py.File) -> str:
             return next((fault for fault in _faults(raw) if fault), "")
 
 
-def _faults(raw: "Any") -> Iterator[str]:
+def _faults(raw: Any) -> Iterator[str]:
     start = raw.find(SIGNATURE)
     while start >= 0:
         end = start + _number(raw, start + 8)
@@ -43,7 +39,7 @@ def _faults(raw: "Any") -> Iterator[str]:
         start = raw.find(SIGNATURE, end)
 
 
-def _fault_of_heap(raw: "Any", start: int, end: int) -> str:
+def _fault_of_heap(raw: Any, start: int, end: int) -> str:
     """A heap is its heading and its parts, each behind the other up to its end; part 0 is free space."""
     if end < start + _HEADING or (end > len(raw) and len(raw) < SEARCHED):
         return f"the heap at byte {start} is longer than the file, or has no length"
@@ -57,5 +53,5 @@ def _fault_of_heap(raw: "Any", start: int, end: int) -> str:
     return ""
 
 
-def _number(raw: "Any", at: int) -> int:
+def _number(raw: Any, at: int) -> int:
     return struct.unpack_from("<Q", raw, at)[0] if at + 8 <= len(raw) else 0

@@ -1,16 +1,12 @@
 """Joint coordinates and elements at joints in results of every dialect."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...model.arrays.element_table import coordinates_of_joints
 from ...model.joints import ANGLE
 from ...quick_dataclass import replace
 from .result_file import Axis, Layout, Series, Values, numbered_axis
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 COORDINATE, ELEMENT = "coordinate/coordinate", "element/element"
 JOINT_SERIES = {
@@ -48,7 +44,7 @@ def with_elements(
     return replace(layout, axes=tuple(axes), series=(*layout.series, *series))
 
 
-def joint_values(rows: "Any", series: dict[str, Series] = SERIES) -> Values:
+def joint_values(rows: Any, series: dict[str, Series] = SERIES) -> Values:
     """Fields of report rows by the paths of their datasets."""
     return {item.path: getattr(rows, field) for field, item in series.items()}
 

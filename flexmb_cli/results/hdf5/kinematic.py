@@ -1,6 +1,6 @@
 """What the HDF5 result of a mechanism's kinematics holds."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...model.mechanism import Mechanism
 from ...solvers.kinematics.rows import Rows
@@ -8,10 +8,6 @@ from .motion_series import BODY_MOTION, POINT_MOTION
 from .result_file import EULER_PARAMETER, TIME, XYZ, Layout, Series, Values, numbered_axis
 from .result_geometry import SIDE, mechanism_geometry
 from .shapes import with_shapes
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 AUDIT = {
     "constraint_residual": Series(

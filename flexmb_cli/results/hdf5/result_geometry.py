@@ -4,7 +4,7 @@ Where joints and points sit on their bodies is constant in body axes; the motion
 rest.  Bodies are numbered from 1 as in decks, 0 is the ground (the inertial frame of a tree).
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +12,6 @@ from ...model.mechanism import Mechanism
 from .result_file import XYZ, Axis, Constant
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...model.tree import Body, Closure, Tree
 
 SIDE = Axis("side", ("I", "J"), "first and second body of a joint")

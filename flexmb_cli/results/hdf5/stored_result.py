@@ -75,13 +75,13 @@ def newer_layout(file: h5py.File) -> str:
     )
 
 
-def _look_through(file: h5py.File) -> "Any":
+def _look_through(file: h5py.File) -> Any:
     heaps = fault_of_heaps(file)
     if heaps:
         raise Damaged(heaps)
     names: list[bytes] = []
 
-    def stop_at(name: bytes, link: "Any") -> "Any":
+    def stop_at(name: bytes, link: Any) -> Any:
         """Return what ends the search.
 
         h5py cannot bear an exception in here, and its own visits of a file look links up, which may raise.

@@ -6,16 +6,12 @@ the mean over its volume; von Mises and principal stresses are those of the aver
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...model.flexible_mechanism import FlexibleMechanism, FloatingBody, StressOutput
 from .result_file import Axis, Constant, Series, Values
-
-if TYPE_CHECKING:
-    pass
-
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 # Rows at a time: the stresses of all nodes of a large body are many numbers.

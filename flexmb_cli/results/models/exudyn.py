@@ -6,7 +6,7 @@ Create…) is the source of the calls.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +14,6 @@ from ...errors import Fault, ModelError
 from ...model.loads import DynamicModel
 from ...model.vectors import rotation_matrix
 from ...quick_dataclass import fields
-
-if TYPE_CHECKING:
-    pass
-
 
 HEAD = '''"""{title}, written by flexmb for Exudyn 1.9 or later.  SI units.
 
@@ -194,7 +190,7 @@ class _Placed:
     def _at(self, body: int, point: tuple[float, float, float]) -> np.ndarray:
         return self.start["r"][body] + self.A[body] @ np.array(point)
 
-    def _local(self, body: "Any", point: "Any") -> Any:
+    def _local(self, body: Any, point: Any) -> Any:
         """A point from the mass centre of a moving body, or global of one at rest."""
         if body in self.still:
             return self._at(body, point)
@@ -204,7 +200,7 @@ class _Placed:
         return "ground" if body in self.still else f"bodies[{self.numbers[body]}]"
 
 
-def _frame_along(axis: "Any") -> "Any":
+def _frame_along(axis: Any) -> Any:
     """A rotation matrix whose third axis is `axis`."""
     across = np.eye(3)[int(np.argmin(np.abs(axis)))]
     x = np.cross(across, axis)

@@ -6,7 +6,7 @@ XML reference (body, joint, inertial, keyframe) is the source of the elements.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,10 +14,6 @@ import numpy as np
 from ...errors import Fault, ModelError
 from ...model.tree import INERTIAL, ROTATION, TRANSLATION, Body, Tree
 from ...model.vectors import euler_parameters, rotation_matrix
-
-if TYPE_CHECKING:
-    pass
-
 
 STEP = 1e-4  # s; RK4 keeps errors of usual mechanisms below 1e-8 with it
 
@@ -83,7 +79,7 @@ def _is_real(moments: np.ndarray) -> bool:
     return moments[2] <= moments[0] + moments[1] + 1e-12 * moments[2]
 
 
-def _add_body(parent: "Any", tree: Tree, k: int) -> "Any":
+def _add_body(parent: Any, tree: Tree, k: int) -> Any:
     body, hinge = tree.bodies[k], tree.hinges[k]
     turned = rotation_matrix(hinge.frame)
     if not hinge.rotations:
@@ -104,7 +100,7 @@ def _add_body(parent: "Any", tree: Tree, k: int) -> "Any":
 
 
 def _add_joint(
-    element: "Any", tree: Tree, place: tuple[int, str, int], kind: str, direction: np.ndarray
+    element: Any, tree: Tree, place: tuple[int, str, int], kind: str, direction: np.ndarray
 ) -> None:
     k, motion, axis = place
     about = {"name": f"{tree.bodies[k].name} {motion} {axis}", "type": kind, "axis": _numbers(direction)}

@@ -100,7 +100,7 @@ def _check_times(times: h5py.Dataset) -> None:
             raise Damaged("the times of its rows do not ascend, or are no numbers")
 
 
-def _other_kind(path: Path | str, error: "Any") -> str:
+def _other_kind(path: Path | str, error: Any) -> str:
     """Return what the file is that HDF5 cannot open."""
     begins = b""
     with suppress(OSError), open(path, "rb") as file:
@@ -112,7 +112,7 @@ def _other_kind(path: Path | str, error: "Any") -> str:
     return f"this is no HDF5 result that can be read: {error}"
 
 
-def _result_beside(path: Any) -> "Any":
+def _result_beside(path: Any) -> Any:
     """Return which result may be meant by the name of a deck or of a printed table."""
     beside = {
         Path(path).with_suffix(".h5"),
@@ -122,7 +122,7 @@ def _result_beside(path: Any) -> "Any":
     return f"; is {found} meant?" if found else "; flexmb run writes a deck's result into an .h5 file"
 
 
-def _names_of_results(path: str) -> "Any":
+def _names_of_results(path: str) -> Any:
     from ...dialects import DIALECTS
     from ..files.file_names import h5_name
 

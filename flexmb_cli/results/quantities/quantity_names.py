@@ -1,17 +1,13 @@
 """How the elements of a result's datasets may be called: words from its paths, names and dimension scales."""
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 
 from ...errors import visible
 from ...quick_dataclass import dataclass
 from ..hdf5.stored_result import Damaged, attribute, datasets, is_number, is_text, place_of, scale_of, texts
-
-if TYPE_CHECKING:
-    pass
-
 
 TIME = "time"
 # Names of a dataset's elements, the shortest first; {0} and {1} are its axes behind time, {item} the body of

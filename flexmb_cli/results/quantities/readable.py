@@ -1,13 +1,9 @@
 """Names of quantities as people write them: "velocity x of body 3", "kinetic energy"."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...quick_dataclass import dataclass
 from .quantities import Quantity
-
-if TYPE_CHECKING:
-    pass
-
 
 # The quantity of names that leave it out: body.3.z is a position.
 _LEFT_OUT = {"body": "position", "point": "position", "coordinate": "coordinate", "elastic": "displacement"}
@@ -72,7 +68,7 @@ def _of_thing(group: str, named: str, words: list[str]) -> Readable:
     return Readable(" ".join(map(_word, quantity)), named, last)
 
 
-def _of_body(group: "Any", words: "Any") -> "Any":
+def _of_body(group: Any, words: Any) -> Any:
     """stress.2.node45.xx, strain.2.element3.energy, stress.2.max.von_mises, modal.1.amplitude.2."""
     body, *rest = words
     if group == "modal":

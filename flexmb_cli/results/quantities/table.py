@@ -8,17 +8,13 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import partial
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
 
 from .quantities import Quantity, ResultError, read, time_at, time_quantity
 from .quantity_names import TIME
-
-if TYPE_CHECKING:
-    pass
-
 
 FORMATS = ("csv", "tsv", "jsonl", "text")
 SEPARATOR = {"csv": ",", "tsv": "\t"}

@@ -1,16 +1,15 @@
 """Text of what `flexmb check` found of a mechanism of flexible bodies (`run.check.CheckReport`)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import visible
 from .check_text import assembly_lines, few, redundant_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
-def check_flexible_text(report: "Any") -> str:
+def check_flexible_text(report: Any) -> str:
     """Counts, bodies, assembly and rank of a deck that could be read, one fact a line."""
     counts = report.counts
     joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"

@@ -1,12 +1,11 @@
 """Text of what `flexmb check` found (`run.check.CheckReport`)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import visible
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 COLUMNS = ("x", "y", "z", "e0", "e1", "e2", "e3")
@@ -14,7 +13,7 @@ MOST_NAMES = 8
 MOST_GAPS = 500
 
 
-def check_text(report: "Any") -> str:
+def check_text(report: Any) -> str:
     """Counts, assembly and rank of a deck that could be read, one fact a line."""
     counts = report.counts
     joints = ", ".join(f"{number} {kind}" for kind, number in counts["joints"].items()) or "none"
@@ -42,7 +41,7 @@ def _size_line(counts: dict[str, dict[str, int] | int]) -> str:
     )
 
 
-def assembly_lines(report: "Any") -> "Iterator[str]":
+def assembly_lines(report: Any) -> "Iterator[str]":
     """Gaps of the estimates and of the assembled position, owner by owner; of very many the widest."""
     if not report.gaps:
         return
@@ -57,7 +56,7 @@ def assembly_lines(report: "Any") -> "Iterator[str]":
         yield f"    and {len(report.gaps) - len(shown)} with narrower gaps of the estimates; --json has all"
 
 
-def _rank_lines(report: "Any") -> "Iterator[Any]":
+def _rank_lines(report: Any) -> "Iterator[Any]":
     if report.rank is None:
         return
     coordinates = report.counts["coordinates"]
@@ -67,7 +66,7 @@ def _rank_lines(report: "Any") -> "Iterator[Any]":
         yield "  not determined to first order: " + few(names)
 
 
-def redundant_lines(report: "Any") -> "Iterator[Any]":
+def redundant_lines(report: Any) -> "Iterator[Any]":
     """Groups of equations one of which repeats the others."""
     for group in report.redundant:
         yield "  redundant, one of: " + few(group)
@@ -79,7 +78,7 @@ def few(names: list[str]) -> str:
     return "; ".join(names[:MOST_NAMES]) + more
 
 
-def jacobian_text(jacobian: "Any") -> str:
+def jacobian_text(jacobian: Any) -> str:
     """Φ_q as in Young's tables 6.1 and 6.2: a row an equation, seven columns a body."""
     when = "at the estimates" if jacobian.time is None else f"at t = {jacobian.time:.6g} s"
     width = max(len(name) for name in jacobian.rows)
@@ -97,7 +96,7 @@ def jacobian_text(jacobian: "Any") -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _cell(value: "Any") -> "Any":
+def _cell(value: Any) -> Any:
     if abs(value) < 5e-16:
         return f"{'.':>9}"
     return f"{value:>9.4f}" if abs(value) < 1000 else f"{value:>9.2e}"

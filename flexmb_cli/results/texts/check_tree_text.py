@@ -1,18 +1,17 @@
 """Text of what `flexmb check` found of a tree (`run.check.tree.TreeFindings`)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import visible
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 MOST_COORDINATES = 24
 
 
-def check_tree_text(report: "Any") -> str:
+def check_tree_text(report: Any) -> str:
     """Counts, coordinates, inertia, closures and energies at the start, one fact a line."""
     counts, found = report.counts, report.tree
     lines = [
@@ -58,7 +57,7 @@ def _coordinate_lines(coordinates: list[tuple[str, str, float, float]]) -> "Iter
         yield f"    and {len(coordinates) - MOST_COORDINATES} more; --json lists all"
 
 
-def _closure_lines(found: "Any") -> "Iterator[str]":
+def _closure_lines(found: Any) -> "Iterator[str]":
     if not found.gaps:
         return
     yield "  gap of the loops, as given → assembled"
@@ -68,7 +67,7 @@ def _closure_lines(found: "Any") -> "Iterator[str]":
         yield f"    closed by others too: {name}"
 
 
-def _inertia_lines(found: "Any") -> "Iterator[str]":
+def _inertia_lines(found: Any) -> "Iterator[str]":
     if found.lightest is not None:
         name, share = found.lightest
         yield (

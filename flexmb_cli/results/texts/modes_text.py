@@ -1,6 +1,6 @@
 """Text of the small motions of a mechanism: frequencies, damping, what moves most, and the position."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,14 +10,13 @@ from ...model.by_size import by_size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 SHOWN_PARTS = 3
 NAMED = 0.1  # of the largest part
 
 
-def modes_text(report: "Any") -> str:
+def modes_text(report: Any) -> str:
     """Return what `flexmb modes` found (`run.modes.ModesReport`): flexible bodies, then the mechanism."""
     dialect = report.deck.dialect.upper()
     # Those of trees, which have no modes of their own here, are not counted.
@@ -30,7 +29,7 @@ def modes_text(report: "Any") -> str:
     return "".join(f"{line.rstrip()}\n" for line in lines)
 
 
-def _mechanism_lines(found: "Any") -> "Iterator[Any]":
+def _mechanism_lines(found: Any) -> "Iterator[Any]":
     modes = found.modes
     where = "about the equilibrium" if found.equilibrium else "of the mechanism"
     yield f"  small motions {where} at t = {found.time:.6g} s: freedoms {len(modes.eigenvalues) // 2}"
@@ -52,12 +51,12 @@ def _mechanism_lines(found: "Any") -> "Iterator[Any]":
         yield f"    eigenvalues of motions that nothing holds: {modes.unheld}"
 
 
-def _position_lines(position: "Any") -> "Iterator[Any]":
+def _position_lines(position: Any) -> "Iterator[Any]":
     for name, values in position:
         yield f"    {name}: " + " ".join(f"{value:.6g}" for value in np.array(values) + 0.0)
 
 
-def _parts(names: "Any", shape: "Any") -> "Any":
+def _parts(names: Any, shape: Any) -> Any:
     sizes = np.abs(shape)
     order = [k for k in by_size(sizes)[:SHOWN_PARTS] if sizes[k] >= NAMED]
     return ", ".join(f"{names[k]} {sizes[k]:.2f}" for k in order)

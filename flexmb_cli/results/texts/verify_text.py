@@ -1,14 +1,11 @@
 """What `flexmb verify` prints of two formulations of one deck."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ...errors import visible
 
-if TYPE_CHECKING:
-    from typing import Any
 
-
-def verify_text(found: "Any") -> str:
+def verify_text(found: Any) -> str:
     """A line for each quantity of a `run.verify.Verification`, then the largest difference."""
     outcome = found.outcome
     lines = [f"{visible(outcome.deck)}: {found.formulations}, {outcome.rows} rows"]

@@ -1,6 +1,6 @@
 """Diagnose a mechanism of flexible bodies: assembly, rank, repeated equations, what is free to move."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -9,10 +9,6 @@ from ...model.unit_checks import unit_doubts
 from ..context import Run
 from .check import CheckReport
 from .parts import before_and_after, refuse_jacobian, report_times
-
-if TYPE_CHECKING:
-    pass
-
 
 ROUND_OFF = 1e-12
 
@@ -28,7 +24,7 @@ def check(report: CheckReport, mechanism: FlexibleMechanism, run: Run, jacobian:
     run.warn(())
 
 
-def _diagnose(report: Any, mechanism: "Any") -> None:
+def _diagnose(report: Any, mechanism: Any) -> None:
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
     analysis = FlexibleDynamics(mechanism)

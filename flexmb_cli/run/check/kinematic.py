@@ -3,7 +3,7 @@
 Small mechanisms are assembled by the same kernels left uncompiled, so that `check` answers at once.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,6 @@ from .check import CheckReport, LabelledJacobian
 from .parts import FARTHEST_STEPS, before_and_after, gaps_of, parts_of
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...solvers.kinematics.analysis import KinematicAnalysis
 
 
@@ -45,7 +43,7 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
         _assemble(report, mechanism, jacobian, equations)
 
 
-def _assemble(report: CheckReport, mechanism: "Any", jacobian: "Any", equations: "Any") -> None:
+def _assemble(report: CheckReport, mechanism: Any, jacobian: Any, equations: Any) -> None:
     from ...solvers.kinematics.analysis import KinematicAnalysis
     from ...solvers.kinematics.settings import KinematicSettings
 

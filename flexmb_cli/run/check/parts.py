@@ -37,7 +37,7 @@ def report_times(grid: "TimeGrid") -> dict:
     return {"report_times": grid.rows} | ({"last_time": grid.last} if grid.left_out else {})
 
 
-def gaps_of(analysis: "Any", arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> dict:
+def gaps_of(analysis: Any, arrays: Any, q: "np.ndarray", expected: "np.ndarray") -> dict:
     """Largest residual of each owner's equations, as {(owner, unit): m or 1}; expected: the angles
     expected.
     """

@@ -4,10 +4,7 @@ import os
 import signal
 from multiprocessing import parent_process
 from threading import Thread
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from typing import Any
+from typing import Any
 
 
 def end_with_parent() -> None:
@@ -30,6 +27,6 @@ def outlive_workers() -> None:
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
-def _kill_after(parent: "Any") -> None:
+def _kill_after(parent: Any) -> None:
     parent.join()
     os.kill(os.getpid(), signal.SIGTERM if os.name == "nt" else signal.SIGKILL)

@@ -10,12 +10,9 @@ import traceback
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from multiprocessing import connection, get_context
-from typing import TYPE_CHECKING
+from typing import Any
 
 from .signal_mask import signals_masked
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class Worker:
@@ -26,21 +23,21 @@ class Worker:
     unblocks them.  Raises OSError when no process can be started.
     """
 
-    def __init__(self, serve: Callable, *given: "Any"):
+    def __init__(self, serve: Callable, *given: Any):
         spawn = get_context("spawn")
         self.line, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_served, args=(serve, theirs, *given))
         with theirs, signals_masked():
             self.process.start()
 
-    def send(self, message: "Any") -> bool:
+    def send(self, message: Any) -> bool:
         """Return whether it was there to be notified."""
         with suppress(OSError):
             self.line.send(message)
             return True
         return False
 
-    def answer(self) -> "Any":
+    def answer(self) -> Any:
         """Return what the process has sent; None when it has ended, and nothing is left to be read."""
         with suppress(EOFError, OSError):
             if self.line.poll():
@@ -64,7 +61,7 @@ class Worker:
         self.end()
 
 
-def _served(serve: "Any", line: "Any", *given: "Any") -> None:
+def _served(serve: Any, line: Any, *given: Any) -> None:
     """Return what a process does."""
     try:
         serve(line, *given)

@@ -1,7 +1,7 @@
 """Dynamics of a mechanism with masses and loads: forward, or inverse where drivers move it."""
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError
 from ...model.loads import AlphaSteps, DynamicModel
@@ -18,7 +18,6 @@ from ..step_count import StepCount
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
     from ...solvers.constrained.young_dynamics import ForwardDynamics
     from ...solvers.kinematics.inverse_dynamics import InverseDynamics

@@ -2,7 +2,7 @@
 
 from functools import partial
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...model.fe_model import Integrator
 from ...model.flexible_mechanism import FlexibleMechanism
@@ -18,10 +18,6 @@ from ..error_estimate import finer_motion
 from ..integration_options import set_tolerances
 from ..solution import Solution
 from ..step_count import StepCount
-
-if TYPE_CHECKING:
-    pass
-
 
 # The words of INTG cards for the methods of the command line.
 WORDS = {"dop853": "RK45", "radau": "RAD5", "alpha": "GALF"}
@@ -59,7 +55,7 @@ def _as_asked(mechanism: Any, options: Any) -> FlexibleMechanism:
     return replace(mechanism, integrator=integrator)
 
 
-def _digest(system: "Any") -> str:
+def _digest(system: Any) -> str:
     """A digest of the reduced bodies: a deck names files that may have changed since."""
     digest = sha256()
     for array in system:

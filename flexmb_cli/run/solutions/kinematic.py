@@ -1,6 +1,6 @@
 """Kinematics of a mechanism that its drivers move."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...model.mechanism import Mechanism
 from ...results.hdf5.kinematic import kinematic_layout, kinematic_values
@@ -9,9 +9,6 @@ from ...solvers.kinematics.analysis import KinematicAnalysis, KinematicSettings
 from ..context import Run
 from ..error_estimate import nothing_to_refine
 from ..solution import NoCount, Solution
-
-if TYPE_CHECKING:
-    pass
 
 
 def solution(mechanism: Mechanism, run: Run) -> Solution:

@@ -57,7 +57,7 @@ def kane_analysis(tree: Tree, run: Run) -> "TreeAnalysis":
     return TreeAnalysis(tree)
 
 
-def absolute_analysis(tree: Tree, run: Run) -> "Any":
+def absolute_analysis(tree: Tree, run: Run) -> Any:
     """Return the analysis in absolute coordinates; raises ModelError for what is not carried over."""
     from ...solvers.constrained.tree import AbsoluteTree
 
@@ -72,7 +72,7 @@ def _unused_method(tree: Any) -> "Iterator[Any]":
         yield Fault("warning", message, id="RUN-010")
 
 
-def _finer_blocks(tree: Any, run: Any) -> "Any":
+def _finer_blocks(tree: Any, run: Any) -> Any:
     """Blocks of values of a second run at a tighter tolerance."""
     given = tree.integration
     run.outcome.faults += why_no_estimate(given.rtol)

@@ -50,7 +50,7 @@ def differences(mechanism: FlexibleMechanism, deck: Deck, run: Run) -> tuple[Dif
     return tuple(_differences(mechanism, one, other, unique))
 
 
-def _finely(mechanism: "Any", options: Any) -> "Any":
+def _finely(mechanism: Any, options: Any) -> Any:
     """Return the mechanism with steps finer than it is compared."""
     given = mechanism.integrator
     method = given.method if given.method in ("RK45", "RAD5") else "RAD5"
@@ -58,7 +58,7 @@ def _finely(mechanism: "Any", options: Any) -> "Any":
     return replace(mechanism, integrator=Integrator(method, 0.0, tolerance))
 
 
-def _rows(mechanism: Any) -> "Any":
+def _rows(mechanism: Any) -> Any:
     """Return the rows by their fields, and whether no equation repeats others."""
     from ...solvers.constrained.flexible_dynamics import FlexibleDynamics
 
@@ -71,7 +71,7 @@ def _rows(mechanism: Any) -> "Any":
     return rows, not analysis.found.redundant  # type: ignore[union-attr]
 
 
-def _differences(mechanism: "Any", one: "Any", other: "Any", unique: "Any") -> "Iterator[Any]":
+def _differences(mechanism: Any, one: Any, other: Any, unique: Any) -> "Iterator[Any]":
     time = one["time"]
     for name, unit, key in SERIES + (FORCES if unique else ()):
         if one[key].size:

@@ -37,7 +37,7 @@ def differences(tree: Tree, deck: Deck, run: Run) -> tuple[Difference, ...]:
     return found
 
 
-def _motions(tree: Any, run: Any) -> "Any":
+def _motions(tree: Any, run: Any) -> Any:
     """Values of both formulations, whole runs by the paths of their datasets."""
     analyses = absolute_analysis(tree, run), kane_analysis(tree, run)
     run.listener.begin(2 * tree.time.rows)
@@ -48,14 +48,14 @@ def _motions(tree: Any, run: Any) -> "Any":
     return kane, absolute
 
 
-def _heard(blocks: "Any", listener: "Any") -> "Iterator[Any]":
+def _heard(blocks: Any, listener: Any) -> "Iterator[Any]":
     for block in blocks:
         yield block
         Stop.heed()
         listener.advance(len(block.time))
 
 
-def _joined(blocks: "Any") -> "Any":
+def _joined(blocks: Any) -> Any:
     return {path: np.concatenate([block[path] for block in blocks]) for path in blocks[0]}
 
 
@@ -79,7 +79,7 @@ def compare(tree: Tree, kane: dict, absolute: dict) -> tuple[Difference, ...]:
     return tuple(found)
 
 
-def _coordinates(tree: Any, kane: "Any", absolute: "Any") -> "Iterator[Any]":
+def _coordinates(tree: Any, kane: Any, absolute: Any) -> "Iterator[Any]":
     """Coordinates and speeds by kind; integrals of angular velocities are no coordinates of a position."""
     kinds = np.array([c.motion for c in tree.coordinates])
     ball = [c.motion == ROTATION and len(tree.hinges[c.body].rotations) == 3 for c in tree.coordinates]
@@ -93,5 +93,5 @@ def _coordinates(tree: Any, kane: "Any", absolute: "Any") -> "Iterator[Any]":
                 yield _largest(f"{kind} {name}", unit + per, kane, *pair)
 
 
-def _largest(name: str, unit: "Any", kane: "Any", one: "Any", other: "Any", scale: "Any" = None) -> "Any":
+def _largest(name: str, unit: Any, kane: Any, one: Any, other: Any, scale: Any = None) -> Any:
     return largest_difference(name, unit, kane["time"], one, other, scale)

@@ -5,7 +5,7 @@ where no coordinate changes by more than FEPS.  Velocities and accelerations are
 of that position, errors included.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +18,6 @@ from .errors import ALL_ERRORS, WRONG_INDEX
 from .screw import ScrewZero, screw_row, screw_zero
 from .single import driven, held, normalised
 from .vectors import product, solved, tilde
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 # NRMAX, FEPS, EPSLU by the names of `KinematicSettings`.
 LIMITS = {"most_iterations": 250, "tolerance": 1e-4, "smallest_pivot": 1e-5}
@@ -148,7 +144,7 @@ def _two_rows(first: int, second: int, third: int) -> list[int]:
     return pair
 
 
-def _failure(t: float, reported: "Any") -> "Any":
+def _failure(t: float, reported: Any) -> Any:
     return AnalysisError(
         Fault("error", f"at t = {t:.6g} s the program of 1996 fails: {reported}", id="SOLVE-033"), t
     )

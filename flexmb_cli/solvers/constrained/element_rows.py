@@ -1,6 +1,6 @@
 """Report rows of decks with elements at joints: joint coordinates, and what every element does."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from ...model.joint_elements import JointElements
 from ...model.loads import DynamicModel
 from ...quick_dataclass import dataclass, fields
 from .rows import DynamicRows, dynamic_rows
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ def element_answers(
     }
 
 
-def _in_order_of_deck(model: "Any", arrays: "Any", report: Any) -> "Any":
+def _in_order_of_deck(model: Any, arrays: Any, report: Any) -> Any:
     """Wrenches (T, groups, 2, 6) of the deck's constraints, those that follow functions in their places."""
     mechanism, elements = model.mechanism, model.elements
     own = len(arrays.kinematic.constraints)

@@ -1,6 +1,6 @@
 """Forward dynamics of a mechanism of rigid and flexible bodies (VSDF decks)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from .start_speeds import given_speeds
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 TOLERANCE = 1e-6  # of steps that GALF chooses: ten times as many keep a thousandth of it
@@ -84,7 +83,7 @@ class FlexibleDynamics(ConstrainedMotion):
             tuple((point.name, point.body) for point in m.outputs),
         )
 
-    def given_rates(self, q: np.ndarray) -> "Any":
+    def given_rates(self, q: np.ndarray) -> Any:
         """Rows, right-hand sides and names of the joint rates that the deck gives."""
         rates = self.mechanism.elements.rates
         if not rates:

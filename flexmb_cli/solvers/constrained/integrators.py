@@ -41,11 +41,11 @@ class Steps:
         """The kernel."""
         return import_module(self._module).integrate_rows
 
-    def new_integration(self, work: Any, angles: int) -> "Any":
+    def new_integration(self, work: Any, angles: int) -> Any:
         """Return an integration at time 0 with an empty state, for this work and so many angles."""
         return import_module(self._module).new_integration(work, angles)
 
-    def doubts(self, clock: "Any") -> list[Fault]:
+    def doubts(self, clock: Any) -> list[Fault]:
         """Return what is doubtful about the steps taken."""
         return []
 

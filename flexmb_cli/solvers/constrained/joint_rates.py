@@ -1,7 +1,7 @@
 """Rates of joint coordinates at the start, as equations on speeds."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -10,9 +10,6 @@ from ...model.joint_elements import JointRate
 from ...model.joints import ANGLE
 from ...model.mechanism import Joint
 from ...model.vectors import rotation_matrix
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 def rate_equations(
@@ -41,6 +38,6 @@ def rate_equations(
     return rows, np.array([item.rate for item in rates]), names
 
 
-def _attitude(q: np.ndarray, body: int) -> "Any":
+def _attitude(q: np.ndarray, body: int) -> Any:
     """Rotation matrix of a body at q; the ground's is 1."""
     return rotation_matrix(q[7 * body + 3 : 7 * body + 7]) if body >= 0 else np.eye(3)

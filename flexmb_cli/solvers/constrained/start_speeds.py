@@ -56,7 +56,7 @@ def start_speeds(analysis: Any, q: Any, t: float) -> np.ndarray:
     return u
 
 
-def _nearest(motions: "Any", rest: "Any") -> "Any":
+def _nearest(motions: Any, rest: Any) -> Any:
     """Return the smallest shares of `motions`, columns of which some speeds are known, that give `rest`."""
     # What moves none of the known speeds but by round-off has no share in them.
     if np.linalg.norm(motions) <= SINGULAR_VALUE:

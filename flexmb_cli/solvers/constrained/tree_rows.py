@@ -4,7 +4,7 @@ Integrals of the relative angular velocity, the coordinates of three free rotati
 the position: they are nan.  Angles go on from row to row.
 """
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from ...model.tree_as_mechanism.frames import Base, Frames
 from ..tree.points import rotation_matrices
 from ..tree.rows import TreeRows, continued_signs, displacements, node_positions
 from .rows import global_axes
-
-if TYPE_CHECKING:
-    pass
 
 
 class Moving(NamedTuple):
@@ -78,7 +75,7 @@ class AbsoluteMotion:
         )
 
 
-def _turned(axes: "Any", x: np.ndarray) -> "Any":
+def _turned(axes: Any, x: np.ndarray) -> Any:
     """Vectors (T, 3), or one for all rows, by the axes of each row."""
     return np.einsum("tij,tj->ti", axes, np.broadcast_to(x, axes.shape[:2]))
 
@@ -119,13 +116,13 @@ def absolute_rows(
     )
 
 
-def _closure_forces(tree: Any, arrays: "Any", report: Any) -> "Any":
+def _closure_forces(tree: Any, arrays: Any, report: Any) -> Any:
     """Force on body a of each closure (T, C, 3): the second body of its group."""
     first = len(arrays.groups) - len(tree.closures)
     return report.wrenches[:, first:, 1, :3].copy()
 
 
-def _coordinates(tree: Any, frames: "Any", motion: "Any", before: "Any") -> "Any":
+def _coordinates(tree: Any, frames: Any, motion: Any, before: Any) -> Any:
     """Coordinates, speeds and their rates (T, NS)."""
     columns, elastic = [], 0
     for c, start in zip(tree.coordinates, before, strict=True):
@@ -141,11 +138,11 @@ def _coordinates(tree: Any, frames: "Any", motion: "Any", before: "Any") -> "Any
     return tuple(np.stack(parts, axis=1) for parts in zip(*columns, strict=True))
 
 
-def _along(a: "Any", b: "Any") -> "Any":
+def _along(a: Any, b: Any) -> Any:
     return np.sum(a * b, axis=-1)
 
 
-def _translation(axis: "Any", base: Moving, body: Moving) -> "Any":
+def _translation(axis: Any, base: Moving, body: Moving) -> Any:
     """Gap along an axis of P_k, and its derivatives in the turning axes."""
     direction, w = base.axes[:, :, axis], base.w
     gap, rate, second = body.r - base.r, body.v - base.v, body.a - base.a
@@ -154,7 +151,7 @@ def _translation(axis: "Any", base: Moving, body: Moving) -> "Any":
     return _along(gap, direction), _along(slide, direction), _along(second - turning, direction)
 
 
-def _rotation(hinge: "Any", axis: "Any", base: Moving, body: Moving, start: "Any") -> "Any":
+def _rotation(hinge: Any, axis: Any, base: Moving, body: Moving, start: Any) -> Any:
     """Angle or nan, speed and its rate: the relative angular velocity along the axis it turns about."""
     spin, change = body.w - base.w, body.alpha - base.alpha
     second = len(hinge.rotations) == 2 and axis == hinge.rotations[1] - 1
@@ -167,7 +164,7 @@ def _rotation(hinge: "Any", axis: "Any", base: Moving, body: Moving, start: "Any
     return _continued(_angle(hinge, axis, base.axes, body.axes), start), speed, rate
 
 
-def _angle(hinge: "Any", axis: "Any", P: "Any", E: "Any") -> "Any":
+def _angle(hinge: Any, axis: Any, P: Any, E: Any) -> Any:
     """Angle within a turn, from axes of P_k (T, 3, 3) and of the body."""
     if len(hinge.rotations) == 1:
         i, j = (axis + 1) % 3, (axis + 2) % 3
@@ -180,6 +177,6 @@ def _angle(hinge: "Any", axis: "Any", P: "Any", E: "Any") -> "Any":
     return np.arctan2(_along(across, P[:, :, first]), _along(E[:, :, first], P[:, :, first]))
 
 
-def _continued(angle: "Any", start: "Any") -> "Any":
+def _continued(angle: Any, start: Any) -> Any:
     """Angles (T,) without jumps by whole turns, the first next to `start`."""
     return np.unwrap(np.concatenate([[start], angle]))[1:]

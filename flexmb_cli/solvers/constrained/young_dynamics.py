@@ -1,6 +1,6 @@
 """Forward dynamics of a YOUNG deck's mechanism: its motion under loads and drivers."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from .rows import DynamicRows, dynamic_rows
 from .start import assembled
 from .start_speeds import given_speeds
 from .system import AnyCountEvaluator
-
-if TYPE_CHECKING:
-    pass
 
 
 class ForwardDynamics(ConstrainedMotion):

@@ -1,7 +1,7 @@
 """Kinematic analysis of a mechanism: rows of positions, velocities and accelerations, block by block."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,10 +26,6 @@ from .position import Evaluator
 from .rows import Rows, first_rows, joined_rows
 from .settings import KinematicSettings
 from .system import kinematic_system, rows_of, with_dependent_columns
-
-if TYPE_CHECKING:
-    pass
-
 
 CALL_WORK = 2_000_000  # steps x equations² handed to the kernel at a time
 LARGEST_BLOCK = 1024  # rows

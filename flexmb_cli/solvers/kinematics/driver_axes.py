@@ -6,7 +6,7 @@ joints tilt the body against its driver's axis: |p| is not 1 or does not stay 1,
 position, or the rates are no motion.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from .system import kinematic_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
     from .settings import KinematicSettings
 
@@ -66,7 +65,7 @@ def refuse_contradicted_drive(mechanism: Mechanism, settings: "KinematicSettings
             raise ModelError([Fault("error", message, driver.place, driver.name, id="SOLVE-011")])
 
 
-def _can_turn(driver: "Any", q: np.ndarray, motions: "Any") -> "Any":
+def _can_turn(driver: Any, q: np.ndarray, motions: Any) -> Any:
     k, axis = 7 * driver.body + 3, np.eye(3)[driver.direction - 4]
     p = q[k : k + 4]
     upright = np.linalg.norm(np.cross(p[1:], axis)) <= UPRIGHT

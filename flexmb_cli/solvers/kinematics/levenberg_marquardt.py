@@ -4,13 +4,12 @@ Madsen, Nielsen and Tingleff, Methods for non-linear least squares problems (2nd
 scipy's solver does the same; importing it takes longer than `flexmb check` of a deck.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
 
 
 FIRST_DAMPING = 1e-3  # of the largest squared column of the Jacobian

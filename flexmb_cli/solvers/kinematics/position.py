@@ -1,6 +1,6 @@
 """One position of a mechanism: residuals and Jacobian as matrices, with the names of their rows."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -8,10 +8,6 @@ from ...kernels.kinematics import constraints as equations
 from ...kernels.kinematics.newton import A, System, Work, evaluate_position
 from ...model.arrays.kinematic import KinematicArrays
 from ...quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 DENSE_LIMIT = 350  # equations; above, matrices are sparse
 
@@ -68,7 +64,7 @@ class Evaluator:
         np.add.at(matrix, (rows, columns), values)
         return matrix
 
-    def sparse_matrix(self, q: np.ndarray) -> "Any":
+    def sparse_matrix(self, q: np.ndarray) -> Any:
         """The same as a scipy CSR matrix."""
         from scipy.sparse import coo_matrix
 

@@ -4,7 +4,7 @@ The same predictor, Newton iteration and acceptance test; the linear algebra is 
 fixed pattern, with the fill-reducing order of the columns found once.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -26,10 +26,6 @@ from ...kernels.kinematics.newton import (
 )
 from ...kernels.linalg.rotation import rotation_rates
 from .position import Evaluator
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 RATE, REMAINDER = 1, 2
 
@@ -139,7 +135,7 @@ class SparseContinuation:
         self._solve_refined(matrix, right_side, qdd)
         return gap
 
-    def _solve_refined(self, matrix: "Any", right_side: np.ndarray, solution: np.ndarray) -> float:
+    def _solve_refined(self, matrix: Any, right_side: np.ndarray, solution: np.ndarray) -> float:
         scaled = right_side / self.arrays.row_scale
         x = self.factors.solve(scaled)
         for _ in range(3):

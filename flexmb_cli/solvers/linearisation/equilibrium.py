@@ -1,14 +1,10 @@
 """Equilibrium of a mechanism: its independent joint coordinates at rest while its drivers go on."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...errors import AnalysisError, Fault
-
-if TYPE_CHECKING:
-    pass
-
 
 SHORT_STENCIL = ((-1.0, -0.5), (1.0, 0.5))  # of second order, enough to find the way to an equilibrium
 MOST_ITERATIONS = 60

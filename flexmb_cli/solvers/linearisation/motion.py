@@ -174,7 +174,7 @@ class LinearisedMotion(ABC):
         pace, rate, jerk = self.path(A)
         return self.later(share * TIME_SHARE * pace, rate, jerk)
 
-    def _pace(self, *derivatives: "Any") -> float:
+    def _pace(self, *derivatives: Any) -> float:
         """Time, s, in which one of the derivatives changes the position by one unit, at most the run."""
         rates = [
             np.max(np.abs(v) / self.scale, initial=0.0) ** (1.0 / k) for k, v in enumerate(derivatives, 1)

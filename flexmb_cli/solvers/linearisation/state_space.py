@@ -6,16 +6,12 @@ drivers and loads, the outputs those of points, joints and drivers.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...quick_dataclass import dataclass
 from .motion import CONSTANT, STEP, LinearisedMotion, differentiated
-
-if TYPE_CHECKING:
-    pass
-
 
 SPEED_OF = {"rad": "rad/s", "m": "m/s", "m or 1": "m/s or 1/s"}
 ACCELERATION_OF = {"rad": "rad/s2", "m": "m/s2"}
@@ -72,7 +68,7 @@ class Responses(ABC):
     relative: list[Signal]  # relative displacements, rows of `displacements`
 
     @abstractmethod
-    def respond(self, d: np.ndarray, w: np.ndarray, model: "Any" = None) -> np.ndarray:
+    def respond(self, d: np.ndarray, w: np.ndarray, model: Any = None) -> np.ndarray:
         """Return u' (n,) and then the observed outputs where d, w and the model are changed."""
 
     @abstractmethod

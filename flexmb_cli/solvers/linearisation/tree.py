@@ -4,7 +4,7 @@ The speeds are rates of the coordinates; those of a hinge with three rotations a
 parent.  Closed loops leave some coordinates independent: J u = 0 for the rates of the gaps.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +18,6 @@ from ..tree.analysis import TreeAnalysis, breakpoints, set_functions
 from ..tree.assembly import assemble_tree
 from .joint_coordinates import OWN, PARENT, PREFERENCE, dependent_columns
 from .motion import STEP, LinearisedMotion, differentiated
-
-if TYPE_CHECKING:
-    pass
-
 
 DEPENDENT = 1e-9  # of the largest singular value of J
 CLOSED, STAYS_OPEN = 1e-14, 1e-9  # gaps of the size of the tree: as good as closed, and refused
@@ -63,7 +59,7 @@ class TreeLinearised(LinearisedMotion):
             q[p["coordinate"]] = p["C"] + t * (p["B"] + 0.5 * p["A"] * t)
             speeds[p["coordinate"]] = p["B"] + p["A"] * t
 
-    def _balls(self) -> "Any":
+    def _balls(self) -> Any:
         return [frame for frame in self.arrays.frames[1:] if frame["ball"] >= 0]
 
     def _functionals(self, z: np.ndarray) -> Any:
@@ -230,7 +226,7 @@ def _rank(jacobian: np.ndarray) -> int:
     return int(np.sum(values > DEPENDENT * np.max(values, initial=0.0)))
 
 
-def _singular(t: float) -> "Any":
+def _singular(t: float) -> Any:
     return f"at t = {t:.6g} s the loops are at a singular position, where the tree cannot be linearised"
 
 

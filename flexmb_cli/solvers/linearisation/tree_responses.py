@@ -147,8 +147,8 @@ class TreeResponses(Responses):
         yield Input(Signal(f"{name} rate", SPEED_OF[unit]), still, d, changes[1])
         yield Input(Signal(f"{name} acceleration", ACCELERATION_OF[unit]), still, still, changes[2])
 
-    def _prescribed(self, k: int, order: "Any") -> "Any":
-        def change(amount: float) -> "Any":
+    def _prescribed(self, k: int, order: Any) -> Any:
+        def change(amount: float) -> Any:
             prescribed, t = self.arrays.prescribed.copy(), self.motion.t
             value, rate, second = amount * np.eye(3)[order]
             prescribed["C"][k] += value - rate * t + 0.5 * second * t * t
@@ -163,7 +163,7 @@ def _unit(coordinate: Coordinate) -> str:
     return "rad" if coordinate.motion == ROTATION else "m"
 
 
-def tree_signals(motion: TreeLinearised) -> "Any":
+def tree_signals(motion: TreeLinearised) -> Any:
     """Return the signals of the states of a TreeLinearised."""
     coordinates = [motion.analysis.tree.coordinates[m] for m in motion.free]
     return state_signals([c.name for c in coordinates], map(_unit, coordinates), [""] * len(coordinates))

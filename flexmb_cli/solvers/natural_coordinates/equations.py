@@ -171,7 +171,7 @@ def _across(v: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
     return u, np.cross(s, u)
 
 
-def _hold(found: "Any", body: int, direction: "Any", value: "Any") -> None:
+def _hold(found: Any, body: int, direction: Any, value: Any) -> None:
     if direction < 4:
         found.add_linear(point(found.bodies, body, (0,) * 3)[direction - 1 : direction], value)
         return
@@ -185,7 +185,7 @@ def _fix(found: NaturalEquations, body: int, D: np.ndarray) -> Any:
         found.add_linear(vector(found.bodies, body, np.eye(3)[a]), D[:, a])
 
 
-def _drive(found: "Any", driver: Driver) -> None:
+def _drive(found: Any, driver: Driver) -> None:
     first = len(found.linear)
     if driver.direction < 4:
         row = point(found.bodies, driver.body, (0,) * 3)[driver.direction - 1 : driver.direction]
@@ -203,7 +203,7 @@ def driver_function(driver: Driver, t: float) -> tuple[float, float, float]:
     return driver.C + driver.B * t + 0.5 * driver.A * t * t, driver.B + driver.A * t, driver.A
 
 
-def _turning(driver: "Any", i: "Any", a: "Any") -> "Any":
+def _turning(driver: Any, i: Any, a: Any) -> Any:
     """Return component (i, a) of the rotation matrix as a function of time, with two derivatives."""
 
     def function(t: Any) -> Any:

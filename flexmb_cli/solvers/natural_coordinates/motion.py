@@ -4,7 +4,7 @@ Kinematics: Newton steps on Φ(X, t), rates and accelerations by linear least sq
 mass matrix that is constant, M dV/dt = Q + Jᵀ λ, J dV/dt = γ, integrated by SciPy's DOP853 from row to row.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +14,6 @@ from ...model.loads import DynamicModel
 from ...model.mechanism import Mechanism
 from ...quick_dataclass import dataclass
 from .equations import SIZE, natural_equations, point, rotation_of, vector
-
-if TYPE_CHECKING:
-    pass
-
 
 MET = 1e-13
 MOST_STEPS = 50
@@ -97,7 +93,7 @@ class NaturalMotion:
             raise AnalysisError(Fault("error", message, id="SOLVE-022"), t)
         return X
 
-    def _moved_to(self, X: np.ndarray, t: float, end: float) -> "Any":
+    def _moved_to(self, X: np.ndarray, t: float, end: float) -> Any:
         """Return the coordinates at `end`, from those at t by steps that turn no body far."""
         while t < end:
             V, A = self._rates(X, t)
@@ -107,7 +103,7 @@ class NaturalMotion:
             X = self._closed(X + h * V + 0.5 * h * h * A, t)
         return X
 
-    def _rates(self, X: np.ndarray, t: float) -> "Any":
+    def _rates(self, X: np.ndarray, t: float) -> Any:
         J = self.equations.jacobian(X)
         V = _least(J, self.equations.rates(t))
         return V, _least(J, self.equations.accelerations(V, t))
@@ -132,7 +128,7 @@ class NaturalMotion:
         matrix = np.block([[self.M, J.T], [J, np.zeros((count, count))]])
         return np.linalg.solve(matrix, np.append(self.forces(X, V), gamma))[: X.size]
 
-    def _efforts(self, X: np.ndarray, V: np.ndarray, A: np.ndarray, t: float) -> "Any":
+    def _efforts(self, X: np.ndarray, V: np.ndarray, A: np.ndarray, t: float) -> Any:
         """Return what each driver delivers: the work of M A - Q along the motion of that driver alone."""
         if self.M is None:
             return np.zeros(0)

@@ -46,7 +46,7 @@ def _of_sparse(matrix: Any) -> Conditioning:
     return Conditioning(_largest_value(matrix, start) * size, motion, combination)
 
 
-def _largest_value(matrix: "Any", vector: np.ndarray) -> Any:
+def _largest_value(matrix: Any, vector: np.ndarray) -> Any:
     """The largest singular value to a few per cent, by power iteration."""
     for _ in range(20):
         vector = matrix.T @ (matrix @ vector)

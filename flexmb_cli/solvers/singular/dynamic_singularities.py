@@ -2,7 +2,7 @@
 
 from bisect import insort
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,10 +12,6 @@ from ..checkpoint import OtherRun, taken
 from ..constrained.flexible_start import PositionGaps
 from ..constrained.system import new_work
 from .weakest import SingularityNotes, condition_text, conditioning_of, owners_text, weakest_owners
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 ROUND_OFF = 1e6  # a position between rows is found to about the square root of round-off
 SINGULAR = 1e4  # condition; mechanisms have 10 to 1000
@@ -52,7 +48,7 @@ def _weakest(analysis: Any, jacobian: Any) -> Any:
     return found.condition, weakest_owners(analysis.arrays.equations, found.combination, MOST_REPORTED)
 
 
-def is_singular(analysis: "Any", q: np.ndarray, start: "Any") -> bool:
+def is_singular(analysis: Any, q: np.ndarray, start: Any) -> bool:
     """Return whether two motions of a ConstrainedMotion cross near q, and its joints were sound at the start.
 
     So near to it in time a mere lock is further from losing a rank, by the square root.
@@ -62,7 +58,7 @@ def is_singular(analysis: "Any", q: np.ndarray, start: "Any") -> bool:
     return here > max(CROSSED, NEARLY_SINGULAR * usual)
 
 
-def has_gained_rank(analysis: "Any") -> bool:
+def has_gained_rank(analysis: Any) -> bool:
     """Return whether equations that repeated others at the start of a ConstrainedMotion no longer do."""
     evaluate_jacobian(
         analysis.system, analysis.work, analysis.integration.z[: analysis.arrays.coordinate_scale.size].copy()
@@ -71,7 +67,7 @@ def has_gained_rank(analysis: "Any") -> bool:
     return len(values) > rank and values[rank] > values[0] / SINGULAR**2
 
 
-def repeating_here_only(analysis: "Any") -> list:
+def repeating_here_only(analysis: Any) -> list:
     """Equations that repeat others at the state of a ConstrainedMotion and not beside it, one of each owner.
 
     Beside it is a small part of some motion that all equations allow: where equations go on repeating
@@ -166,7 +162,7 @@ class PassedDynamicSingularities:
         values, middle = self.sorted, len(self.sorted) // 2
         return values[middle] if len(values) % 2 else 0.5 * (values[middle - 1] + values[middle])
 
-    def _search(self, first: "Any", last: "Any") -> "Any":
+    def _search(self, first: Any, last: Any) -> Any:
         """Seek the least singular value between two rows by thirds; tell it where it is singular."""
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
@@ -179,7 +175,7 @@ class PassedDynamicSingularities:
         self._tell(first[0] + 0.5 * (low + high) * (last[0] - first[0]), q)
         return True
 
-    def _at(self, first: "Any", last: "Any", x: Any) -> Any:
+    def _at(self, first: Any, last: Any, x: Any) -> Any:
         """Position at the part x of the way between two rows, and its smallest value; inf if open."""
         gaps, arrays = self.gaps, self.analysis.arrays
         t, q = first[0] + x * (last[0] - first[0]), (1.0 - x) * first[1] + x * last[1]

@@ -16,7 +16,7 @@ ASIDE = 0.05  # of the length scale, and of Euler parameters
 LATER = 1e-3  # of the time between rows: behind a dead centre
 
 
-def step_failure(analysis: "Any", t: float) -> AnalysisError:
+def step_failure(analysis: Any, t: float) -> AnalysisError:
     """The failure of `analysis` (a KinematicAnalysis) on its way to the report time t.
 
     A gap that stays open at t is a lock; without a gap the mechanism passes a position at which its
@@ -38,7 +38,7 @@ def step_failure(analysis: "Any", t: float) -> AnalysisError:
     return _singular(analysis, reached, t)
 
 
-def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) -> "Any":
+def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) -> Any:
     """Residual of the position nearest to meeting the equations at t, from q and from both sides of it.
 
     From a dead centre the search does not leave the line of symmetry by itself.
@@ -51,7 +51,7 @@ def _least_gap(evaluator: Any, q: np.ndarray, t: float, expected: np.ndarray) ->
     return min([gap, *others], key=lambda found: np.max(np.abs(found)))
 
 
-def _singular(analysis: "Any", reached: "Any", t: float) -> "Any":
+def _singular(analysis: Any, reached: Any, t: float) -> Any:
     """The failure at a singular position: a dead centre, behind which a gap remains, or a branching."""
     evaluator, q, expected = analysis.evaluator, analysis.state[0], analysis.motion[:, 0]
     weak = conditioning(evaluator, q, reached, expected)

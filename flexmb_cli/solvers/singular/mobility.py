@@ -113,7 +113,7 @@ def _sparse_least_squares(
 
     scale = evaluator.arrays.column_scale
 
-    def jacobian(x: np.ndarray) -> "Any":
+    def jacobian(x: np.ndarray) -> Any:
         residual(x)
         return diags(weights) @ evaluator.sparse_matrix(x * scale)
 

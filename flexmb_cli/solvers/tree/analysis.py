@@ -5,7 +5,7 @@ that no step straddles a jump.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +20,6 @@ from ...model.tree import Table, Tree
 from ..checkpoint import row_of, taken
 from .assembly import assemble_tree, pivot_shares, stray
 from .rows import TreeRows, tree_rows
-
-if TYPE_CHECKING:
-    pass
-
 
 # Coordinate evaluations handed to the kernel at a time (about 0.1 µs each): an interrupt waits for them.
 CALL_WORK = 2_000_000
@@ -129,7 +125,7 @@ class TreeAnalysis:
             if code not in (codes.AT_STOP, codes.PAUSED, codes.ROWS_FULL):
                 raise self.failure()
 
-    def _times_of_block(self) -> "Any":
+    def _times_of_block(self) -> Any:
         grid = self.tree.time
         most = max(256, LARGEST_FRAMES // len(self.arrays.frames))
         last = min(self.row + min(most, LARGEST_BLOCK), grid.rows)
@@ -154,7 +150,7 @@ class TreeAnalysis:
         self.clock["t"], self.state[:] = t, state
         return self._rows_of(Report(*map(np.concatenate, zip(*reports, strict=True))))
 
-    def _rows_of(self, report: "Any") -> TreeRows:
+    def _rows_of(self, report: Any) -> TreeRows:
         block = tree_rows(self.tree, self.arrays, report, self.attitude)
         self.attitude = block.euler_parameters[-1]
         self.row += len(block.time)
@@ -171,7 +167,7 @@ class TreeAnalysis:
             self.arrays, self.work, self.coordinates, self.integration, report, budget
         )
 
-    def _blank_report(self, times: np.ndarray) -> "Any":
+    def _blank_report(self, times: np.ndarray) -> Any:
         rows, n = times.size, len(self.coordinates)
         return Report(
             times,
@@ -242,7 +238,7 @@ def _line(function: Table, t: float) -> tuple[float, float]:
     return va - slope * ta, slope
 
 
-def _no_inertia(tree: Any, t: float, coordinate: "Any") -> "Any":
+def _no_inertia(tree: Any, t: float, coordinate: Any) -> Any:
     c = tree.coordinates[coordinate]
     body = tree.bodies[c.body]
     message = (
@@ -253,7 +249,7 @@ def _no_inertia(tree: Any, t: float, coordinate: "Any") -> "Any":
     return Fault("error", message, body.place, body.name, id="SOLVE-025")
 
 
-def _step_vanished(tree: Any, t: float, step: "Any", worst: "Any") -> "Any":
+def _step_vanished(tree: Any, t: float, step: Any, worst: Any) -> Any:
     n = len(tree.coordinates)
     c = tree.coordinates[worst % n] if worst < 2 * n else None
     place, name = (tree.bodies[c.body].place, c.name) if c else (None, "an Euler parameter")

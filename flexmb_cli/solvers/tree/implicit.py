@@ -23,7 +23,7 @@ def implicit_rows(analysis: "TreeAnalysis") -> Iterator[TreeRows]:
     integration.before[:] = analysis.integration.slopes[0]
     budget = 1 + CALL_WORK // (1 + n * n)
 
-    def integrate_rows(report: Any) -> "Any":
+    def integrate_rows(report: Any) -> Any:
         return sdirk4.integrate_rows(
             analysis.arrays, analysis.work, analysis.coordinates, integration, report, budget
         )

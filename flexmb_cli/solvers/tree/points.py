@@ -4,7 +4,7 @@ DAFMS thesis (Zhao, 1992), eqs. (2.7) ff.: a point of body k lies at s + u from 
 u is the elastic displacement of its node; u and its rates are coordinates, speeds and their rates.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from .rows import TreeRows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 class PointMotion(NamedTuple):

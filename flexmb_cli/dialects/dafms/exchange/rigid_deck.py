@@ -5,7 +5,7 @@ hinge gets axes that lie in those of P_k at the start, where all coordinates are
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,10 +17,6 @@ from ....model.exchange.rigid_model import EXPLICIT, GROUND, Refusals, RigidMode
 from ....model.joints import ANGLE
 from ....model.vectors import euler_parameters
 from ....quick_dataclass import dataclass
-
-if TYPE_CHECKING:
-    pass
-
 
 # Free rotations and translations of a hinge of each type; 0 is its axis, one of P_k.
 _FREE = {
@@ -103,7 +99,7 @@ class _Deck:
             if value_of(item.factor) is None:
                 self.refusals.add(item, "forces in DAFMS are constant")
 
-    def lines(self) -> "Any":
+    def lines(self) -> Any:
         """The records up to END."""
         bodies = [self._hang(link) for link in self.links]
         N, time = len(bodies), self.model.time
@@ -125,7 +121,7 @@ class _Deck:
             *([] if self.model.stepping.method == EXPLICIT else ["METH", _integers(_IMPLICIT)]),
         ]  # fmt: skip
 
-    def _hang(self, link: "Any") -> "Any":
+    def _hang(self, link: Any) -> Any:
         """Frames of a body whose parent is hung."""
         model, body, axis = self.model, self.model.bodies[link.body], 3
         if link.joint is None:
@@ -144,18 +140,18 @@ class _Deck:
         self.hung[link.body] = Hanging(link, kind, place, own, frame, origin, axis)
         return self.hung[link.body]
 
-    def _own(self, hung: "Any") -> "Any":
+    def _own(self, hung: Any) -> Any:
         return self.model.bodies[hung.link.body]
 
-    def _parent(self, hung: "Any") -> "Any":
+    def _parent(self, hung: Any) -> Any:
         return np.eye(3) if hung.link.parent == GROUND else self.hung[hung.link.parent].own
 
-    def _centre(self, hung: "Any") -> "Any":
+    def _centre(self, hung: Any) -> Any:
         """Mass centre from O_k, axes of O_k."""
         body = self._own(hung)
         return hung.own.T @ (body.r + body.A @ body.centre - hung.origin)
 
-    def _inertia(self, bodies: "Any") -> "Any":
+    def _inertia(self, bodies: Any) -> Any:
         found = []
         for hung in bodies:
             body, c, turn = self._own(hung), self._centre(hung), hung.own.T @ self._own(hung).A
@@ -166,7 +162,7 @@ class _Deck:
             *(self._bodies("PROD", products) if np.abs(products).max() > 1e-15 else []),
         ]
 
-    def _state(self, bodies: "Any") -> "Any":
+    def _state(self, bodies: Any) -> Any:
         """Speeds and coordinates: rotations of all bodies, then translations."""
         speeds, coordinates = [], []
         for turning in (True, False):
@@ -180,11 +176,11 @@ class _Deck:
         rows = ["".join(fields[i : i + 5]) for i in range(0, len(fields), 5)]
         return ["Y(L)", *rows] if rows else []
 
-    def _turning(self, hung: "Any") -> "Any":
+    def _turning(self, hung: Any) -> Any:
         model, link = self.model, hung.link
         return model.angular_velocity(link.body) - model.angular_velocity(link.parent)
 
-    def _sliding(self, hung: "Any") -> "Any":
+    def _sliding(self, hung: Any) -> Any:
         """Velocity of O_k against the point of the parent where it is, global axes."""
         model, link = self.model, hung.link
         velocity = 0.0
@@ -194,11 +190,11 @@ class _Deck:
                 velocity = velocity + sign * (own.velocity + np.cross(own.omega, hung.origin - own.r))
         return velocity
 
-    def _dofs(self, k: int, hung: "Any", which: "Any") -> "Any":
+    def _dofs(self, k: int, hung: Any, which: Any) -> Any:
         axes = hung.free(which)
         return _integers(k, len(axes), *(int(axis in axes) for axis in (1, 2, 3)))
 
-    def _loads(self, bodies: "Any") -> "Any":
+    def _loads(self, bodies: Any) -> Any:
         """Constant forces at O_k and torques, then torques by tables."""
         forces, torques = np.zeros((len(bodies), 3)), np.zeros((len(bodies), 3))
         tables = []
@@ -220,7 +216,7 @@ class _Deck:
             cards += self._bodies(word, loads) if np.any(loads) else []
         return [*cards, *self._entries("TABL", tables)]
 
-    def _torque_tables(self, item: "Any", k: int) -> "Any":
+    def _torque_tables(self, item: Any, k: int) -> Any:
         points = self._points(item, item.factor)
         return [
             self._table(k, axis, [(t, item.torque[axis - 1] * v) for t, v in points])
@@ -228,17 +224,17 @@ class _Deck:
             if item.torque[axis - 1]
         ]
 
-    def _points(self, item: "Any", function: Any) -> "Any":
+    def _points(self, item: Any, function: Any) -> Any:
         points = points_of(function)
         if points is None:
             self.refusals.add(item, "DAFMS varies loads by tables only; give the function as TABLE")
         return points or []
 
-    def _table(self, k: int, which: "Any", points: "Any") -> "Any":
+    def _table(self, k: int, which: Any, points: Any) -> Any:
         lines = [_integers(k, which, len(points))]
         return "\n".join([*lines, *(self._real(t) + self._real(v) for t, v in points)])
 
-    def _hinge_elements(self) -> "Any":
+    def _hinge_elements(self) -> Any:
         """Springs, dampers, motors and prescribed motions."""
         springs, dampers, motors, tables, motions = [], [], [], [], []
         for item in self.model.joint_springs:
@@ -264,23 +260,23 @@ class _Deck:
         cards = ("SPRI", springs), ("DAMP", dampers), ("MOTR", motors), ("TABM", tables), ("PRES", motions)
         return [line for word, entries in cards for line in self._entries(word, entries)]
 
-    def _place(self, item: "Any") -> "Any":
+    def _place(self, item: Any) -> Any:
         """Body of the hinge, and the number of its degree of freedom."""
         k = self.hinge_of[item.joint]
         axis = self.hung[self.links[k - 1].body].axis
         return k, axis if item.coordinate == ANGLE else axis + 3
 
-    def _dof(self, item: "Any") -> "Any":
+    def _dof(self, item: Any) -> Any:
         return _integers(*self._place(item))
 
-    def _entries(self, word: "Any", entries: "Any") -> "Any":
+    def _entries(self, word: Any, entries: Any) -> Any:
         return [word, _integers(len(entries)), *entries] if entries else []
 
-    def _bodies(self, word: "Any", rows: "Any") -> "Any":
+    def _bodies(self, word: Any, rows: Any) -> Any:
         """A card with a record for every body."""
         return [word, *(f"{k:5d}" + "".join(map(self._real, row)) for k, row in enumerate(rows, start=1))]
 
-    def _real(self, value: "Any") -> "Any":
+    def _real(self, value: Any) -> Any:
         """Ten columns of a number; its rounding is kept for the notes."""
         value = float(value) + 0.0
         # Round-off of the frames, which would fill its columns by an exponent.
@@ -290,7 +286,7 @@ class _Deck:
         return text.rjust(10)
 
 
-def _frame(kind: "Any", parent: int, s: "Any", own: "Any", s_own: "Any") -> "Any":
+def _frame(kind: Any, parent: int, s: Any, own: Any, s_own: Any) -> Any:
     """Axes of P_k, global (3, 3): those of the parent, or with the hinge's axes; and the number of one axis.
 
     `parent`, `own`: matrices of the bodies; s, s_own: vectors along the axis (or arms) in theirs.
@@ -311,14 +307,14 @@ def _frame(kind: "Any", parent: int, s: "Any", own: "Any", s_own: "Any") -> "Any
     return np.column_stack([side, np.cross(first, side), first]), 3
 
 
-def _scalar_last(A: "Any") -> "Any":
+def _scalar_last(A: Any) -> Any:
     e0, *e = euler_parameters(A)
     return (*e, e0)
 
 
-def _integers(*values: "Any") -> "Any":
+def _integers(*values: Any) -> Any:
     return "".join(f"{value:5d}" for value in values)
 
 
-def _lists(values: "Any") -> "Any":
+def _lists(values: Any) -> Any:
     return [_integers(*values[i : i + 10]) for i in range(0, len(values), 10)]

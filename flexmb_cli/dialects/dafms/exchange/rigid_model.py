@@ -1,7 +1,7 @@
 """What a DAFMS deck of rigid bodies describes, in the terms of `model.exchange`."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from ....quick_dataclass import dataclass, replace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 # Types of joints by the numbers of free rotations and translations.
@@ -63,7 +62,7 @@ def rigid_model(_deck: Deck, build: Callable[[], Tree], start: Callable[[Tree], 
     return found
 
 
-def _raise(refusals: "Any") -> None:
+def _raise(refusals: Any) -> None:
     faults = [Fault("error", message, place, name, id="DAFMS-150") for message, place, name in refusals.items]
     if faults:
         raise ModelError(faults)
@@ -72,7 +71,7 @@ def _raise(refusals: "Any") -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, tree: "Any", start: int, refusals: "Any"):
+    def __init__(self, tree: Any, start: int, refusals: Any):
         self.tree, self.start, self.refusals = tree, start, refusals
         self.A = [rotation_matrix(p) for p in start.p]  # type: ignore[attr-defined]
         self.number: dict[int, int] = {}  # of the joint of a body's hinge
@@ -81,7 +80,7 @@ class _Conversion:
             for c, q in zip(tree.coordinates, start.q, strict=True)  # type: ignore[attr-defined]
         }
 
-    def model(self) -> "Any":
+    def model(self) -> Any:
         tree, time = self.tree, self.tree.time
         joints: list[RigidJoint] = []
         for k in range(len(tree.bodies)):
@@ -107,7 +106,7 @@ class _Conversion:
             stepping=stepping if explicit else replace(stepping, method=RADAU),
         )
 
-    def _body(self, k: int) -> "Any":
+    def _body(self, k: int) -> Any:
         body, start = self.tree.bodies[k], self.start
         c = np.array(body.centre, float)
         inertia = np.asarray(body.inertia, float) - body.mass * (c @ c * np.eye(3) - np.outer(c, c))
@@ -116,7 +115,7 @@ class _Conversion:
         motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
         return RigidBody(body.name, *motion, body.mass, c, inertia, body.place)
 
-    def _add_hinge(self, joints: "Any", k: int) -> None:
+    def _add_hinge(self, joints: Any, k: int) -> None:
         hinge = self.tree.hinges[k]
         free = len(hinge.rotations), len(hinge.translations)
         if free == FREE:
@@ -132,7 +131,7 @@ class _Conversion:
         self.number[k] = len(joints)
         joints.append(self._joint(k, hinge, kind))
 
-    def _joint(self, k: int, hinge: "Any", kind: "Any") -> "Any":
+    def _joint(self, k: int, hinge: Any, kind: Any) -> Any:
         frame = rotation_matrix(hinge.frame)
         axes = {ROTATION: hinge.rotations, TRANSLATION: hinge.translations}
         first = (axes[ROTATION] or axes[TRANSLATION] or (1,))[0]
@@ -146,7 +145,7 @@ class _Conversion:
         return RigidJoint(*names, vector(hinge.point), (0.0, 0.0, 0.0), vector(s_i), vector(s_j),
                           place=hinge.place)  # fmt: skip
 
-    def _axes(self, body: "Any") -> "Any":
+    def _axes(self, body: Any) -> Any:
         return np.eye(3) if body == INERTIAL else self.A[body]
 
     def _closures(self) -> "Iterator[Any]":
@@ -160,7 +159,7 @@ class _Conversion:
                 vector(closure.a_point), place=closure.place,
             )  # fmt: skip
 
-    def _is_planar(self, closure: "Any") -> "Any":
+    def _is_planar(self, closure: Any) -> Any:
         """Return whether all moves in the plane of the closed directions, so that the third is closed
         anyway.
         """
@@ -178,11 +177,11 @@ class _Conversion:
         a, b = (self._place(body, point) for body, point in ends)
         return abs((a - b) @ normal) < _OPEN
 
-    def _place(self, body: "Any", point: tuple[float, float, float]) -> "Any":
+    def _place(self, body: Any, point: tuple[float, float, float]) -> Any:
         point = np.array(point, float)  # type: ignore[assignment]
         return point if body == INERTIAL else self.start.r[body] + self.A[body] @ point  # type: ignore[attr-defined]
 
-    def _coordinate(self, item: "Any", what: str) -> "Any":
+    def _coordinate(self, item: Any, what: str) -> Any:
         """Number of the joint, its coordinate, and the value at the start; None where there is none."""
         hinge = self.tree.hinges[item.body]
         name = self.tree.bodies[item.body].name
@@ -228,7 +227,7 @@ class _Conversion:
             yield AppliedTorque(name, item.body, axis, factor=_function(item.function), place=item.place)
 
 
-def _function(table: "Any") -> "Any":
+def _function(table: Any) -> Any:
     if len(table.times) == 1:
         return constant(table.values[0])
     return MotionFunction(
@@ -236,9 +235,9 @@ def _function(table: "Any") -> "Any":
     )
 
 
-def _dofs(hinge: "Any") -> "Any":
+def _dofs(hinge: Any) -> Any:
     return hinge.rotations, hinge.translations
 
 
-def _axes(axes: "Any") -> "Any":
+def _axes(axes: Any) -> Any:
     return ", ".join(map(str, axes)) or "none"

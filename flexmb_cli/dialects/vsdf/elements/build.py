@@ -1,7 +1,7 @@
 """Functions of time, and elements at joints and between nodes, of a VSDF deck."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ....deck.record import Number, Record
 from ....deck.records import DeckValues
@@ -15,10 +15,6 @@ from ...elements.functions import Functions, GivenFunction
 from ..joints import find_end
 from .cards import FUNCTION_KINDS, OF_TABLES
 
-if TYPE_CHECKING:
-    from typing import Any
-
-
 START = 0.0  # s, of every run
 
 
@@ -27,7 +23,7 @@ def build_functions(values: DeckValues, tables: dict, findings: Findings) -> Fun
     return Functions(_given(values, tables, findings), findings)
 
 
-def _given(values: "Any", tables: "Any", findings: "Any") -> Iterator[GivenFunction]:
+def _given(values: Any, tables: Any, findings: Any) -> Iterator[GivenFunction]:
     for record in values.section("function"):
         number, numbers = record.at("number"), record.numbers[2:]
         if number.value in tables:
@@ -40,11 +36,11 @@ def _given(values: "Any", tables: "Any", findings: "Any") -> Iterator[GivenFunct
             yield GivenFunction(record, number, FUNCTION_KINDS[record["kind"]], found, _places(numbers))
 
 
-def _places(numbers: "Any") -> "Any":
+def _places(numbers: Any) -> Any:
     return lambda k: numbers[min(k, len(numbers) - 1)].place
 
 
-def _points(record: "Any", numbers: "Any", tables: "Any", findings: "Any") -> "Any":
+def _points(record: Any, numbers: Any, tables: Any, findings: Any) -> Any:
     """Times and values that a function goes through, one after the other, on its card or of a table."""
     if len(numbers) > 1:
         return [item.value for item in numbers]
@@ -74,7 +70,7 @@ def build_elements(
         findings.error(output.subject, message, output.at("on").place, id="VSDF-102")
     reported = any(output["on"] == 1 for output in outputs)
 
-    def records(section: "Any") -> "Any":
+    def records(section: Any) -> Any:
         return list(_couplings(values)) if section == "coupling" else values.section(section)
 
     return elements_of(maker, records, JOINT_CARDS, reported=reported)  # type: ignore[arg-type]
@@ -83,11 +79,11 @@ def build_elements(
 class _Maker(JointMaker):
     """Makes elements of records; None where a fault was found."""
 
-    def __init__(self, bodies: "Any", ground: "Any", joints: "Any", functions: "Any", findings: "Any"):
+    def __init__(self, bodies: Any, ground: Any, joints: Any, functions: Any, findings: Any):
         super().__init__(joints, functions, findings, START)
         self.bodies, self.ground = bodies, ground
 
-    def ends(self, record: "Any") -> "Any":
+    def ends(self, record: Any) -> Any:
         """Bodies (-1: ground) and nodes of an element between two bodies."""
         a, b = (
             find_end(
@@ -111,7 +107,7 @@ class _Maker(JointMaker):
             self._refuse_turns(record, a, b)
         return {"i": a.body, "j": b.body, "P_i": a, "P_j": b}
 
-    def _refuse_turns(self, record: "Any", a: "Any", b: "Any") -> None:
+    def _refuse_turns(self, record: Any, a: Any, b: Any) -> None:
         """Nodes of a flexible body have no attitude."""
         flexible = [e.body for e in (a, b) if e.body != GROUND and self.bodies[e.body].flexible is not None]
         turning = [
@@ -125,7 +121,7 @@ class _Maker(JointMaker):
             self.findings.error(record.subject, message, turning[0].place, id="VSDF-104")
 
 
-def _couplings(values: "Any") -> Iterator[Record]:
+def _couplings(values: Any) -> Iterator[Record]:
     """The couplings as records of all their terms."""
     terms: dict[int, list[Record]] = {}
     for record in values.section("coupling_term"):
@@ -164,7 +160,7 @@ def moved_pins(
     return tuple(found)
 
 
-def _functions(record: "Any", pin: "Any", functions: "Any", findings: "Any") -> "Any":
+def _functions(record: Any, pin: Any, functions: Any, findings: Any) -> Any:
     for held, axis in zip(pin.directions, "xyz", strict=True):
         number = record.at(f"function.{axis}")
         if number.value and not held:

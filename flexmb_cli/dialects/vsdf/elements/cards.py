@@ -1,12 +1,8 @@
 """Cards of functions of time and of elements at joints and between nodes of a VSDF deck."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..card import Card, Column, vector_columns, whole_column
-
-if TYPE_CHECKING:
-    from typing import Any
-
 
 FUNCTION_KINDS = {
     "TABL": "table",
@@ -31,18 +27,18 @@ _ENDS = (
 )
 
 
-def _real(key: str, meaning: str, unit: str = "", default: "Any" = 0.0) -> "Any":
+def _real(key: str, meaning: str, unit: str = "", default: Any = 0.0) -> Any:
     return Column(key, meaning, unit, default=default)
 
 
-def _characteristics(force: "Any", stretch: "Any") -> "Any":
+def _characteristics(force: Any, stretch: Any) -> Any:
     return (
         whole_column("curve", f"function of {stretch} that adds to the {force}, 0: none"),
         whole_column("damper", f"function of the rate that adds to the {force}, 0: none"),
     )
 
 
-def _spring(word: "Any", section: "Any", coordinate: str, force: "Any", unit: str) -> "Any":
+def _spring(word: Any, section: Any, coordinate: str, force: Any, unit: str) -> Any:
     columns = (
         _JOINT,
         _real("stiffness", f"{force} per {coordinate}", f"{force}/{unit}"),
@@ -54,7 +50,7 @@ def _spring(word: "Any", section: "Any", coordinate: str, force: "Any", unit: st
     return Card(word, section, f"{section} {{}}", "list", columns)
 
 
-def _stop(word: "Any", section: "Any", coordinate: str, force: "Any", unit: str) -> "Any":
+def _stop(word: Any, section: Any, coordinate: str, force: Any, unit: str) -> Any:
     columns = (
         _JOINT,
         _real("lower", f"least {coordinate}", unit),

@@ -1,6 +1,6 @@
 """A rigid model as a VSDF deck, in free form, every number with all of its digits."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from ..joints import BY_WORD, SLIDING, TURNING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Any
 
 
 _WORDS = {kind.name: (word, kind) for word, kind in BY_WORD.items()}
@@ -42,7 +41,7 @@ def rigid_deck(model: RigidModel, title: str, units: str) -> str:
 class _Deck:
     """Collects nodes and tables while the cards are made."""
 
-    def __init__(self, model: "Any"):
+    def __init__(self, model: Any):
         self.model, self.refusals = model, Refusals()
         # Nodes on axes are as far from joints as joints from the origins of their bodies.
         points = [P for joint in model.joints for P in (joint.P_i, joint.P_j)]
@@ -51,7 +50,7 @@ class _Deck:
         self.tables: list[str] = []
         self.table_count = 0
 
-    def cards(self) -> "Any":
+    def cards(self) -> Any:
         """Words of cards and their records, in the order of the deck."""
         model, stepping = self.model, self.model.stepping
         bodies = [self._body(k) for k in range(len(model.bodies))]
@@ -79,11 +78,11 @@ class _Deck:
             *others,
         ]
 
-    def _parameter(self) -> "Any":
+    def _parameter(self) -> Any:
         stepping = self.model.stepping
         return stepping.radius if stepping.method == ALPHA else stepping.tolerance
 
-    def _body(self, k: int) -> "Any":
+    def _body(self, k: int) -> Any:
         body, J = self.model.bodies[k], self.model.bodies[k].inertia
         self._check_mass(body)
         moments = J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[1, 2], J[2, 0]
@@ -95,7 +94,7 @@ class _Deck:
             "VELO": _record(k + 1, *velocity) if any(velocity) else "",
         }
 
-    def _check_mass(self, body: "Any") -> None:
+    def _check_mass(self, body: Any) -> None:
         moments = np.linalg.eigvalsh(body.inertia)
         if not body.mass > 0:
             self.refusals.add(body, "a VSDF body needs a mass above zero")
@@ -109,14 +108,14 @@ class _Deck:
             message = "the largest principal moment of inertia exceeds the sum of the others: no VSDF body"
             self.refusals.add(body, message)
 
-    def _node(self, body: "Any", place: "Any") -> "Any":
+    def _node(self, body: Any, place: Any) -> Any:
         """Number of the node at a place of a body."""
         key = (body, *(float(x) + 0.0 for x in place))
         if key not in self.nodes:
             self.nodes[key] = 1 + sum(1 for other in self.nodes if other[0] == body)
         return self.nodes[key]
 
-    def _joint(self, number: int, joint: "Any") -> "Any":
+    def _joint(self, number: int, joint: Any) -> Any:
         word, kind = _WORDS[joint.kind]
         a, b = self._ends(joint)
         a, b = [*a[: kind.points_on("i")], "", "", ""], [*b[: kind.points_on("j")], "", "", ""]
@@ -126,7 +125,7 @@ class _Deck:
             *([joint.size] if kind.size else []),
         )  # fmt: skip
 
-    def _ends(self, joint: "Any") -> "Any":
+    def _ends(self, joint: Any) -> Any:
         """Nodes P, Q, H on both bodies, as many as there are directions."""
         (_, kind), model = _WORDS[joint.kind], self.model
         on_i, on_j = kind.points_on("i"), kind.points_on("j")
@@ -146,7 +145,7 @@ class _Deck:
             found.append([self._node(body, place) for place in places])
         return found
 
-    def _motions(self) -> "Any":
+    def _motions(self) -> Any:
         found = []
         turned = [item.body for item in self.model.drivers if item.direction > 3]
         for item in self.model.drivers:
@@ -161,7 +160,7 @@ class _Deck:
             for n, (item, word, target) in enumerate(found, start=1)
         ]  # fmt: skip
 
-    def _function(self, item: "Any") -> "Any":
+    def _function(self, item: Any) -> Any:
         function = simple(item.function)
         c = polynomial_of(function)
         if c is not None and len(c) <= 4:
@@ -174,12 +173,12 @@ class _Deck:
         self.refusals.add(item, message)
         return ("",)
 
-    def _table(self, points: "Any") -> "Any":
+    def _table(self, points: Any) -> Any:
         self.table_count += 1
         self.tables += [_record(self.table_count, float(t), float(v)) for t, v in points]
         return self.table_count
 
-    def _factor(self, function: "Any", item: "Any") -> "Any":
+    def _factor(self, function: Any, item: Any) -> Any:
         """A constant factor, and the number of a table."""
         value = value_of(function)
         if value is not None:
@@ -190,7 +189,7 @@ class _Deck:
             return 1.0, 0
         return 1.0, self._table(without_jumps(points))
 
-    def _forces(self) -> "Any":
+    def _forces(self) -> Any:
         found = []
         for item in self.model.forces:
             factor, table = self._factor(item.factor, item)
@@ -200,7 +199,7 @@ class _Deck:
         return found + [line for item in self.model.motors if item.coordinate != ANGLE
                         for line in self._motor(item)]  # fmt: skip
 
-    def _torques(self) -> "Any":
+    def _torques(self) -> Any:
         found = []
         for item in self.model.torques:
             factor, table = self._factor(item.factor, item)
@@ -209,7 +208,7 @@ class _Deck:
         return found + [line for item in self.model.motors if item.coordinate == ANGLE
                         for line in self._motor(item)]  # fmt: skip
 
-    def _motor(self, item: "Any") -> "Iterator[Any]":
+    def _motor(self, item: Any) -> "Iterator[Any]":
         """A pair of loads along the axis, which turns with both bodies."""
         joint = self.model.joints[item.joint]
         factor, table = self._factor(item.function, item)
@@ -220,13 +219,13 @@ class _Deck:
                 where = (body + 1,) if item.coordinate == ANGLE else (body + 1, self._node(body, P))
                 yield _record(*where, *along, 1, table)
 
-    def _spring(self, number: int, item: "Any") -> "Any":
+    def _spring(self, number: int, item: Any) -> Any:
         if item.stiffness < 0 or item.damping < 0 or item.free_length < 0:
             self.refusals.add(item, "VSDF springs have no negative stiffness, damping or length at rest")
         ends = (item.i + 1, self._node(item.i, item.P_i), item.j + 1, self._node(item.j, item.P_j))
         return _record(number, *ends, item.stiffness, item.damping, item.free_length)
 
-    def _joint_spring(self, item: "Any") -> "Any":
+    def _joint_spring(self, item: Any) -> Any:
         kind = self.model.joints[item.joint].kind
         known = kind in TURNING if item.coordinate == ANGLE else kind in SLIDING and kind not in TURNING
         if not known:
@@ -236,12 +235,12 @@ class _Deck:
         return _record(item.joint + 1, item.stiffness, item.damping, item.rest)
 
 
-def _record(*values: "Any") -> "Any":
+def _record(*values: Any) -> Any:
     """A card in free form; the blank in front keeps a word from being read as a keyword."""
     return "    " + ",".join(_text(value) for value in values)
 
 
-def _text(value: "Any") -> "Any":
+def _text(value: Any) -> Any:
     if isinstance(value, str | int):
         return str(value)
     # 0.0 and no negative zero; all digits of a double.

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,10 +32,6 @@ from ....model.mechanism import Point
 from ....model.vectors import rotation_matrix
 from ....quick_dataclass import replace
 
-if TYPE_CHECKING:
-    pass
-
-
 _DIRECTIONS = {word: n for n, word in enumerate(("TRAX", "TRAY", "TRAZ", "ROTX", "ROTY", "ROTZ"), start=1)}
 _COORDINATES = {"ANGL": ANGLE, "STRK": STROKE}
 _METHODS = {"GALF": ALPHA, "RAD5": RADAU}
@@ -57,7 +53,7 @@ def rigid_model(
     return found
 
 
-def _raise(refusals: "Any") -> None:
+def _raise(refusals: Any) -> None:
     faults = [Fault("error", message, place, name, id="VSDF-151") for message, place, name in refusals.items]
     if faults:
         raise ModelError(faults)
@@ -66,13 +62,13 @@ def _raise(refusals: "Any") -> None:
 class _Conversion:
     """Collects the parts of the model."""
 
-    def __init__(self, mechanism: Any, start: int, refusals: "Any"):
+    def __init__(self, mechanism: Any, start: int, refusals: Any):
         self.deck, self.start, self.refusals = mechanism, start, refusals
         ground = np.zeros(3), np.eye(3)
         self.first = [(body.r, rotation_matrix(body.p)) for body in mechanism.bodies] + [ground]
         self.now = [(r, rotation_matrix(p)) for r, p in zip(start.r, start.p, strict=True)] + [ground]  # type: ignore[attr-defined]
 
-    def model(self) -> "Any":
+    def model(self) -> Any:
         deck, integrator = self.deck, self.deck.integrator
         method = _METHODS.get(integrator.method, EXPLICIT)
         stepping = Stepping(method, _TOLERANCE if method == ALPHA else integrator.parameter, integrator.step,
@@ -116,14 +112,14 @@ class _Conversion:
             stepping,
         )  # fmt: skip
 
-    def _body(self, k: int) -> "Any":
+    def _body(self, k: int) -> Any:
         body, start = self.deck.bodies[k], self.start
         c = body.s0 / body.m
         inertia = body.J0 - body.m * (c @ c * np.eye(3) - np.outer(c, c))
         motion = start.r[k], start.p[k], start.v[k], start.omega[k]  # type: ignore[attr-defined]
         return RigidBody(body.name, *motion, body.m, c, inertia, body.place)
 
-    def _joint(self, joint: "Any") -> "Any":
+    def _joint(self, joint: Any) -> Any:
         i, j = joint.a[0].body, joint.b[0].body
         P_i, P_j = joint.a[0].r0, joint.b[0].r0
         s_i, s_j = (ends[1].r0 - ends[0].r0 if len(ends) > 1 else np.zeros(3) for ends in (joint.a, joint.b))
@@ -133,14 +129,14 @@ class _Conversion:
         ends = vector(P_i), vector(P_j), vector(s_i), vector(s_j)
         return RigidJoint(joint.name, joint.kind, i, j, *ends, size, joint.place)
 
-    def _in_plane(self, i: "Any", j: "Any", P_i: "Any", P_j: "Any", s_i: "Any", size: "Any") -> "Any":
+    def _in_plane(self, i: Any, j: Any, P_i: Any, P_j: Any, s_i: Any, size: Any) -> Any:
         """Return the point of the axis in the plane of P_j, which VSDF keeps beside P_i, and its distance."""
         s = s_i / np.linalg.norm(s_i)
         (r_i, A_i), (r_j, A_j) = self.now[i], self.now[j]
         beside = (r_j + A_j @ P_j - r_i - A_i @ P_i) @ (A_i @ s)
         return P_i + beside * s, math.sqrt(size * size - beside * beside)
 
-    def _pins(self) -> "Any":
+    def _pins(self) -> Any:
         """Joints with the ground, and held coordinates of origins."""
         joints, held = [], []
         for pin in self.deck.pins:
@@ -159,13 +155,13 @@ class _Conversion:
                 ]
         return joints, held
 
-    def _refuse_several_turns(self, drivers: "Any") -> None:
+    def _refuse_several_turns(self, drivers: Any) -> None:
         turned = [item.target for item in drivers if _DIRECTIONS[item.kind] > 3]
         for item in drivers:
             if _DIRECTIONS[item.kind] > 3 and turned.count(item.target) > 1:
                 self.refusals.add(item, "several rotations of one body (ROTX, ROTY, ROTZ) are not converted")
 
-    def _joint_spring(self, item: "Any") -> "Any":
+    def _joint_spring(self, item: Any) -> Any:
         joint = self.deck.joints[item.joint]
         coordinate = STROKE if joint.kind == "translational" else ANGLE
         i, j = joint.a[0].body, joint.b[0].body
@@ -178,10 +174,10 @@ class _Conversion:
         return CoordinateSpring(item.name, item.joint, coordinate, item.k, item.q0 - q, item.c, item.place)
 
 
-def _from_zero(function: Any) -> "Any":
+def _from_zero(function: Any) -> Any:
     return moved(function, 0.0, function.at(0.0)[0])
 
 
-def _body_driver(motion: "Any") -> "Any":
+def _body_driver(motion: Any) -> Any:
     direction = _DIRECTIONS[motion.kind]
     return BodyDriver(motion.name, motion.target, direction, motion.function, motion.place)
