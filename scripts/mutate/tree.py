@@ -59,7 +59,7 @@ def kernel_files(tree: Path) -> list[Path]:
 
 
 def _holds_kernels(path):
-    return any(is_kernel(node) for node in ast.parse(path.read_bytes()).body)
+    return any(map(is_kernel, ast.walk(ast.parse(path.read_bytes()))))
 
 
 def read_map(folder: Path) -> list[dict]:
