@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 MOST_EQUATIONS_INTERPRETED = 150  # equations
 FAR_STEPS = 100  # report steps to the time of a Jacobian
 RANK_LIMIT = 2500  # equations; a singular value decomposition of more takes minutes
-MOST_COORDINATES_ASSEMBLED = 20_000  # coordinates, which take a second or two
+MOST_ASSEMBLED = 20_000  # coordinates, which take a second or two
 
 
 def check(report: CheckReport, mechanism: Mechanism, run: Run, jacobian: str | None) -> None:
@@ -34,10 +34,9 @@ def _diagnose(report: CheckReport, mechanism: Mechanism, jacobian: str | None) -
     from ...solvers.compilation import interpreting
 
     equations = 7 * len(mechanism.bodies)
-    if equations > MOST_COORDINATES_ASSEMBLED:
+    if equations > MOST_ASSEMBLED:
         report.counts = parts_of(mechanism) | {"coordinates": equations}
-        most = f"the {MOST_COORDINATES_ASSEMBLED} that check assembles"
-        message = f"{equations} coordinates are more than {most}; run does"
+        message = f"{equations} coordinates are more than the {MOST_ASSEMBLED} that check assembles; run does"
         report.outcome.faults.append(Fault("note", message, id="RUN-002"))
         return
     with interpreting(equations <= MOST_EQUATIONS_INTERPRETED and not _is_far(mechanism.time, jacobian)):
