@@ -166,9 +166,16 @@ def test_no_file_has_a_name_that_says_nothing():
 
 
 def test_no_folder_is_crowded():
-    tests = sorted((PACKAGE.parent / "tests").rglob("*.py"))
-    folders = {path.parent for path in (*MODULES, *tests)}
-    assert not [folder for folder in folders if len(list(folder.glob("*.py"))) > MOST_FILES]
+    """Folders of a build, of caches and of editors are none of the project's."""
+    made = ("_build", "__pycache__")
+    crowded = [
+        f"{path.relative_to(PACKAGE.parent)} has {len(files)} files"
+        for top in ("flexmb_cli", "tests", "scripts", "docs", "decks")
+        for path in (PACKAGE.parent / top, *(PACKAGE.parent / top).rglob("*/"))
+        if not any(part.startswith(".") or part in made for part in path.parts[len(PACKAGE.parent.parts) :])
+        and len(files := [file for file in path.iterdir() if file.is_file()]) > MOST_FILES
+    ]
+    assert not crowded
 
 
 @pytest.mark.processes
